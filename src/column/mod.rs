@@ -1,0 +1,8 @@
+//! THE MECHANICS.
+mod properties;
+mod report;
+mod sample;
+
+pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
+pub use report::{End, HingeReport, Outcome, Report};
+pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};

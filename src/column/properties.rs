@@ -1,0 +1,94 @@
+//! What an engineer says of a column: numbers in SI units, before any mechanics is derived from them.
+
+use serde::{Deserialize, Serialize};
+
+/// A column, its supports, what stands on it, and how it is to be stepped. SI units throughout.
+///
+/// Plain data; [`Model::new`](super::Model::new) checks it and derives everything that stays constant
+/// while the column is stepped.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ColumnProperties {
+    /// `L_a`: height of the impact point above the base \[m\].
+    pub length_below: f64,
+    /// `L_b`: from the impact point to the top \[m\].
+    pub length_above: f64,
+    /// `EA`: axial rigidity of the section \[N\].
+    pub axial_rigidity: f64,
+    /// `EI`: bending stiffness of the section about the axis it is bent about \[N m²\].
+    pub bending_stiffness: f64,
+    /// `m_l`: mass per length \[kg/m\].
+    pub mass_per_length: f64,
+    /// `M^p`: plastic moment without normal force \[N m\].
+    pub resistance_moment: f64,
+    /// `N^p`: squash load \[N\].
+    pub resistance_axial: f64,
+    /// Shape of the yield surface of all four hinges (Eq 28).
+    pub yield_surface: YieldExponents,
+    /// How the moments of a bar's two hinges depend on their rotations.
+    pub elastic_law: ElasticLaw,
+    /// Rotational support of the foot (hinge 3).
+    pub base: Support,
+    /// Rotational support of the head (hinge 2).
+    pub top: Support,
+    /// Rotational stiffness of the hinges 1a, 1b, 2, 3 given directly \[N m/rad\]; `None` follows from the
+    /// supports. Only with [`ElasticLaw::Uncoupled`].
+    pub hinge_stiffness: [Option<f64>; 4],
+    /// `k_s`: stiffness of the vertical spring at the top \[N/m\], >= 0.
+    pub top_spring_stiffness: f64,
+    /// `m_2`: mass at the top \[kg\], >= 0; 0 makes `u2` an algebraic unknown.
+    pub top_mass: f64,
+    /// `P`: constant compressive load on the top \[N\], >= 0.
+    pub top_load: f64,
+    /// Fraction of critical damping of every elastic mode about the undeformed column, >= 0; the paper has 0.
+    pub damping_ratio: f64,
+    /// Time-stepping scheme.
+    pub scheme: Scheme,
+    /// Length of a time step \[ns\].
+    pub step_nanos: u64,
+}
+
+/// Exponents of the generalised superellipse `(|M/M^p|^alpha + |N/N^p|^beta)^(1/gamma) - 1` (Eq 28).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct YieldExponents {
+    /// Of the moment, >= 1.
+    pub alpha: f64,
+    /// Of the normal force, >= 1.
+    pub beta: f64,
+    /// Of the sum, > 0; scales the plastic multiplier only, not the surface.
+    pub gamma: f64,
+}
+
+/// Elastic law of a bar's two hinges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticLaw {
+    /// Independent rotational springs, exact for a rotation of the chord (Eqs 47-48).
+    Uncoupled,
+    /// The elastic beam, exact for any rotations: `M = EI/L [[4, 2], [2, 4]] theta`.
+    Coupled,
+}
+
+/// Rotational support of one end of the column.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Support {
+    /// No rotation.
+    BuiltIn,
+    /// No moment.
+    Pinned,
+    /// A rotational spring in series with the bar's end.
+    SemiRigid {
+        /// \[N m/rad\], > 0.
+        stiffness: f64,
+    },
+}
+
+/// Time-stepping scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// The paper's midpoint rule as printed (Eqs 40, 44-46).
+    Midpoint,
+    /// Its energy-conserving sibling: discrete gradient, mean stresses, impacts as events.
+    Energy,
+}

@@ -1,0 +1,103 @@
+//! The outcome of one impact.
+
+use serde::{Deserialize, Serialize};
+
+use super::sample::HINGES;
+
+/// How a response ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// No hinge has flowed.
+    Elastic,
+    /// Some hinge has flowed and the column stands.
+    Plastic,
+    /// The column has lost its shape or its equilibrium.
+    Collapsed,
+}
+
+/// Why a response ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The impactor has left or rests, and no hinge has flowed during one period of the slowest mode.
+    AtRest,
+    /// The longest allowed response has passed.
+    DurationReached,
+    /// The column has collapsed.
+    Collapsed,
+}
+
+/// The outcome of one impact. Times are counted from the event \[s\]; what did not happen is `None`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Elastic, plastic or collapsed.
+    pub outcome: Outcome,
+    /// Why the response ended.
+    pub end: End,
+    /// When it ended \[s\].
+    pub end_time: f64,
+    /// Largest `v1` \[m\].
+    pub max_v1: f64,
+    /// When \[s\].
+    pub max_v1_time: f64,
+    /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed.
+    pub residual_v1: Option<f64>,
+    /// Largest `u2` \[m\].
+    pub max_u2: f64,
+    /// `u2` of the residual equilibrium \[m\]; `None` if collapsed.
+    pub residual_u2: Option<f64>,
+    /// First touch \[s\].
+    pub first_contact_time: Option<f64>,
+    /// Last parting \[s\].
+    pub release_time: Option<f64>,
+    /// From first touch to last parting, or to the end \[s\].
+    pub contact_duration: f64,
+    /// Velocity of the impactor at the end \[m/s\]; negative: thrown back.
+    pub impactor_velocity: f64,
+    /// Largest smooth contact force \[N\].
+    pub peak_contact_force: f64,
+    /// When \[s\].
+    pub peak_contact_force_time: Option<f64>,
+    /// Number of percussions.
+    pub percussions: u32,
+    /// Impulse of the percussions alone \[N s\].
+    pub percussion_impulse: f64,
+    /// Impulse of percussions and contact force \[N s\].
+    pub impulse: f64,
+    /// Energy that the impactor brought \[J\].
+    pub input_energy: f64,
+    /// Kinetic energy at the end: of the column \[J\].
+    pub column_kinetic_energy: f64,
+    /// Kinetic energy at the end: of the impactor \[J\].
+    pub impactor_kinetic_energy: f64,
+    /// Elastic energy at the end less that at the start \[J\].
+    pub elastic_energy_change: f64,
+    /// Work dissipated in the hinges \[J\].
+    pub plastic_work: f64,
+    /// Energy lost in percussions \[J\].
+    pub impact_loss: f64,
+    /// Work of the damping \[J\].
+    pub damping_work: f64,
+    /// Work of the load since the start, `P (u2 - u2 at the start)` \[J\].
+    pub load_work: f64,
+    /// Largest ledger residual of all steps, relative to the input energy.
+    pub ledger_residual: f64,
+    /// Time steps taken.
+    pub steps: u64,
+    /// The hinges.
+    pub hinges: [HingeReport; HINGES],
+}
+
+/// What one hinge went through.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct HingeReport {
+    /// First plastic flow during this response \[s\].
+    pub first_yield: Option<f64>,
+    /// Largest utilisation, `Phi + 1`.
+    pub max_utilisation: f64,
+    /// Plastic rotation at the end \[rad\].
+    pub plastic_rotation: f64,
+    /// Plastic elongation at the end \[m\].
+    pub plastic_elongation: f64,
+}

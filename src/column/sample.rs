@@ -1,0 +1,110 @@
+//! What can be seen of the column at one instant: the row of a history, the content of a message.
+
+use serde::{Deserialize, Serialize};
+
+/// Number of generalised hinges; every array over hinges is in the order of [`HINGE_NAMES`].
+pub const HINGES: usize = 4;
+
+/// Names of the hinges: below and above the impact point, top, base.
+pub const HINGE_NAMES: [&str; HINGES] = ["1a", "1b", "2", "3"];
+
+/// State of one hinge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HingeState {
+    /// Has never flowed.
+    #[default]
+    Elastic,
+    /// Flows.
+    Plastic,
+    /// Has flowed and is elastic again.
+    Unloaded,
+}
+
+/// Where the column is in the course of one impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// No impactor.
+    #[default]
+    Idle,
+    /// The impactor has not touched the column yet.
+    Approach,
+    /// Impactor and column move together.
+    Contact,
+    /// They have parted.
+    Free,
+}
+
+/// Everything that can be seen of the column at one instant. SI units; `v` is positive in the impactor's
+/// direction of travel, `u` positive downwards, `N` positive in tension.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Sample {
+    /// Since the event \[s\].
+    pub time: f64,
+    /// Course of the impact.
+    pub phase: Phase,
+    /// Transverse displacement of the impact point \[m\].
+    pub v1: f64,
+    /// Axial displacement of the impact point, down \[m\].
+    pub u1: f64,
+    /// Rotation of the impact point \[rad\].
+    pub beta1: f64,
+    /// Axial displacement of the top, down \[m\].
+    pub u2: f64,
+    /// Rate of `v1` \[m/s\].
+    pub v1_rate: f64,
+    /// Rate of `u1` \[m/s\].
+    pub u1_rate: f64,
+    /// Rate of `u2` \[m/s\].
+    pub u2_rate: f64,
+    /// `v_c`: position of the impactor on the axis of `v1` \[m\]; 0 without an impactor.
+    pub impactor_position: f64,
+    /// Velocity of the impactor \[m/s\].
+    pub impactor_velocity: f64,
+    /// `v1 - v_c` >= 0: distance between the two \[m\].
+    pub gap: f64,
+    /// Smooth contact force \[N\], >= 0.
+    pub contact_force: f64,
+    /// Percussion since the sample before, >= 0 \[N s\].
+    pub percussion: f64,
+    /// Impulse since the event, percussions included \[N s\].
+    pub impulse: f64,
+    /// Kinetic energy of column and impactor \[J\].
+    pub kinetic_energy: f64,
+    /// Elastic energy of hinges and top spring \[J\].
+    pub elastic_energy: f64,
+    /// Work dissipated in the hinges \[J\].
+    pub plastic_work: f64,
+    /// Energy lost in percussions \[J\].
+    pub impact_loss: f64,
+    /// Work of the damping \[J\].
+    pub damping_work: f64,
+    /// `P u2`, work of the load \[J\].
+    pub load_work: f64,
+    /// What the ledger fails to close by \[J\].
+    pub ledger_residual: f64,
+    /// The hinges.
+    pub hinges: [HingeSample; HINGES],
+}
+
+/// One hinge at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct HingeSample {
+    /// Bending moment \[N m\].
+    pub moment: f64,
+    /// Normal force \[N\], tension positive.
+    pub normal_force: f64,
+    /// Rotation \[rad\].
+    pub rotation: f64,
+    /// Elongation \[m\].
+    pub elongation: f64,
+    /// Plastic rotation \[rad\].
+    pub plastic_rotation: f64,
+    /// Plastic elongation \[m\].
+    pub plastic_elongation: f64,
+    /// `Phi + 1`: 0 unloaded, 1 on the yield surface.
+    pub utilisation: f64,
+    /// Elastic, plastic or unloaded.
+    pub state: HingeState,
+}

@@ -1,0 +1,2 @@
+//! Digital twin of a steel column hit by a vehicle.
+pub mod column;
