@@ -1,8 +1,36 @@
 //! THE MECHANICS.
+mod assembly;
+mod bar;
+mod contact;
+mod energy;
+mod geometry;
+mod ledger;
+mod midpoint;
+mod model;
+mod motion;
+mod newton;
 mod properties;
 mod report;
+mod response;
 mod sample;
+mod state;
+mod statics;
+mod stepping;
+mod yield_surface;
 
+pub use assembly::PerBar;
+pub use bar::{Bar, BarForces, PlasticFlow};
+pub use contact::{Impact, ImpactError, Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use energy::MAX_EVENTS_PER_STEP;
+pub use geometry::Displacement;
+pub use ledger::{Energies, Ledger, energies};
+pub use model::{Model, ModelError, RestState};
+pub use motion::{Collapse, LEAST_EXTENT, LENGTH_RANGE, MOST_SHORTENING, StepError};
 pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
 pub use report::{End, HingeReport, Outcome, Report};
+pub use response::{Progress, Response, SimulationError, simulate};
 pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};
+pub use state::{State, Velocity};
+pub use statics::residual_state;
+pub use stepping::{MAX_HALVINGS, MAX_PARTS, step};
+pub use yield_surface::YieldSurface;
