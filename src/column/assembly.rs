@@ -29,12 +29,17 @@ pub(crate) fn chords(model: &Model, u: &Displacement) -> PerBar<Chord> {
     }
 }
 
+/// Total deformation of a bar whose hinge at the impact point turns by `turn` besides its chord.
+pub(crate) fn strain(chord: &Chord, turn: f64) -> BarStrain {
+    let angle = chord.angle();
+    BarStrain {
+        elongation: chord.elongation,
+        rotation: [angle + turn, angle],
+    }
+}
+
 /// Total deformations (Eqs 3-8): `theta_1a = theta_3 - beta1`, `theta_1b = theta_2 + beta1`.
 pub(crate) fn strains(chords: &PerBar<Chord>, beta1: f64) -> PerBar<BarStrain> {
-    let strain = |chord: &Chord, turn: f64| BarStrain {
-        elongation: chord.elongation,
-        rotation: [chord.angle + turn, chord.angle],
-    };
     PerBar {
         below: strain(&chords.below, -beta1),
         above: strain(&chords.above, beta1),
@@ -103,24 +108,30 @@ pub(crate) fn internal_forces(
     )
 }
 
-/// Derivative of the internal forces: `B^T D B` with `left` for the gradient that weighs the forces and `right` for
-/// the one at the point where the tangents hold, plus the geometric part of `forces` at the chords `right`.
-pub(crate) fn stiffness(
-    model: &Model,
-    left: &PerBar<Chord>,
-    right: &PerBar<Chord>,
-    forces: &PerBar<BarForces>,
-    tangents: &Tangents,
-) -> Matrix4<f64> {
-    let gradients = |chords: &PerBar<Chord>| PerBar {
+/// Gradients at both chords (Eq 10).
+pub(crate) fn gradients(chords: &PerBar<Chord>) -> PerBar<ChordGradient> {
+    PerBar {
         below: chords.below.gradient(),
         above: chords.above.gradient(),
-    };
-    stiffness_with(model, &gradients(left), right, forces, tangents)
+    }
 }
 
-/// [`stiffness`] with the weighing gradient given.
-pub(crate) fn stiffness_with(
+/// Derivative of the internal forces with the elastic law.
+pub(crate) fn elastic_stiffness(
+    model: &Model,
+    chords: &PerBar<Chord>,
+    forces: &PerBar<BarForces>,
+) -> Matrix4<f64> {
+    let tangents = Tangents {
+        below: model.below.elastic_tangent(),
+        above: model.above.elastic_tangent(),
+    };
+    stiffness(model, &gradients(chords), chords, forces, &tangents)
+}
+
+/// Derivative of the internal forces: `B^T D B` with `left` for the gradients that weigh the forces, at the chords
+/// where the tangents hold, plus the geometric part of `forces` there.
+pub(crate) fn stiffness(
     model: &Model,
     left: &PerBar<ChordGradient>,
     right: &PerBar<Chord>,
@@ -150,8 +161,8 @@ pub(crate) fn stiffness_with(
     k
 }
 
-/// Stiffness of one bar against `x, v, beta1`; `turn` is the sign of `beta1` in its rotation at the impact point.
-fn bar_stiffness(
+/// Stiffness of one bar against `x`, `v`, `beta1`; `turn` is the sign of `beta1` in its rotation at the impact point.
+pub(crate) fn bar_stiffness(
     left: &ChordGradient,
     right: &Chord,
     forces: &BarForces,

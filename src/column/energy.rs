@@ -47,6 +47,8 @@ struct Conserving<'a> {
     from: &'a State,
     start: PerBar<Chord>,
     motion: Motion,
+    /// Expected normal forces \[N\].
+    near: PerBar<f64>,
 }
 
 /// What was evaluated at `n + 1`.
@@ -67,8 +69,8 @@ impl Stage for Conserving<'_> {
         let elastic = assembly::elastic_strains(&chords, &end, &from.plastic);
         let back = |bar: &Bar, strain, near| bar.return_stress(bar.elastic(strain), near);
         let returned = PerBar {
-            below: back(&model.below, &elastic.below, from.forces.below.normal),
-            above: back(&model.above, &elastic.above, from.forces.above.normal),
+            below: back(&model.below, &elastic.below, self.near.below),
+            above: back(&model.above, &elastic.above, self.near.above),
         };
         let gradients = PerBar {
             below: self.start.below.discrete_gradient(&chords.below),
@@ -97,7 +99,7 @@ impl Stage for Conserving<'_> {
             above: model.above.tangent(&point.returned.above),
         };
         // The discrete gradient's own derivative is half the curvature of the chord, but for O(dt).
-        let k = assembly::stiffness_with(
+        let k = assembly::stiffness(
             model,
             &point.gradients,
             &point.chords,
@@ -208,7 +210,8 @@ fn open_part(
 fn strike(model: &Model, mut state: State, offset_secs: f64, secs: f64, events: &mut Events) -> Part {
     events.count += 1;
     state.strike(model, offset_secs + secs, !events.exhausted());
-    state.contact_force = contact_force(model, &state).max(0.0);
+    let chords = assembly::chords(model, &state.displacement);
+    state.contact_force = contact_force(model, &state, &chords).max(0.0);
     Part { state, secs }
 }
 
@@ -264,9 +267,11 @@ fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<S
         from,
         start: assembly::chords(model, &from.displacement),
         motion,
+        near: from.predictor.normal(&from.forces),
     };
     let solved = newton::solve(&stage, from.predictor.increment(&from.velocity, secs))?;
     let mut state = *from;
+    state.corrections += u64::from(solved.corrections);
     let PerBar { below, above } = solved.point.returned;
     state.plastic.below = state.plastic.below.plus(1.0, &below.flow);
     state.plastic.above = state.plastic.above.plus(1.0, &above.flow);
@@ -283,14 +288,16 @@ fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<S
     state.ledger.damping_work += motion.damping_work(&solved.increment);
     state.displacement = from.displacement.plus(1.0, solved.increment);
     state.velocity = motion.end_velocity(model, &solved.increment);
-    state.predictor.learn(&solved.increment, secs);
+    state
+        .predictor
+        .learn(&solved.increment, secs, state.displacement, &state.forces);
     if let Some(impactor) = &mut state.impactor {
         if impactor.closed {
             let before = impactor.velocity;
             impactor.velocity = state.velocity.v1;
             impactor.position = state.displacement.v1;
             state.impulse += impactor.impact.mass * (before - impactor.velocity);
-            state.contact_force = contact_force(model, &state);
+            state.contact_force = contact_force(model, &state, &solved.point.chords);
         } else {
             impactor.position = impactor.position_in_flight(model, from.step, offset_secs + secs);
             state.contact_force = 0.0;
@@ -301,15 +308,11 @@ fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<S
 
 /// Smooth contact force of a state in persistent contact \[N\]: both masses share the acceleration that the column's
 /// force gives them. Negative: they would part.
-fn contact_force(model: &Model, state: &State) -> f64 {
+fn contact_force(model: &Model, state: &State, chords: &PerBar<Chord>) -> f64 {
     let Some(impactor) = state.impactor.filter(|i| i.closed) else {
         return 0.0;
     };
-    let chords = assembly::chords(model, &state.displacement);
-    let gradients = PerBar {
-        below: chords.below.gradient(),
-        above: chords.above.gradient(),
-    };
+    let gradients = assembly::gradients(chords);
     let internal =
         assembly::internal_forces(model, &gradients, &state.forces, state.displacement.u2);
     let resisting = internal[0] + model.damping_transverse * state.velocity.v1;

@@ -61,8 +61,6 @@ pub(crate) struct Chord {
     pub length: f64,
     /// Elongation, `delta_a` or `delta_b` (Eqs 7-8) \[m\].
     pub elongation: f64,
-    /// Angle to the undeformed column, `theta_3` or `theta_2` (Eqs 3-4) \[rad\].
-    pub angle: f64,
 }
 
 /// Derivatives of a chord's length and angle with respect to `x` and `v`; what Eq 10 assembles `B` from.
@@ -88,7 +86,15 @@ impl Chord {
             v,
             length: deformed,
             elongation,
-            angle: v.atan2(x),
+        }
+    }
+
+    /// Angle to the undeformed column, `theta_3` or `theta_2` (Eqs 3-4) \[rad\].
+    pub fn angle(&self) -> f64 {
+        if self.x > 0.0 {
+            (self.v / self.x).atan()
+        } else {
+            self.v.atan2(self.x)
         }
     }
 
@@ -107,12 +113,14 @@ impl Chord {
     /// difference of their lengths and angles exactly.
     ///
     /// `Delta l = 2 r_m . Delta r / (l_n + l_{n+1})` and
-    /// `Delta theta = (Delta theta / sin Delta theta) (r_m x Delta r) / (l_n l_{n+1})`, `r_m` the mean chord.
+    /// `Delta theta = (Delta theta / sin Delta theta) (r_m x Delta r) / (l_n l_{n+1})`, `r_m` the mean chord, for turns
+    /// of less than a right angle.
     pub fn discrete_gradient(&self, next: &Self) -> ChordGradient {
         let (x, v) = (0.5 * (self.x + next.x), 0.5 * (self.v + next.v));
         let per_length = 2.0 / (self.length + next.length);
-        let turn = next.angle - self.angle;
-        let per_area = angle_over_sine(turn) / (self.length * next.length);
+        let area = self.length * next.length;
+        let sine = (self.x * next.v - self.v * next.x) / area;
+        let per_area = angle_over_sine(sine) / area;
         ChordGradient {
             length_x: x * per_length,
             length_v: v * per_length,
@@ -135,14 +143,14 @@ impl Chord {
     }
 }
 
-/// `x / sin x`, accurate at 0.
-fn angle_over_sine(x: f64) -> f64 {
-    let square = x * x;
+/// `asin(s) / s`, accurate at 0.
+fn angle_over_sine(sine: f64) -> f64 {
+    let square = sine * sine;
     if square < 1e-4 {
-        // Taylor series; the first term left out is below 3e-18.
-        1.0 + square * (1.0 / 6.0 + square * (7.0 / 360.0 + square * (31.0 / 15120.0)))
+        // Taylor series; the first term left out is below 4e-18.
+        1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0)))
     } else {
-        x / x.sin()
+        sine.asin() / sine
     }
 }
 
@@ -155,7 +163,7 @@ mod tests {
         let (length, u, v) = (3.0_f64, 0.02, 0.31);
         let chord = Chord::new(length, u, v);
         assert!((chord.elongation - ((v * v + (length - u).powi(2)).sqrt() - length)).abs() < 1e-15);
-        assert!((chord.angle - (v / (length - u)).atan()).abs() < 1e-16);
+        assert!((chord.angle() - (v / (length - u)).atan()).abs() < 1e-16);
     }
 
     #[test]
@@ -177,7 +185,7 @@ mod tests {
             ]
         };
         let [length_x, length_v] = difference(|c| c.elongation);
-        let [angle_x, angle_v] = difference(|c| c.angle);
+        let [angle_x, angle_v] = difference(Chord::angle);
         for (exact, numeric) in [
             (gradient.length_x, length_x),
             (gradient.length_v, length_v),
@@ -218,7 +226,7 @@ mod tests {
             let g = a.discrete_gradient(&b);
             let (dx, dv) = (b.x - a.x, b.v - a.v);
             assert!((g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15);
-            assert!((g.angle_x * dx + g.angle_v * dv - (b.angle - a.angle)).abs() < 1e-15);
+            assert!((g.angle_x * dx + g.angle_v * dv - (b.angle() - a.angle())).abs() < 1e-15);
         }
     }
 }

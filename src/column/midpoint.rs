@@ -25,6 +25,8 @@ struct Midpoint<'a> {
     model: &'a Model,
     from: &'a State,
     motion: Motion,
+    /// Expected normal forces \[N\].
+    near: PerBar<f64>,
 }
 
 /// What was evaluated at `n + 1/2`.
@@ -43,13 +45,10 @@ impl Stage for Midpoint<'_> {
         let elastic = assembly::elastic_strains(&chords, &middle, &self.from.plastic);
         let back = |bar: &Bar, strain, near| bar.return_stress(bar.elastic(strain), near);
         let returned = PerBar {
-            below: back(&model.below, &elastic.below, self.from.forces.below.normal),
-            above: back(&model.above, &elastic.above, self.from.forces.above.normal),
+            below: back(&model.below, &elastic.below, self.near.below),
+            above: back(&model.above, &elastic.above, self.near.above),
         };
-        let gradients = PerBar {
-            below: chords.below.gradient(),
-            above: chords.above.gradient(),
-        };
+        let gradients = assembly::gradients(&chords);
         let forces = forces_of(&returned);
         let internal = assembly::internal_forces(model, &gradients, &forces, middle.u2);
         let residual = self.motion.residual(increment) + internal;
@@ -63,7 +62,13 @@ impl Stage for Midpoint<'_> {
             above: model.above.tangent(&point.returned.above),
         };
         let forces = forces_of(&point.returned);
-        let k = assembly::stiffness(model, &point.chords, &point.chords, &forces, &tangents);
+        let k = assembly::stiffness(
+            model,
+            &assembly::gradients(&point.chords),
+            &point.chords,
+            &forces,
+            &tangents,
+        );
         self.motion.jacobian() + k * 0.5
     }
 
@@ -182,9 +187,11 @@ fn advance(
         model,
         from,
         motion,
+        near: from.predictor.normal(&from.forces),
     };
-    let solved = newton::solve(&stage, from.predictor.increment(&from.velocity, secs))?;
+    let solved = newton::solve(&stage, first_guess(model, from, secs))?;
     let mut state = *from;
+    state.corrections += u64::from(solved.corrections);
     let PerBar { below, above } = solved.point.returned;
     // Plastic strains are extrapolated from n + 1/2 to n + 1.
     state.plastic.below = state.plastic.below.plus(2.0, &below.flow);
@@ -197,13 +204,26 @@ fn advance(
         2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
     state.ledger.damping_work += motion.damping_work(&solved.increment);
     state.velocity = motion.end_velocity(model, &solved.increment);
-    state.predictor.learn(&solved.increment, secs);
+    let middle = from.displacement.plus(0.5, solved.increment);
+    let forces = forces_of(&solved.point.returned);
+    state
+        .predictor
+        .learn(&solved.increment, secs, middle, &forces);
     // beta1 and a massless u2 are collocated at n + 1/2; extrapolated they would ring for ever, so at n + 1 they are
     // solved for.
     let end = from.displacement.plus(1.0, solved.increment);
-    state.displacement = statics::settle_massless(model, end, &state.plastic)?;
-    let chords = assembly::chords(model, &state.displacement);
-    state.forces =
-        assembly::elastic_forces(model, &chords, &state.displacement, &state.plastic);
+    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)?;
     Some(state)
+}
+
+/// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`.
+fn first_guess(model: &Model, from: &State, secs: f64) -> Displacement {
+    let mut guess = from.predictor.increment(&from.velocity, secs);
+    if let Some(middle) = from.predictor.stage() {
+        guess.beta1 = 2.0 * (middle.beta1 - from.displacement.beta1);
+        if model.top_is_massless() {
+            guess.u2 = 2.0 * (middle.u2 - from.displacement.u2);
+        }
+    }
+    guess
 }

@@ -7,6 +7,7 @@ mod geometry;
 mod ledger;
 mod midpoint;
 mod model;
+mod modes;
 mod motion;
 mod newton;
 mod properties;

@@ -1,11 +1,12 @@
 //! What is constant while one column is stepped, derived and checked once.
 
-use nalgebra::{Matrix2, Matrix4};
+use nalgebra::Matrix2;
 use thiserror::Error;
 
-use super::assembly::{self, Tangents};
+use super::assembly::PerBar;
 use super::bar::Bar;
 use super::geometry::Displacement;
+use super::modes;
 use super::properties::{ColumnProperties, ElasticLaw, Scheme, Support};
 use super::yield_surface::YieldSurface;
 
@@ -152,65 +153,18 @@ impl Model {
         self.properties.scheme
     }
 
-    /// Elastic modes about the state at rest: the slowest period and the modal damping.
-    ///
-    /// At rest the transverse motion (`v1`, with `beta1` following) and the axial one (`u1`, `u2`) do not couple.
+    /// The slowest period and the modal damping.
     fn add_modes(&mut self) -> Result<(), ModelError> {
-        let stiffness = self.stiffness_at_rest();
-        let transverse =
-            stiffness[(0, 0)] - stiffness[(0, 2)] * stiffness[(2, 0)] / stiffness[(2, 2)];
-        if !(transverse > 0.0) {
-            return Err(ModelError::Buckled {
-                stiffness: transverse,
-            });
+        let rest = self.rest_displacement();
+        let stiffness = modes::condensed_stiffness(self, &rest, &PerBar::default())[(0, 0)];
+        if !(stiffness > 0.0) {
+            return Err(ModelError::Buckled { stiffness });
         }
-        let (mass, top_mass) = (self.impact_point_mass, self.properties.top_mass);
-        let ratio = self.properties.damping_ratio;
-        let (k11, k12, k22) = (stiffness[(1, 1)], stiffness[(1, 3)], stiffness[(3, 3)]);
-        let mut slowest = (transverse / mass).sqrt();
-        self.damping_transverse = 2.0 * ratio * (transverse * mass).sqrt();
-        if self.top_is_massless() {
-            let axial = k11 - k12 * k12 / k22;
-            slowest = slowest.min((axial / mass).sqrt());
-            self.damping_axial[(0, 0)] = 2.0 * ratio * (axial * mass).sqrt();
-        } else {
-            // C = 2 zeta M^1/2 (M^-1/2 K M^-1/2)^1/2 M^1/2 gives both modes the same ratio. The root of a positive
-            // 2x2 matrix A is (A + sqrt(det A) I) / sqrt(tr A + 2 sqrt(det A)).
-            let root_mass = [mass.sqrt(), top_mass.sqrt()];
-            let a = Matrix2::new(
-                k11 / mass,
-                k12 / (root_mass[0] * root_mass[1]),
-                k12 / (root_mass[0] * root_mass[1]),
-                k22 / top_mass,
-            );
-            // det K = K_a K_b + k_s (K_a + K_b), without the cancellation of k11 k22 - k12^2.
-            let spring = self.properties.top_spring_stiffness;
-            let (bar_a, bar_b) = (self.below.axial, self.above.axial);
-            let root = ((bar_a * bar_b + spring * (bar_a + bar_b)) / (mass * top_mass)).sqrt();
-            let trace = a.trace();
-            let fast = (0.5 * (trace + (trace * trace - 4.0 * root * root).max(0.0).sqrt())).sqrt();
-            slowest = slowest.min(root / fast);
-            let frequency = (a + Matrix2::identity() * root) / (trace + 2.0 * root).sqrt();
-            for row in 0..2 {
-                for column in 0..2 {
-                    self.damping_axial[(row, column)] =
-                        2.0 * ratio * root_mass[row] * frequency[(row, column)] * root_mass[column];
-                }
-            }
-        }
-        self.slowest_period = std::f64::consts::TAU / slowest;
+        self.slowest_period = modes::slowest_period(self, &rest, &PerBar::default())
+            .ok_or(ModelError::Buckled { stiffness })?;
+        (self.damping_transverse, self.damping_axial) =
+            modes::modal_damping(self, self.properties.damping_ratio);
         Ok(())
-    }
-
-    fn stiffness_at_rest(&self) -> Matrix4<f64> {
-        let displacement = self.rest_displacement();
-        let chords = assembly::chords(self, &displacement);
-        let forces = assembly::elastic_forces(self, &chords, &displacement, &Default::default());
-        let tangents = Tangents {
-            below: self.below.elastic_tangent(),
-            above: self.above.elastic_tangent(),
-        };
-        assembly::stiffness(self, &chords, &chords, &forces, &tangents)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The nonlinear equations of one stage: Newton's method with the massless rotation condensed.
 
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix4, Vector4};
 
 use super::geometry::Displacement;
 
@@ -43,7 +43,7 @@ pub(crate) trait Stage {
 pub(crate) struct Solved<P> {
     pub increment: Displacement,
     pub point: P,
-    pub iterations: u32,
+    pub corrections: u32,
 }
 
 /// Solves a stage from a first guess; `None` if the iteration does not converge.
@@ -51,18 +51,18 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
     let inverse_scale = stage.scale().map(|s| 1.0 / s);
     let mut increment = guess;
     let mut last = f64::INFINITY;
-    for iterations in 0..MAX_NEWTON_ITERATIONS {
+    for corrections in 0..MAX_NEWTON_ITERATIONS {
         let (point, residual) = stage.evaluate(&increment);
         let size = residual.component_mul(&inverse_scale).amax();
         if !size.is_finite() {
             return None;
         }
-        let enough = if iterations == 0 { BALANCED } else { CONVERGED };
+        let enough = if corrections == 0 { BALANCED } else { CONVERGED };
         if size <= enough || (size <= STAGNATED && size > 0.5 * last) {
             return Some(Solved {
                 increment,
                 point,
-                iterations,
+                corrections,
             });
         }
         last = size;
@@ -76,34 +76,41 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
     None
 }
 
-/// Solves `jacobian * x = residual` with the row and column of `beta1` eliminated first.
+/// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
+/// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
 fn condensed_solve(
     jacobian: &Matrix4<f64>,
     residual: &Vector4<f64>,
     pivot_floor: f64,
 ) -> Option<Displacement> {
-    const KEPT: [usize; 3] = [0, 1, 3];
-    const BETA: usize = 2;
-    let pivot = jacobian[(BETA, BETA)].max(pivot_floor);
-    let mut matrix = Matrix3::zeros();
-    let mut right = Vector3::zeros();
-    for (row, &i) in KEPT.iter().enumerate() {
-        let factor = jacobian[(i, BETA)] / pivot;
-        right[row] = residual[i] - factor * residual[BETA];
-        for (column, &j) in KEPT.iter().enumerate() {
-            matrix[(row, column)] = jacobian[(i, j)] - factor * jacobian[(BETA, j)];
+    const BETA1: usize = 2;
+    const ORDER: [usize; 4] = [BETA1, 3, 1, 0];
+    let (mut a, mut r) = (*jacobian, *residual);
+    a[(BETA1, BETA1)] = a[(BETA1, BETA1)].max(pivot_floor);
+    for (done, &pivot) in ORDER.iter().enumerate() {
+        if !(a[(pivot, pivot)] > 0.0) {
+            return None;
+        }
+        for &row in &ORDER[done + 1..] {
+            let factor = a[(row, pivot)] / a[(pivot, pivot)];
+            for &column in &ORDER[done + 1..] {
+                a[(row, column)] -= factor * a[(pivot, column)];
+            }
+            r[row] -= factor * r[pivot];
         }
     }
-    let kept = matrix.lu().solve(&right)?;
-    let beta1 = (residual[BETA]
-        - jacobian[(BETA, 0)] * kept[0]
-        - jacobian[(BETA, 1)] * kept[1]
-        - jacobian[(BETA, 3)] * kept[2])
-        / pivot;
+    let mut x = [0.0; 4];
+    for (done, &row) in ORDER.iter().enumerate().rev() {
+        let mut sum = r[row];
+        for &column in &ORDER[done + 1..] {
+            sum -= a[(row, column)] * x[column];
+        }
+        x[row] = sum / a[(row, row)];
+    }
     Some(Displacement {
-        v1: kept[0],
-        u1: kept[1],
-        beta1,
-        u2: kept[2],
+        v1: x[0],
+        u1: x[1],
+        beta1: x[2],
+        u2: x[3],
     })
 }

@@ -50,20 +50,32 @@ pub struct State {
     pub percussions: u32,
     /// Impulse since the event, percussions included \[N s\].
     pub impulse: f64,
+    /// Newton corrections since the event: what the steps have cost.
+    pub corrections: u64,
     /// Dissipation since the event.
     pub ledger: Ledger,
     /// What the next step is expected to look like.
     pub(crate) predictor: Predictor,
 }
 
-/// Mean rates of the last two whole steps: extrapolated, they begin the next step's iteration where one correction
-/// is enough.
+/// The last two whole steps: extrapolated, they begin the next step's iteration where one correction is enough.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Predictor {
-    last: Displacement,
-    before_last: Displacement,
+    last: Course,
+    before_last: Course,
     /// How many of the two are of the present motion (a velocity jump makes them worthless).
     known: u8,
+}
+
+/// Course of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Course {
+    /// Mean rate of `U`.
+    rate: Displacement,
+    /// `U` where the equations were satisfied.
+    stage: Displacement,
+    /// Normal forces there \[N\].
+    normal: PerBar<f64>,
 }
 
 impl Predictor {
@@ -76,16 +88,49 @@ impl Predictor {
                 beta1: 0.0,
                 u2: velocity.u2,
             },
-            1 => self.last,
-            _ => self.last.times(2.0).minus(self.before_last),
+            1 => self.last.rate,
+            _ => self.last.rate.times(2.0).minus(self.before_last.rate),
         };
         rate.times(secs)
     }
 
-    /// Takes note of a step's increment.
-    pub fn learn(&mut self, increment: &Displacement, secs: f64) {
+    /// Expected `U` where the next step's equations are satisfied, if two steps are known.
+    pub fn stage(&self) -> Option<Displacement> {
+        (self.known >= 2).then(|| self.last.stage.times(2.0).minus(self.before_last.stage))
+    }
+
+    /// Expected normal forces there; `otherwise` where no two steps are known.
+    pub fn normal(&self, otherwise: &PerBar<BarForces>) -> PerBar<f64> {
+        if self.known < 2 {
+            return PerBar {
+                below: otherwise.below.normal,
+                above: otherwise.above.normal,
+            };
+        }
+        let (last, before) = (&self.last.normal, &self.before_last.normal);
+        PerBar {
+            below: 2.0 * last.below - before.below,
+            above: 2.0 * last.above - before.above,
+        }
+    }
+
+    /// Takes note of a step: its increment, and displacements and forces where its equations were satisfied.
+    pub fn learn(
+        &mut self,
+        increment: &Displacement,
+        secs: f64,
+        stage: Displacement,
+        forces: &PerBar<BarForces>,
+    ) {
         self.before_last = self.last;
-        self.last = increment.times(1.0 / secs);
+        self.last = Course {
+            rate: increment.times(1.0 / secs),
+            stage,
+            normal: PerBar {
+                below: forces.below.normal,
+                above: forces.above.normal,
+            },
+        };
         self.known = (self.known + 1).min(2);
     }
 
@@ -121,6 +166,7 @@ impl State {
             percussion_impulse: 0.0,
             percussions: 0,
             impulse: 0.0,
+            corrections: 0,
             ledger: Ledger::default(),
             predictor: Predictor::default(),
         };
@@ -144,6 +190,7 @@ impl State {
             percussion_impulse: 0.0,
             percussions: 0,
             impulse: 0.0,
+            corrections: 0,
             ..*self
         };
         self.ledger = Ledger::open(&ledger::energies(model, self), impact.energy());

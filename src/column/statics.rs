@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::assembly::{self, PerBar, Tangents};
+use super::assembly::{self, PerBar};
 use super::bar::{BarForces, PlasticFlow};
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
@@ -11,12 +11,17 @@ use super::motion::collapse_of;
 use super::newton::{self, Stage};
 use super::state::State;
 
-/// Elastic equilibrium under the load: of all displacements, or of `beta1` and a massless `u2` alone.
+/// Bound of the iterations for a massless top.
+const MAX_MASSLESS_ITERATIONS: u32 = 30;
+
+/// Force that a massless top may be out of balance by at the end of a midpoint step, relative to `N^p + P`. Nothing
+/// builds on it: the scheme's own equations hold at `n + 1/2`.
+const MASSLESS_TOLERANCE: f64 = 1e-11;
+
+/// Elastic equilibrium of the whole column under its load.
 struct Frozen<'a> {
     model: &'a Model,
     plastic: &'a PerBar<PlasticFlow>,
-    /// Whether `v1`, `u1`, `beta1`, `u2` are unknown.
-    unknown: [bool; 4],
 }
 
 impl Stage for Frozen<'_> {
@@ -25,33 +30,14 @@ impl Stage for Frozen<'_> {
     fn evaluate(&self, u: &Displacement) -> (Self::Point, Vector4<f64>) {
         let chords = assembly::chords(self.model, u);
         let forces = assembly::elastic_forces(self.model, &chords, u, self.plastic);
-        let gradients = PerBar {
-            below: chords.below.gradient(),
-            above: chords.above.gradient(),
-        };
+        let gradients = assembly::gradients(&chords);
         let mut residual = assembly::internal_forces(self.model, &gradients, &forces, u.u2);
         residual[3] -= self.model.properties.top_load;
-        for (row, unknown) in self.unknown.into_iter().enumerate() {
-            if !unknown {
-                residual[row] = 0.0;
-            }
-        }
         ((chords, forces), residual)
     }
 
     fn jacobian(&self, (chords, forces): &Self::Point) -> Matrix4<f64> {
-        let tangents = Tangents {
-            below: self.model.below.elastic_tangent(),
-            above: self.model.above.elastic_tangent(),
-        };
-        let mut k = assembly::stiffness(self.model, chords, chords, forces, &tangents);
-        for (row, unknown) in self.unknown.into_iter().enumerate() {
-            if !unknown {
-                k.row_mut(row).fill(0.0);
-                k[(row, row)] = 1.0;
-            }
-        }
-        k
+        assembly::elastic_stiffness(self.model, chords, forces)
     }
 
     fn scale(&self) -> Vector4<f64> {
@@ -70,18 +56,49 @@ pub(crate) fn rotational_scale(model: &Model) -> f64 {
     model.below.rotational[0][0] + model.above.rotational[0][0]
 }
 
-/// `beta1` and a massless `u2` in elastic equilibrium at the other displacements of `u`; `None` if there is none near.
+/// `beta1` and a massless `u2` in elastic equilibrium at the other displacements of `u`, with the forces there; `None`
+/// if there is none near.
+///
+/// `beta1` follows in closed form from `M_1b = M_1a`; what remains is one equation for `u2`.
 pub(crate) fn settle_massless(
     model: &Model,
-    u: Displacement,
+    mut u: Displacement,
     plastic: &PerBar<PlasticFlow>,
-) -> Option<Displacement> {
-    let stage = Frozen {
-        model,
-        plastic,
-        unknown: [false, false, true, model.top_is_massless()],
-    };
-    Some(newton::solve(&stage, u)?.increment)
+) -> Option<(Displacement, PerBar<BarForces>)> {
+    let joint = rotational_scale(model);
+    let properties = &model.properties;
+    let tolerance = MASSLESS_TOLERANCE * (properties.resistance_axial + properties.top_load);
+    let below_chord = Chord::new(model.below.length, u.u1, u.v1);
+    let below_total = assembly::strain(&below_chord, 0.0);
+    let below_free = assembly::elastic_part(&below_total, &plastic.below);
+    let moment_1a = model.below.elastic(&below_free).moment[0];
+    let tangent = model.above.elastic_tangent();
+    for _ in 0..MAX_MASSLESS_ITERATIONS {
+        let chord = Chord::new(model.above.length, u.u2 - u.u1, u.v1);
+        let total = assembly::strain(&chord, 0.0);
+        let mut elastic = assembly::elastic_part(&total, &plastic.above);
+        u.beta1 = (moment_1a - model.above.elastic(&elastic).moment[0]) / joint;
+        elastic.rotation[0] += u.beta1;
+        let above = model.above.elastic(&elastic);
+        let gradient = chord.gradient();
+        let along = above.normal * gradient.length_x
+            + (above.moment[0] + above.moment[1]) * gradient.angle_x;
+        let residual = properties.top_spring_stiffness * u.u2 - along - properties.top_load;
+        if !model.top_is_massless() || residual.abs() <= tolerance {
+            let mut turned = below_free;
+            turned.rotation[0] -= u.beta1;
+            let below = model.below.elastic(&turned);
+            return Some((u, PerBar { below, above }));
+        }
+        let k = assembly::bar_stiffness(&gradient, &chord, &above, &tangent, 1.0);
+        let stiffness =
+            properties.top_spring_stiffness + k[(0, 0)] - k[(0, 2)] * k[(2, 0)] / joint;
+        if !(stiffness > 0.0) {
+            return None;
+        }
+        u.u2 -= residual / stiffness;
+    }
+    None
 }
 
 /// The residual state: static equilibrium under the load with the plastic deformation of `state` frozen, at rest and
@@ -90,7 +107,6 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     let stage = Frozen {
         model,
         plastic: &state.plastic,
-        unknown: [true; 4],
     };
     let displacement = newton::solve(&stage, state.displacement)?.increment;
     collapse_of(model, &displacement)
