@@ -57,7 +57,13 @@ impl RolledSection {
     /// Flanges and web are rectangles; each of the four fillets is a square of side `r` less a quarter disc.
     #[must_use]
     pub fn properties(&self) -> SectionProperties {
-        let Self { depth: h, width: b, web_thickness: tw, flange_thickness: tf, root_radius: r } = *self;
+        let Self {
+            depth: h,
+            width: b,
+            web_thickness: tw,
+            flange_thickness: tf,
+            root_radius: r,
+        } = *self;
         let web_depth = h - 2.0 * tf;
         let fillet = Fillet::of_radius(r);
         let fillet_height = web_depth / 2.0 - fillet.from_corner; // of its centroid above the strong axis
@@ -65,8 +71,14 @@ impl RolledSection {
         let area = 2.0 * b * tf + web_depth * tw + 4.0 * fillet.area;
         let second_moment = (b * h.powi(3) - (b - tw) * web_depth.powi(3)) / 12.0
             + 4.0 * (fillet.second_moment + fillet.area * fillet_height.powi(2));
-        let plastic_modulus = b * tf * (h - tf) + tw * web_depth.powi(2) / 4.0 + 4.0 * fillet.area * fillet_height;
-        SectionProperties { area, second_moment, plastic_modulus, mass_per_length: area * STEEL_DENSITY }
+        let plastic_modulus =
+            b * tf * (h - tf) + tw * web_depth.powi(2) / 4.0 + 4.0 * fillet.area * fillet_height;
+        SectionProperties {
+            area,
+            second_moment,
+            plastic_modulus,
+            mass_per_length: area * STEEL_DENSITY,
+        }
     }
 }
 
@@ -96,7 +108,11 @@ struct Fillet {
 impl Fillet {
     fn of_radius(r: f64) -> Self {
         if r <= 0.0 {
-            return Self { area: 0.0, from_corner: 0.0, second_moment: 0.0 }; // the centroid would be 0/0
+            return Self {
+                area: 0.0,
+                from_corner: 0.0,
+                second_moment: 0.0,
+            }; // the centroid would be 0/0
         }
         let square = r * r;
         let disc = PI * square / 4.0;
@@ -104,9 +120,13 @@ impl Fillet {
         let area = square - disc;
         let from_corner = (square * r / 2.0 - disc * disc_from_corner) / area;
         let square_about_centroid = r.powi(4) / 12.0 + square * (r / 2.0 - from_corner).powi(2);
-        let disc_about_centroid =
-            (PI / 16.0 - 4.0 / (9.0 * PI)) * r.powi(4) + disc * (disc_from_corner - from_corner).powi(2);
-        Self { area, from_corner, second_moment: square_about_centroid - disc_about_centroid }
+        let disc_about_centroid = (PI / 16.0 - 4.0 / (9.0 * PI)) * r.powi(4)
+            + disc * (disc_from_corner - from_corner).powi(2);
+        Self {
+            area,
+            from_corner,
+            second_moment: square_about_centroid - disc_about_centroid,
+        }
     }
 }
 
@@ -165,8 +185,14 @@ mod tests {
             }
             let properties = section.properties();
             assert!((properties.area / area - 1.0).abs() < 1e-5, "{section:?}");
-            assert!((properties.plastic_modulus / first - 1.0).abs() < 1e-5, "{section:?}");
-            assert!((properties.second_moment / second - 1.0).abs() < 1e-5, "{section:?}");
+            assert!(
+                (properties.plastic_modulus / first - 1.0).abs() < 1e-5,
+                "{section:?}"
+            );
+            assert!(
+                (properties.second_moment / second - 1.0).abs() < 1e-5,
+                "{section:?}"
+            );
         }
     }
 }

@@ -16,7 +16,12 @@ pub struct CatalogueSection {
 }
 
 static CATALOGUE: LazyLock<Vec<CatalogueSection>> = LazyLock::new(|| {
-    rows().map(|row| row.expect("config/sections.csv is part of the program and tested").section()).collect()
+    rows()
+        .map(|row| {
+            row.expect("config/sections.csv is part of the program and tested")
+                .section()
+        })
+        .collect()
 });
 
 /// Every section known by name, family by family, smallest first.
@@ -41,7 +46,11 @@ impl CatalogueSection {
             .iter()
             .map(|section| {
                 let letters = strsim::damerau_levenshtein(&wanted, &section.name);
-                (letters, size_of(&wanted).abs_diff(size_of(&section.name)), &section.name)
+                (
+                    letters,
+                    size_of(&wanted).abs_diff(size_of(&section.name)),
+                    &section.name,
+                )
             })
             .collect();
         ranked.sort();
@@ -65,20 +74,30 @@ impl CatalogueSection {
 
 /// `heb 220`, `HE 220 B` and `HEB-220` are all `HEB220`.
 fn normal_form(name: &str) -> String {
-    let joined: String =
-        name.chars().filter(|c| !c.is_whitespace() && *c != '-').map(|c| c.to_ascii_uppercase()).collect();
+    let joined: String = name
+        .chars()
+        .filter(|c| !c.is_whitespace() && *c != '-')
+        .map(|c| c.to_ascii_uppercase())
+        .collect();
     let standard = joined.strip_prefix("HE").and_then(|rest| {
-        let family = rest.chars().last().filter(|letter| matches!(letter, 'A' | 'B' | 'M'))?;
+        let family = rest
+            .chars()
+            .last()
+            .filter(|letter| matches!(letter, 'A' | 'B' | 'M'))?;
         let size = rest.strip_suffix(family)?;
-        (!size.is_empty() && size.bytes().all(|byte| byte.is_ascii_digit())).then(|| format!("HE{family}{size}"))
+        (!size.is_empty() && size.bytes().all(|byte| byte.is_ascii_digit()))
+            .then(|| format!("HE{family}{size}"))
     });
     standard.unwrap_or(joined)
 }
 
 /// The number in a section's name; 0 where there is none.
 fn size_of(name: &str) -> u32 {
-    let digits: String =
-        name.chars().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
+    let digits: String = name
+        .chars()
+        .skip_while(|c| !c.is_ascii_digit())
+        .take_while(char::is_ascii_digit)
+        .collect();
     digits.parse().unwrap_or(0)
 }
 
@@ -103,7 +122,10 @@ struct Row {
 
 fn rows() -> impl Iterator<Item = csv::Result<Row>> {
     let text: &'static str = include_str!("../../config/sections.csv");
-    csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes()).into_deserialize()
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes())
+        .into_deserialize()
 }
 
 impl Row {
@@ -138,10 +160,18 @@ mod tests {
             ];
             let section = row.section();
             let computed = section.properties();
-            let computed =
-                [computed.area, computed.second_moment, computed.plastic_modulus, computed.mass_per_length];
+            let computed = [
+                computed.area,
+                computed.second_moment,
+                computed.plastic_modulus,
+                computed.mass_per_length,
+            ];
             for (computed, (published, tolerance)) in computed.into_iter().zip(published) {
-                assert!((computed / published - 1.0).abs() < tolerance, "{}: {computed} {published}", section.name);
+                assert!(
+                    (computed / published - 1.0).abs() < tolerance,
+                    "{}: {computed} {published}",
+                    section.name
+                );
             }
         }
     }
@@ -151,23 +181,45 @@ mod tests {
         let h_sizes = "100 120 140 160 180 200 220 240 260 280 300 320 340 360 400 450 500 550 600 650 700 800 900 1000";
         let i_sizes = "80 100 120 140 160 180 200 220 240 270 300 330 360 400 450 500 550 600";
         let mut expected = Vec::new();
-        for (family, sizes) in [("HEA", h_sizes), ("HEB", h_sizes), ("HEM", h_sizes), ("IPE", i_sizes)] {
+        for (family, sizes) in [
+            ("HEA", h_sizes),
+            ("HEB", h_sizes),
+            ("HEM", h_sizes),
+            ("IPE", i_sizes),
+        ] {
             expected.extend(sizes.split(' ').map(|size| format!("{family}{size}")));
         }
-        let names: Vec<_> = catalogue().iter().map(|section| section.name.clone()).collect();
+        let names: Vec<_> = catalogue()
+            .iter()
+            .map(|section| section.name.clone())
+            .collect();
         assert_eq!(names, expected);
     }
 
     /// The yield strengths of the grades hold up to 40 mm.
     #[test]
     fn no_flange_is_thicker_than_40_mm() {
-        assert!(catalogue().iter().all(|section| section.dimensions.flange_thickness <= 0.040));
+        assert!(
+            catalogue()
+                .iter()
+                .all(|section| section.dimensions.flange_thickness <= 0.040)
+        );
     }
 
     #[test]
     fn a_section_has_many_spellings() {
-        for spelling in ["HEB220", "heb 220", "HE 220 B", "he220b", "HEB-220", " Heb\t220 "] {
-            assert_eq!(CatalogueSection::named(spelling).map(|section| section.name.as_str()), Some("HEB220"));
+        for spelling in [
+            "HEB220",
+            "heb 220",
+            "HE 220 B",
+            "he220b",
+            "HEB-220",
+            " Heb\t220 ",
+        ] {
+            assert_eq!(
+                CatalogueSection::named(spelling).map(|section| section.name.as_str()),
+                Some("HEB220")
+            );
         }
         for unknown in ["", "HE", "HEB", "HEB221", "220", "HEBé"] {
             assert_eq!(CatalogueSection::named(unknown), None);

@@ -34,7 +34,7 @@ pub enum Place {
         /// The bytes meant and the file's text, for reports that show them.
         excerpt: Option<Excerpt>,
     },
-    /// On the command line, `-p` with this text.
+    /// On the command line, in this argument: `-p name:=value` or a flag with its value.
     CommandLine(String),
     /// By a program or a service call, or nowhere: a default.
     Direct,
@@ -78,13 +78,13 @@ pub enum Problem {
         first_line: usize,
     },
     /// No value stands behind the name.
-    #[error("has no value; give {expected}")]
+    #[error("has no value; allowed: {expected}")]
     NoValue {
         /// What is admissible.
         expected: String,
     },
     /// The value has another type.
-    #[error("is {found}; give {expected}")]
+    #[error("is {found}; allowed: {expected}")]
     WrongType {
         /// What it is.
         found: String,
@@ -92,19 +92,31 @@ pub enum Problem {
         expected: String,
     },
     /// The value is not a finite number.
-    #[error("is not a finite number; give {expected}")]
+    #[error("is not a finite number; allowed: {expected}")]
     NotFinite {
         /// What is admissible.
         expected: String,
     },
     /// The value is outside of its range.
-    #[error("is out of range; give {expected}")]
+    #[error("is out of range; allowed: {expected}")]
     OutOfRange {
         /// What is admissible.
         expected: String,
     },
+    /// The duration is not a whole number of nanoseconds.
+    #[error("is not a whole number of nanoseconds; the nearest is {nearest}")]
+    NotWholeNanoseconds {
+        /// The nearest duration that is \[s\].
+        nearest: String,
+    },
+    /// The text is too short or too long, or has control characters.
+    #[error("is not such a text as it should be; allowed: {expected}")]
+    UnfitText {
+        /// What is admissible.
+        expected: String,
+    },
     /// The value is not one of the known words.
-    #[error("is not known{}; give {expected}", Suggestion(.nearest, ""))]
+    #[error("is not known{}; allowed: {expected}", Suggestion(.nearest, ""))]
     UnknownWord {
         /// Words that are spelt like it, nearest first.
         nearest: Vec<String>,
@@ -135,9 +147,17 @@ impl fmt::Display for Shortened<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const MOST: usize = 60;
         for c in self.0.chars().take(MOST) {
-            if c.is_control() { write!(f, "{}", c.escape_default())? } else { write!(f, "{c}")? }
+            if c.is_control() {
+                write!(f, "{}", c.escape_default())?
+            } else {
+                write!(f, "{c}")?
+            }
         }
-        if self.0.chars().nth(MOST).is_some() { f.write_str("...") } else { Ok(()) }
+        if self.0.chars().nth(MOST).is_some() {
+            f.write_str("...")
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -147,8 +167,8 @@ impl fmt::Display for Suggestion<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             [] => f.write_str(self.1),
-            [one] => write!(f, "; did you mean {one}?"),
-            [most @ .., last] => write!(f, "; did you mean {} or {last}?", most.join(", ")),
+            [one] => write!(f, " (did you mean {one}?)"),
+            [most @ .., last] => write!(f, " (did you mean {} or {last}?)", most.join(", ")),
         }
     }
 }
@@ -156,11 +176,19 @@ impl fmt::Display for Suggestion<'_> {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File { path, position: Some((line, column)), .. } => {
+            Self::File {
+                path,
+                position: Some((line, column)),
+                ..
+            } => {
                 write!(f, "{}:{line}:{column}: ", path.display())
             }
-            Self::File { path, position: None, .. } => write!(f, "{}: ", path.display()),
-            Self::CommandLine(text) => write!(f, "-p {}: ", Shortened(text)),
+            Self::File {
+                path,
+                position: None,
+                ..
+            } => write!(f, "{}: ", path.display()),
+            Self::CommandLine(text) => write!(f, "{}: ", Shortened(text)),
             Self::Direct => Ok(()),
         }
     }
@@ -168,11 +196,13 @@ impl fmt::Display for Place {
 
 impl fmt::Debug for Excerpt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Excerpt").field(&self.text.get(self.bytes.clone()).unwrap_or_default()).finish()
+        f.debug_tuple("Excerpt")
+            .field(&self.text.get(self.bytes.clone()).unwrap_or_default())
+            .finish()
     }
 }
 
-/// All the faults of the given parameters, in the order of the places; never empty.
+/// All the faults of the given parameters, in the order of files and lines; never empty.
 ///
 /// `Display` is one line per fault behind a line with their number; [`report`](Self::report) shows them in the text of
 /// the files.
@@ -185,7 +215,11 @@ impl ParameterFaults {
     /// # Errors
     /// All of them.
     pub(super) fn none_of(faults: Vec<Fault>) -> Result<(), Self> {
-        if faults.is_empty() { Ok(()) } else { Err(Self(faults)) }
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(Self(faults))
+        }
     }
 
     /// The faults.
@@ -200,18 +234,33 @@ impl ParameterFaults {
         let mut parts: Vec<Part> = Vec::new();
         for fault in &self.0 {
             match &fault.place {
-                Place::File { path, excerpt: Some(excerpt), .. } => {
-                    let label = LabeledSpan::at(excerpt.bytes.clone(), FaultInPlace(fault).to_string());
+                Place::File {
+                    path,
+                    excerpt: Some(excerpt),
+                    ..
+                } => {
+                    let label =
+                        LabeledSpan::at(excerpt.bytes.clone(), FaultInPlace(fault).to_string());
                     let name = path.display().to_string();
-                    match parts.iter_mut().find(|part| part.file.as_ref().is_some_and(|file| file.name() == name)) {
+                    match parts
+                        .iter_mut()
+                        .find(|part| part.file.as_ref().is_some_and(|file| file.name() == name))
+                    {
                         Some(part) => part.labels.push(label),
                         None => parts.push(Part::of_file(name, excerpt.text.clone(), label)),
                     }
                 }
-                _ => parts.push(Part { message: fault.to_string(), file: None, labels: Vec::new() }),
+                _ => parts.push(Part {
+                    message: fault.to_string(),
+                    file: None,
+                    labels: Vec::new(),
+                }),
             }
         }
-        miette::Report::new(Listing { count: self.0.len(), parts })
+        miette::Report::new(Listing {
+            count: self.0.len(),
+            parts,
+        })
     }
 }
 
@@ -234,7 +283,11 @@ struct Count(usize);
 
 impl fmt::Display for Count {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0 == 1 { f.write_str("1 fault in the parameters") } else { write!(f, "{} faults in the parameters", self.0) }
+        if self.0 == 1 {
+            f.write_str("1 fault in the parameters")
+        } else {
+            write!(f, "{} faults in the parameters", self.0)
+        }
     }
 }
 
@@ -257,7 +310,9 @@ struct Listing {
 
 impl Diagnostic for Listing {
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        Some(Box::new(self.parts.iter().map(|part| part as &dyn Diagnostic)))
+        Some(Box::new(
+            self.parts.iter().map(|part| part as &dyn Diagnostic),
+        ))
     }
 }
 
@@ -272,7 +327,11 @@ struct Part {
 
 impl Part {
     fn of_file(name: String, text: Arc<str>, label: LabeledSpan) -> Self {
-        Self { message: format!("in {name}"), file: Some(NamedSource::new(name, text)), labels: vec![label] }
+        Self {
+            message: format!("in {name}"),
+            file: Some(NamedSource::new(name, text)),
+            labels: vec![label],
+        }
     }
 }
 
@@ -298,7 +357,10 @@ impl SourceFile {
         Place::File {
             path: self.path.clone(),
             position: Some((at.line, at.column)),
-            excerpt: Some(Excerpt { text: self.text.clone(), bytes: at.bytes.clone() }),
+            excerpt: Some(Excerpt {
+                text: self.text.clone(),
+                bytes: at.bytes.clone(),
+            }),
         }
     }
 }

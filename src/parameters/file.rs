@@ -1,4 +1,4 @@
-//! ROS 2 parameter files and `-p name:=value` overrides, turned into assignments.
+//! ROS 2 parameter files, turned into assignments.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::fault::{Fault, Place, Problem, SourceFile};
+use super::node_name::{NodeName, with_slashes};
 use super::table::Parameter;
 use super::value::Value;
 use super::yaml::{self, Content, Key, Location, Node};
@@ -35,132 +36,31 @@ pub(super) enum NotAValue {
     List,
 }
 
-/// A `-p name:=value` argument.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Override {
-    /// The node it is addressed to (`-p node:name:=value`), if any.
-    pub node: Option<String>,
-    /// The parameter's name, which may be unknown.
-    pub name: String,
-    /// The value, typed as YAML types it.
-    pub value: Value,
-    /// The whole argument as it was typed.
-    pub text: String,
-}
-
-/// Fully qualified name of a node, such as `/garage/a3/column_twin`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NodeName(String);
-
-impl NodeName {
-    /// From a namespace (`/`, `/garage/a3`) and a name.
-    #[must_use]
-    pub fn new(namespace: &str, name: &str) -> Self {
-        Self(with_slashes(&format!("{namespace}/{name}")))
-    }
-
-    /// Whether a name or pattern from a parameter file means this node: `*` stands for one part of the name, `**` for
-    /// any number of parts.
-    #[must_use]
-    pub fn is_meant_by(&self, pattern: &str) -> bool {
-        fn matches(pattern: &[&str], name: &[&str]) -> bool {
-            match pattern {
-                [] => name.is_empty(),
-                ["**", rest @ ..] => (0..=name.len()).any(|skipped| matches(rest, &name[skipped..])),
-                [part, rest @ ..] => match name {
-                    [first, others @ ..] => (*part == "*" || part == first) && matches(rest, others),
-                    [] => false,
-                },
-            }
-        }
-        let pattern = with_slashes(pattern);
-        let mut pattern: Vec<_> = pattern.split('/').skip(1).collect();
-        pattern.dedup_by(|next, last| *next == "**" && *last == "**"); // keeps the search short
-        matches(&pattern, &self.0.split('/').skip(1).collect::<Vec<_>>())
-    }
-}
-
-impl Default for NodeName {
-    /// `/column_twin`
-    fn default() -> Self {
-        Self::new("/", "column_twin")
-    }
-}
-
-impl std::fmt::Display for NodeName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-/// One slash before every part and none elsewhere.
-fn with_slashes(name: &str) -> String {
-    name.split('/').filter(|part| !part.is_empty()).flat_map(|part| ["/", part]).collect()
-}
-
-/// Splits a `-p` argument `[node:]name:=value` as ROS 2 does; the value has the type that YAML gives it.
-///
-/// # Errors
-/// A fault with the argument as its place: no `:=`, no name, or a value that is not a single YAML scalar.
-pub fn parse_override(argument: &str) -> Result<Override, Fault> {
-    let fault = |name: Option<&str>, problem| Fault {
-        name: name.map(str::to_owned),
-        value: None,
-        place: Place::CommandLine(argument.to_owned()),
-        problem,
-    };
-    let Some((target, text)) = argument.split_once(":=") else {
-        return Err(fault(None, Problem::Syntax("no `:=`; write it as name:=value, such as top.load:=2.0e6".to_owned())));
-    };
-    let (node, name) = match target.rsplit_once(':') {
-        Some((node, name)) => (Some(node.to_owned()), name),
-        None => (None, target),
-    };
-    if name.is_empty() {
-        return Err(fault(None, Problem::Syntax("no name before `:=`; write it as name:=value".to_owned())));
-    }
-    let expected = || Parameter::named(name).map_or_else(|| "a value".to_owned(), Parameter::expectation);
-    let problem = match yaml::parse(text) {
-        Ok(Some(Node { content: Content::Scalar { value, .. }, .. })) => {
-            return Ok(Override { node, name: name.to_owned(), value, text: argument.to_owned() });
-        }
-        Ok(None | Some(Node { content: Content::Null, .. })) => Problem::NoValue { expected: expected() },
-        Ok(Some(_)) => Problem::WrongType { found: "a list or a mapping".to_owned(), expected: expected() },
-        Err(error) => Problem::Syntax(format!("has a value that is {}", error.message)),
-    };
-    Err(fault(Some(name), problem))
-}
-
-impl Override {
-    /// As an assignment to this node's parameter.
-    pub(super) fn assignment(&self, node: &NodeName) -> Result<Assignment, Fault> {
-        let place = Place::CommandLine(self.text.clone());
-        if let Some(addressee) = self.node.as_deref().filter(|addressee| !addressed_to(node, addressee)) {
-            let message = format!("is addressed to the node {addressee}, but this is {node}; leave `{addressee}:` out");
-            return Err(Fault {
-                name: Some(self.name.clone()),
-                value: None,
-                place,
-                problem: Problem::Inconsistent(message),
-            });
-        }
-        let typed = self.text.split_once(":=").map(|(_, text)| text.trim().to_owned());
-        Ok(Assignment { name: self.name.clone(), value: Ok(self.value.clone()), text: typed, place })
-    }
-}
-
-/// On the command line the bare name of a node is enough.
-fn addressed_to(node: &NodeName, addressee: &str) -> bool {
-    node.is_meant_by(addressee) || (!addressee.contains('/') && node.is_meant_by(&format!("/**/{addressee}")))
-}
-
 /// Reads a file and collects what it assigns to this node's parameters, and all the faults of its structure.
 pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
     match read_text(path) {
-        Ok(text) => assignments(&SourceFile { path: path.to_owned(), text: Arc::from(text) }, node),
+        Ok(text) => assignments(
+            &SourceFile {
+                path: path.to_owned(),
+                text: Arc::from(text),
+            },
+            node,
+        ),
         Err(message) => {
-            let place = Place::File { path: path.to_owned(), position: None, excerpt: None };
-            (Vec::new(), vec![Fault { name: None, value: None, place, problem: Problem::Unreadable(message) }])
+            let place = Place::File {
+                path: path.to_owned(),
+                position: None,
+                excerpt: None,
+            };
+            (
+                Vec::new(),
+                vec![Fault {
+                    name: None,
+                    value: None,
+                    place,
+                    problem: Problem::Unreadable(message),
+                }],
+            )
         }
     }
 }
@@ -168,21 +68,49 @@ pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>
 fn read_text(path: &Path) -> Result<String, String> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| error.to_string())?;
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    file.take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| error.to_string())?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(format!("larger than {MAX_FILE_BYTES} bytes, which no parameter file is"));
+        return Err(format!(
+            "larger than {MAX_FILE_BYTES} bytes, which no parameter file is"
+        ));
     }
-    String::from_utf8(bytes).map_err(|error| format!("not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+    String::from_utf8(bytes)
+        .map_err(|error| format!("not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
 }
 
 /// What a file's text assigns to this node's parameters, and all the faults of its structure.
 pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
-    let mut reader = Reader { file, node, found: Vec::new(), faults: Vec::new(), other_nodes: Vec::new(), meant: false };
+    let mut reader = Reader {
+        file,
+        node,
+        found: Vec::new(),
+        faults: Vec::new(),
+        other_nodes: Vec::new(),
+        meant: false,
+    };
     match yaml::parse(&file.text) {
-        Ok(None | Some(Node { content: Content::Null, .. })) => {
-            reader.fault_of_file("is empty", &Location { line: 1, column: 1, bytes: 0..0 });
+        Ok(
+            None
+            | Some(Node {
+                content: Content::Null,
+                ..
+            }),
+        ) => {
+            reader.fault_of_file(
+                "is empty",
+                &Location {
+                    line: 1,
+                    column: 1,
+                    bytes: 0..0,
+                },
+            );
         }
-        Ok(Some(Node { content: Content::Mapping(entries), .. })) => {
+        Ok(Some(Node {
+            content: Content::Mapping(entries),
+            ..
+        })) => {
             reader.nodes(&entries, "");
             reader.report_missing_section(&entries);
         }
@@ -206,13 +134,18 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn fault(&mut self, name: Option<&str>, at: &Location, problem: Problem) {
         let place = self.file.place(at);
-        self.faults.push(Fault { name: name.map(str::to_owned), value: None, place, problem });
+        self.faults.push(Fault {
+            name: name.map(str::to_owned),
+            value: None,
+            place,
+            problem,
+        });
     }
 
     fn fault_of_file(&mut self, what: &str, at: &Location) {
         let message = format!(
             "the file {what}; begin it with `{}:` and below, indented, `{PARAMETERS_KEY}:`",
-            self.node.0.trim_start_matches('/')
+            self.bare_name()
         );
         self.fault(None, at, Problem::Syntax(message));
     }
@@ -223,21 +156,27 @@ impl Reader<'_> {
         for (key, child) in entries {
             match (&child.content, key.text == PARAMETERS_KEY) {
                 (_, true) if path.is_empty() => {
-                    let message = format!("needs the name of the node above it: `{}:` or `/**:`", self.bare_name());
+                    let message = format!(
+                        "needs the name of the node above it: `{}:` or `/**:`",
+                        self.bare_name()
+                    );
                     self.fault(Some(PARAMETERS_KEY), &key.at, Problem::Syntax(message));
                     self.meant = true; // one fault is enough
                 }
                 (Content::Mapping(_) | Content::Null, true) if !self.node.is_meant_by(path) => {
-                    self.other_nodes.push(path.to_owned());
+                    self.other_nodes.push(with_slashes(path));
                 }
                 (Content::Mapping(parameters), true) => {
                     self.meant = true;
                     self.section(parameters);
                 }
                 (Content::Null, true) => self.meant = true,
-                (Content::Mapping(below), false) => self.nodes(below, &format!("{path}/{}", key.text)),
+                (Content::Mapping(below), false) => {
+                    self.nodes(below, &format!("{path}/{}", key.text))
+                }
                 (_, true) => {
-                    let problem = Problem::Syntax("must be a mapping from names to values".to_owned());
+                    let problem =
+                        Problem::Syntax("must be a mapping from names to values".to_owned());
                     self.fault(Some(PARAMETERS_KEY), &child.at, problem);
                 }
                 (_, false) => self.report_stray(key),
@@ -258,7 +197,9 @@ impl Reader<'_> {
         };
         let message = if self.other_nodes.is_empty() {
             let name = self.bare_name();
-            format!("the file has no `{PARAMETERS_KEY}:`; write `{name}:`, below it `{PARAMETERS_KEY}:`, and below that the parameters")
+            format!(
+                "the file has no `{PARAMETERS_KEY}:`; write `{name}:`, below it `{PARAMETERS_KEY}:`, and below that the parameters"
+            )
         } else {
             format!(
                 "nothing in the file is for the node {}, only for {}; write `{}:` or `/**:`",
@@ -271,7 +212,7 @@ impl Reader<'_> {
     }
 
     fn bare_name(&self) -> String {
-        self.node.0.rsplit('/').next().unwrap_or_default().to_owned()
+        self.node.bare().to_owned()
     }
 
     /// The parameters of this node, grouped by mappings or by dots.
@@ -280,10 +221,19 @@ impl Reader<'_> {
         self.group(entries, "", &mut first_lines);
     }
 
-    fn group(&mut self, entries: &[(Key, Node)], prefix: &str, first_lines: &mut BTreeMap<String, usize>) {
+    fn group(
+        &mut self,
+        entries: &[(Key, Node)],
+        prefix: &str,
+        first_lines: &mut BTreeMap<String, usize>,
+    ) {
         self.report_duplicates(entries, |node| matches!(node.content, Content::Mapping(_)));
         for (key, node) in entries {
-            let name = if prefix.is_empty() { key.text.clone() } else { format!("{prefix}.{}", key.text) };
+            let name = if prefix.is_empty() {
+                key.text.clone()
+            } else {
+                format!("{prefix}.{}", key.text)
+            };
             if let Content::Mapping(members) = &node.content {
                 if members.is_empty() {
                     continue;
@@ -307,14 +257,21 @@ impl Reader<'_> {
         // A fault of the name is shown at the name, one of the value at the value.
         let named = Parameter::named(&name).is_some() && value.is_ok();
         let place = self.file.place(if named { &node.at } else { &key.at });
-        self.found.push(Assignment { name, value, text, place });
+        self.found.push(Assignment {
+            name,
+            value,
+            text,
+            place,
+        });
     }
 
     fn report_duplicates(&mut self, entries: &[(Key, Node)], counts: impl Fn(&Node) -> bool) {
         let mut first_lines = BTreeMap::new();
         for (key, _) in entries.iter().filter(|(_, node)| counts(node)) {
             match first_lines.get(key.text.as_str()) {
-                Some(&first_line) => self.fault(Some(&key.text), &key.at, Problem::Duplicate { first_line }),
+                Some(&first_line) => {
+                    self.fault(Some(&key.text), &key.at, Problem::Duplicate { first_line })
+                }
                 None => {
                     first_lines.insert(key.text.as_str(), key.at.line);
                 }
@@ -328,9 +285,15 @@ mod tests {
     use super::*;
 
     fn read_for(node: &NodeName, text: &str) -> (Vec<(String, String)>, Vec<String>) {
-        let file = SourceFile { path: "f.yaml".into(), text: Arc::from(text) };
+        let file = SourceFile {
+            path: "f.yaml".into(),
+            text: Arc::from(text),
+        };
         let (found, faults) = assignments(&file, node);
-        let found = found.into_iter().map(|one| (one.name, one.text.unwrap_or_default())).collect();
+        let found = found
+            .into_iter()
+            .map(|one| (one.name, one.text.unwrap_or_default()))
+            .collect();
         (found, faults.iter().map(ToString::to_string).collect())
     }
 
@@ -347,26 +310,47 @@ mod tests {
     /// The spellings that rcl's parser takes (rcl_yaml_param_parser, its test files).
     #[test]
     fn a_node_is_named_in_many_ways() {
-        for head in ["column_twin:", "/column_twin:", "/**:", "/*:", "\"/**/column_twin\":", "'*':"] {
+        for head in [
+            "column_twin:",
+            "/column_twin:",
+            "/**:",
+            "/*:",
+            "\"/**/column_twin\":",
+            "'*':",
+        ] {
             let text = format!("{head}\n  ros__parameters:\n    top.load: 1.0\n");
             assert_eq!(names_and_values(&text), one("top.load", "1.0"), "{head}");
         }
         let garage = NodeName::new("/garage/a3", "column_twin");
-        for head in
-            ["/garage/a3/column_twin:", "garage/a3/column_twin:", "/**:", "/garage/**:", "/*/*/column_twin:", "/**/column_twin:"]
-        {
+        for head in [
+            "/garage/a3/column_twin:",
+            "garage/a3/column_twin:",
+            "/**:",
+            "/garage/**:",
+            "/*/*/column_twin:",
+            "/**/column_twin:",
+        ] {
             let text = format!("{head}\n  ros__parameters:\n    top.load: 1.0\n");
-            assert_eq!(read_for(&garage, &text), (one("top.load", "1.0"), vec![]), "{head}");
+            assert_eq!(
+                read_for(&garage, &text),
+                (one("top.load", "1.0"), vec![]),
+                "{head}"
+            );
         }
-        let nested = "garage:\n  a3:\n    column_twin:\n      ros__parameters: {top: {load: 1.0}}\n";
+        let nested =
+            "garage:\n  a3:\n    column_twin:\n      ros__parameters: {top: {load: 1.0}}\n";
         assert_eq!(read_for(&garage, nested), (one("top.load", "1.0"), vec![]));
     }
 
     #[test]
     fn dots_and_mappings_mean_the_same() {
-        let dotted = names_and_values("column_twin:\n  ros__parameters:\n    a.b.c: 1\n    a.b.d: 2\n");
-        let nested = names_and_values("column_twin:\n  ros__parameters:\n    a:\n      b: {c: 1, d: 2}\n");
-        let mixed = names_and_values("column_twin:\n  ros__parameters:\n    a.b:\n      c: 1\n    a: {b.d: 2}\n");
+        let dotted =
+            names_and_values("column_twin:\n  ros__parameters:\n    a.b.c: 1\n    a.b.d: 2\n");
+        let nested =
+            names_and_values("column_twin:\n  ros__parameters:\n    a:\n      b: {c: 1, d: 2}\n");
+        let mixed = names_and_values(
+            "column_twin:\n  ros__parameters:\n    a.b:\n      c: 1\n    a: {b.d: 2}\n",
+        );
         assert_eq!(dotted, nested);
         assert_eq!(dotted, mixed);
     }
@@ -376,26 +360,59 @@ mod tests {
         let text = "/**:\n  ros__parameters: {top.load: 1.0}\nlidar:\n  ros__parameters: {top.load: 9.0, x: [1]}\n\
                     column_twin:\n  ros__parameters: {top.load: 2.0}\n";
         let found = names_and_values(text);
-        assert_eq!(found, [one("top.load", "1.0"), one("top.load", "2.0")].concat());
+        assert_eq!(
+            found,
+            [one("top.load", "1.0"), one("top.load", "2.0")].concat()
+        );
     }
 
     #[test]
     fn structure_faults_say_what_to_write() {
         for (text, expected) in [
-            ("", "f.yaml:1:1: the file is empty; begin it with `column_twin:` and below, indented, `ros__parameters:`"),
+            (
+                "",
+                "f.yaml:1:1: the file is empty; begin it with `column_twin:` and below, indented, `ros__parameters:`",
+            ),
             ("42\n", "f.yaml:1:1: the file is not a mapping; begin it"),
-            ("colum_twin:\n  ros__parameters:\n    top.load: 1.0\n", "nothing in the file is for the node /column_twin, only for /colum_twin; write `/column_twin:` or `/**:`"),
-            ("ros__parameters:\n  top.load: 1.0\n", "f.yaml:1:1: ros__parameters needs the name of the node above it: `column_twin:`"),
-            ("column_twin:\n  top.load: 1.0\n", "f.yaml:2:3: top.load stands outside of `ros__parameters:`; move it below"),
+            (
+                "colum_twin:\n  ros__parameters:\n    top.load: 1.0\n",
+                "nothing in the file is for the node /column_twin, only for /colum_twin; write `/column_twin:` or `/**:`",
+            ),
+            (
+                "ros__parameters:\n  top.load: 1.0\n",
+                "f.yaml:1:1: ros__parameters needs the name of the node above it: `column_twin:`",
+            ),
+            (
+                "column_twin:\n  top.load: 1.0\n",
+                "f.yaml:2:3: top.load stands outside of `ros__parameters:`; move it below",
+            ),
             ("column_twin: {}\n", "the file has no `ros__parameters:`"),
-            ("column_twin:\n  ros__parameters: 3\n", "f.yaml:2:20: ros__parameters must be a mapping"),
-            ("column_twin:\n  ros__parameters:\n    a: 1\n    a: 2\n", "f.yaml:4:5: a is given a second time, first in line 3"),
-            ("column_twin:\n  ros__parameters:\n    a.b: 1\n    a: {b: 2}\n", "f.yaml:4:9: a.b is given a second time, first in line 3"),
-            ("column_twin:\n  ros__parameters:\n    a: {b: 1}\n    a: {c: 2}\n", "f.yaml:4:5: a is given a second time, first in line 3"),
-            ("column_twin:\n  ros__parameters: {a: 1}\ncolumn_twin:\n  ros__parameters: {b: 1}\n", "f.yaml:3:1: column_twin is given a second time"),
+            (
+                "column_twin:\n  ros__parameters: 3\n",
+                "f.yaml:2:20: ros__parameters must be a mapping",
+            ),
+            (
+                "column_twin:\n  ros__parameters:\n    a: 1\n    a: 2\n",
+                "f.yaml:4:5: a is given a second time, first in line 3",
+            ),
+            (
+                "column_twin:\n  ros__parameters:\n    a.b: 1\n    a: {b: 2}\n",
+                "f.yaml:4:9: a.b is given a second time, first in line 3",
+            ),
+            (
+                "column_twin:\n  ros__parameters:\n    a: {b: 1}\n    a: {c: 2}\n",
+                "f.yaml:4:5: a is given a second time, first in line 3",
+            ),
+            (
+                "column_twin:\n  ros__parameters: {a: 1}\ncolumn_twin:\n  ros__parameters: {b: 1}\n",
+                "f.yaml:3:1: column_twin is given a second time",
+            ),
         ] {
             let (_, faults) = read_for(&NodeName::default(), text);
-            assert!(faults.iter().any(|fault| fault.contains(expected)), "{text}\n{faults:?}");
+            assert!(
+                faults.iter().any(|fault| fault.contains(expected)),
+                "{text}\n{faults:?}"
+            );
         }
     }
 
@@ -407,7 +424,10 @@ mod tests {
         let binary = folder.path().join("binary.yaml");
         std::fs::write(&binary, b"a: \xff").expect("written");
         let cases = [
-            (folder.path().join("missing.yaml"), "cannot be read: No such file"),
+            (
+                folder.path().join("missing.yaml"),
+                "cannot be read: No such file",
+            ),
             (folder.path().to_owned(), "cannot be read: Is a directory"),
             (large, "larger than 1048576 bytes"),
             (binary, "not UTF-8 text (byte 3)"),
@@ -415,44 +435,10 @@ mod tests {
         for (path, expected) in cases {
             let (found, faults) = read(&path, &NodeName::default());
             assert!(found.is_empty());
-            assert!(faults.len() == 1 && faults[0].to_string().contains(expected), "{faults:?}");
-        }
-    }
-
-    #[test]
-    fn overrides_are_split_and_typed_as_ros_does() {
-        let given = |text| parse_override(text).map(|one| (one.node, one.name, one.value)).map_err(|f| f.to_string());
-        assert_eq!(given("top.load:=2.0e6"), Ok((None, "top.load".to_owned(), Value::Double(2.0e6))));
-        assert_eq!(given("top.load:=10"), Ok((None, "top.load".to_owned(), Value::Integer(10))));
-        assert_eq!(given("section.name:=HEB 220"), Ok((None, "section.name".to_owned(), Value::from("HEB 220"))));
-        assert_eq!(given("section.name:=''"), Ok((None, "section.name".to_owned(), Value::from(""))));
-        assert_eq!(
-            given("column_twin:top.load:=1.5"),
-            Ok((Some("column_twin".to_owned()), "top.load".to_owned(), Value::Double(1.5)))
-        );
-        for (text, expected) in [
-            ("top.load=3", "-p top.load=3: no `:=`; write it as name:=value"),
-            (":=3", "-p :=3: no name before `:=`"),
-            ("top.load:=", "-p top.load:=: top.load has no value; give 0 to 1e9 N"),
-            ("top.load:=[1, 2]", "top.load is a list or a mapping; give 0 to 1e9 N"),
-            ("top.load:=[1", "top.load has a value that is not valid YAML"),
-        ] {
-            let fault = given(text).expect_err(text);
-            assert!(fault.contains(expected), "{fault}");
-        }
-    }
-
-    #[test]
-    fn an_override_for_another_node_is_a_fault() {
-        let node = NodeName::new("/garage", "column_twin");
-        for (text, taken) in [
-            ("column_twin:top.load:=1.5", true),
-            ("/garage/column_twin:top.load:=1.5", true),
-            ("/column_twin:top.load:=1.5", false),
-            ("lidar:top.load:=1.5", false),
-        ] {
-            let assignment = parse_override(text).expect("well formed").assignment(&node);
-            assert_eq!(assignment.is_ok(), taken, "{text}");
+            assert!(
+                faults.len() == 1 && faults[0].to_string().contains(expected),
+                "{faults:?}"
+            );
         }
     }
 }

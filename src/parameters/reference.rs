@@ -15,7 +15,7 @@ pub fn markdown() -> String {
     for parameter in PARAMETERS {
         let this = parameter.name.split_once('.').map(|(group, _)| group);
         if group != Some(this) {
-            text.push_str(&heading(this.unwrap_or("The node itself"), group.is_some() && this.is_none()));
+            text.push_str(&heading(this.unwrap_or("The node itself")));
             group = Some(this);
         }
         text.push_str(&row(parameter));
@@ -42,14 +42,13 @@ column_twin:
 
 `/**:` instead of `column_twin:` means every node, `/garage/a3/column_twin:` the one in that namespace. A whole number is
 accepted where a double is wanted; NaN and infinity never are. Ranges include their bounds. *or 0 (...)* says what 0
-stands for where it is not a number of the range. \"Applies\" says when a change takes effect in the running node; *restart* means
-read-only while it runs.
+stands for where it is not a number of the range. *Applies* says when a change takes effect in the running node;
+*restart* means read-only while it runs.
 ";
 
-fn heading(group: &str, again: bool) -> String {
-    let more = if again { ", more" } else { "" };
+fn heading(group: &str) -> String {
     let columns = "| name | type | unit | default | admissible | applies | meaning |\n|---|---|---|---|---|---|---|\n";
-    format!("\n## {group}{more}\n\n{columns}")
+    format!("\n## {group}\n\n{columns}")
 }
 
 fn row(parameter: &Parameter) -> String {
@@ -79,7 +78,13 @@ fn steels() -> String {
          | name | E [GPa] | f_y [MPa] |\n|---|---|---|\n",
     );
     for grade in STEEL_GRADES {
-        let _ = writeln!(text, "| {} | {} | {} |", grade.name, grade.young_modulus / 1e9, grade.yield_strength / 1e6);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} |",
+            grade.name,
+            grade.young_modulus / 1e9,
+            grade.yield_strength / 1e6
+        );
     }
     text
 }

@@ -153,7 +153,9 @@ impl Settings {
                     tree.insert(parameter.name.to_owned(), value);
                 }
                 Some((group, name)) => {
-                    let group = tree.entry(group).or_insert_with(|| Json::Object(Map::new()));
+                    let group = tree
+                        .entry(group)
+                        .or_insert_with(|| Json::Object(Map::new()));
                     if let Json::Object(members) = group {
                         members.insert(name.to_owned(), value);
                     }
@@ -170,7 +172,10 @@ impl Settings {
     pub(super) fn values(&self) -> Result<Vec<Value>, serde_json::Error> {
         let tree = serde_json::to_value(self)?;
         let values = PARAMETERS.iter().map(|parameter| {
-            let json = parameter.name.split('.').fold(&tree, |node, part| &node[part]);
+            let json = parameter
+                .name
+                .split('.')
+                .fold(&tree, |node, part| &node[part]);
             match (parameter.kind(), json) {
                 (Kind::Double, json) => Value::Double(json.as_f64().unwrap_or(f64::NAN)),
                 (_, Json::Bool(value)) => Value::Bool(*value),
@@ -188,20 +193,32 @@ mod tests {
     use super::*;
 
     fn defaults() -> Vec<Value> {
-        PARAMETERS.iter().map(super::super::table::Parameter::default_value).collect()
+        PARAMETERS
+            .iter()
+            .map(super::super::table::Parameter::default_value)
+            .collect()
     }
 
     #[test]
     fn the_struct_has_the_names_of_the_table() {
         let settings = Settings::from_values(&defaults()).expect("table and struct agree");
         let mut names = Vec::new();
-        for (name, node) in serde_json::to_value(&settings).expect("serializes").as_object().expect("a mapping") {
+        for (name, node) in serde_json::to_value(&settings)
+            .expect("serializes")
+            .as_object()
+            .expect("a mapping")
+        {
             match node {
-                Json::Object(members) => names.extend(members.keys().map(|member| format!("{name}.{member}"))),
+                Json::Object(members) => {
+                    names.extend(members.keys().map(|member| format!("{name}.{member}")))
+                }
                 _ => names.push(name.clone()),
             }
         }
-        let mut expected: Vec<_> = PARAMETERS.iter().map(|parameter| parameter.name.to_owned()).collect();
+        let mut expected: Vec<_> = PARAMETERS
+            .iter()
+            .map(|parameter| parameter.name.to_owned())
+            .collect();
         names.sort();
         expected.sort();
         assert_eq!(names, expected);
@@ -211,12 +228,17 @@ mod tests {
     #[test]
     fn the_struct_knows_every_word_of_the_table() {
         for (index, parameter) in PARAMETERS.iter().enumerate() {
-            let Admissible::Choice(words) = parameter.admissible else { continue };
+            let Admissible::Choice(words) = parameter.admissible else {
+                continue;
+            };
             for word in words {
                 let mut values = defaults();
                 values[index] = Value::from(*word);
                 let settings = Settings::from_values(&values).expect(word);
-                assert_eq!(settings.values().expect("serializes")[index], Value::from(*word));
+                assert_eq!(
+                    settings.values().expect("serializes")[index],
+                    Value::from(*word)
+                );
             }
         }
     }
@@ -225,11 +247,19 @@ mod tests {
     #[test]
     fn the_struct_holds_every_integer_of_the_table() {
         for (index, parameter) in PARAMETERS.iter().enumerate() {
-            let Admissible::Integer { min, max } = parameter.admissible else { continue };
+            let Admissible::Integer { min, max } = parameter.admissible else {
+                continue;
+            };
             for number in [min, max] {
                 let mut values = defaults();
                 values[index] = Value::Integer(number);
-                assert_eq!(Settings::from_values(&values).expect("fits").values().expect("serializes"), values);
+                assert_eq!(
+                    Settings::from_values(&values)
+                        .expect("fits")
+                        .values()
+                        .expect("serializes"),
+                    values
+                );
             }
         }
     }

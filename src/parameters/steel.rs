@@ -15,11 +15,20 @@ pub struct SteelGrade {
 }
 
 /// Every grade known by name, weakest first.
-pub const STEEL_GRADES: &[SteelGrade] =
-    &[grade("S235", 235e6), grade("S275", 275e6), grade("S355", 355e6), grade("S420", 420e6), grade("S460", 460e6)];
+pub const STEEL_GRADES: &[SteelGrade] = &[
+    grade("S235", 235e6),
+    grade("S275", 275e6),
+    grade("S355", 355e6),
+    grade("S420", 420e6),
+    grade("S460", 460e6),
+];
 
 const fn grade(name: &'static str, yield_strength: f64) -> SteelGrade {
-    SteelGrade { name, young_modulus: 210e9, yield_strength }
+    SteelGrade {
+        name,
+        young_modulus: 210e9,
+        yield_strength,
+    }
 }
 
 impl SteelGrade {
@@ -27,7 +36,9 @@ impl SteelGrade {
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         let wanted: String = name.split_whitespace().collect();
-        STEEL_GRADES.iter().find(|grade| grade.name.eq_ignore_ascii_case(&wanted))
+        STEEL_GRADES
+            .iter()
+            .find(|grade| grade.name.eq_ignore_ascii_case(&wanted))
     }
 }
 
@@ -37,7 +48,10 @@ mod tests {
 
     #[test]
     fn names_in_any_case() {
-        assert_eq!(SteelGrade::named(" s 355").map(|grade| grade.yield_strength), Some(355e6));
+        assert_eq!(
+            SteelGrade::named(" s 355").map(|grade| grade.yield_strength),
+            Some(355e6)
+        );
         assert_eq!(SteelGrade::named("S350"), None);
         assert_eq!(SteelGrade::named(""), None);
     }

@@ -97,7 +97,14 @@ impl Parameter {
     /// The parameter of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
-        PARAMETERS.iter().find(|parameter| parameter.name == name)
+        Self::index_of(name).map(|index| &PARAMETERS[index])
+    }
+
+    /// Its place in [`PARAMETERS`].
+    pub(super) fn index_of(name: &str) -> Option<usize> {
+        PARAMETERS
+            .iter()
+            .position(|parameter| parameter.name == name)
     }
 
     /// The names that are nearest to a misspelt one, nearest first, at most three.
@@ -120,13 +127,21 @@ impl Parameter {
             .collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let best = ranked.first().map_or(0.0, |(score, _)| *score);
-        ranked.into_iter().take_while(|(score, _)| *score >= best - 0.05).map(|(_, name)| name).take(3).collect()
+        ranked
+            .into_iter()
+            .take_while(|(score, _)| *score >= best - 0.05)
+            .map(|(_, name)| name)
+            .take(3)
+            .collect()
     }
 
     /// The parameters of the group of this name, such as `impact`; none where there is no such group.
     pub fn in_group(group: &str) -> impl Iterator<Item = &'static Self> {
         PARAMETERS.iter().filter(move |parameter| {
-            parameter.name.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'))
+            parameter
+                .name
+                .strip_prefix(group)
+                .is_some_and(|rest| rest.starts_with('.'))
         })
     }
 
@@ -136,12 +151,13 @@ impl Parameter {
         match self.admissible {
             Admissible::Switch => Kind::Bool,
             Admissible::Integer { .. } => Kind::Integer,
-            Admissible::Real { .. } | Admissible::RealOrZero { .. } | Admissible::WholeNanoseconds { .. } => {
-                Kind::Double
-            }
-            Admissible::Choice(_) | Admissible::Text { .. } | Admissible::SectionName | Admissible::SteelGrade => {
-                Kind::String
-            }
+            Admissible::Real { .. }
+            | Admissible::RealOrZero { .. }
+            | Admissible::WholeNanoseconds { .. } => Kind::Double,
+            Admissible::Choice(_)
+            | Admissible::Text { .. }
+            | Admissible::SectionName
+            | Admissible::SteelGrade => Kind::String,
         }
     }
 
@@ -163,15 +179,35 @@ impl Parameter {
     }
 }
 
-const LENGTH: Admissible = Admissible::Real { min: 0.01, max: 100.0 };
-const EXPONENT: Admissible = Admissible::Real { min: 1.0, max: 50.0 };
+const LENGTH: Admissible = Admissible::Real {
+    min: 0.01,
+    max: 100.0,
+};
+const EXPONENT: Admissible = Admissible::Real {
+    min: 1.0,
+    max: 50.0,
+};
 const FROM_SECTION: &str = "from `section.name`";
 const FROM_SUPPORTS: &str = "from the supports";
 const SUPPORT: Admissible = Admissible::Choice(&["built_in", "pinned", "semi_rigid"]);
-const SUPPORT_STIFFNESS: Admissible = Admissible::RealOrZero { min: 1.0, max: 1e13, zero: "not semi-rigid" };
-const HINGE_STIFFNESS: Admissible = Admissible::RealOrZero { min: 1.0, max: 1e13, zero: FROM_SUPPORTS };
-const DIRECTORY: Admissible = Admissible::Text { min_chars: 1, max_chars: 4096 };
-const IDENTIFIER: Admissible = Admissible::Text { min_chars: 1, max_chars: 255 };
+const SUPPORT_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e13,
+    zero: "not semi-rigid",
+};
+const HINGE_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e13,
+    zero: FROM_SUPPORTS,
+};
+const DIRECTORY: Admissible = Admissible::Text {
+    min_chars: 1,
+    max_chars: 4096,
+};
+const IDENTIFIER: Admissible = Admissible::Text {
+    min_chars: 1,
+    max_chars: 255,
+};
 
 /// Every parameter, in the order in which they are shown.
 pub const PARAMETERS: &[Parameter] = &[
@@ -190,6 +226,25 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: IDENTIFIER,
         applies: Applies::Restart,
         meaning: "coordinate frame of the column in messages, its origin at the base",
+    },
+    Parameter {
+        name: "publish_rate",
+        unit: "Hz",
+        default: DefaultValue::Double(1000.0),
+        admissible: Admissible::Real {
+            min: 1.0,
+            max: 10_000.0,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "how often state and hinge forces are published during a response; at most once per step",
+    },
+    Parameter {
+        name: "use_sim_time",
+        unit: "",
+        default: DefaultValue::Bool(false),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "take the time from the topic /clock, as in every ROS 2 node",
     },
     Parameter {
         name: "geometry.length_below",
@@ -220,7 +275,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "section.area",
         unit: "m^2",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 1e-5, max: 1.0, zero: FROM_SECTION },
+        admissible: Admissible::RealOrZero {
+            min: 1e-5,
+            max: 1.0,
+            zero: FROM_SECTION,
+        },
         applies: Applies::AfterResponse,
         meaning: "A: area; a number overrides this one property of a named section",
     },
@@ -228,7 +287,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "section.second_moment",
         unit: "m^4",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 1e-10, max: 1.0, zero: FROM_SECTION },
+        admissible: Admissible::RealOrZero {
+            min: 1e-10,
+            max: 1.0,
+            zero: FROM_SECTION,
+        },
         applies: Applies::AfterResponse,
         meaning: "I: second moment of area; a number overrides this one property of a named section",
     },
@@ -236,7 +299,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "section.mass_per_length",
         unit: "kg/m",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 0.01, max: 1e5, zero: FROM_SECTION },
+        admissible: Admissible::RealOrZero {
+            min: 0.01,
+            max: 1e5,
+            zero: FROM_SECTION,
+        },
         applies: Applies::AfterResponse,
         meaning: "m_l: mass per length; a number overrides this one property of a named section",
     },
@@ -253,7 +320,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "steel.young_modulus",
         unit: "Pa",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 1e9, max: 1e12, zero: "from `steel.grade`" },
+        admissible: Admissible::RealOrZero {
+            min: 1e9,
+            max: 1e12,
+            zero: "from `steel.grade`",
+        },
         applies: Applies::AfterResponse,
         meaning: "E: Young's modulus; a number overrides this one property of a named grade",
     },
@@ -261,7 +332,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "steel.yield_strength",
         unit: "Pa",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 1e6, max: 1e10, zero: "from `steel.grade`" },
+        admissible: Admissible::RealOrZero {
+            min: 1e6,
+            max: 1e10,
+            zero: "from `steel.grade`",
+        },
         applies: Applies::AfterResponse,
         meaning: "f_y: yield strength; a number overrides this one property of a named grade",
     },
@@ -269,7 +344,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "resistance.moment",
         unit: "N m",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 1.0, max: 1e10, zero: "W_pl f_y, which needs `section.name`" },
+        admissible: Admissible::RealOrZero {
+            min: 1.0,
+            max: 1e10,
+            zero: "W_pl f_y, which needs `section.name`",
+        },
         applies: Applies::AfterResponse,
         meaning: "M^p: plastic moment without normal force",
     },
@@ -277,7 +356,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "resistance.axial",
         unit: "N",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 100.0, max: 1e11, zero: "A f_y" },
+        admissible: Admissible::RealOrZero {
+            min: 100.0,
+            max: 1e11,
+            zero: "A f_y",
+        },
         applies: Applies::AfterResponse,
         meaning: "N^p: squash load",
     },
@@ -301,7 +384,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "yield_surface.gamma",
         unit: "",
         default: DefaultValue::Double(1.0),
-        admissible: Admissible::Real { min: 0.01, max: 100.0 },
+        admissible: Admissible::Real {
+            min: 0.01,
+            max: 100.0,
+        },
         applies: Applies::AfterResponse,
         meaning: "gamma: the whole sum has the exponent 1/gamma (Eq 28), which scales the plastic multiplier but not the \
                   surface",
@@ -382,7 +468,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "top.spring_stiffness",
         unit: "N/m",
         default: DefaultValue::Double(1e7),
-        admissible: Admissible::Real { min: 0.0, max: 1e13 },
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 1e13,
+        },
         applies: Applies::AfterResponse,
         meaning: "k_s: vertical spring at the top, the rest of the structure",
     },
@@ -406,7 +495,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "impact.mass",
         unit: "kg",
         default: DefaultValue::Double(1500.0),
-        admissible: Admissible::Real { min: 1e-3, max: 1e6 },
+        admissible: Admissible::Real {
+            min: 1e-3,
+            max: 1e6,
+        },
         applies: Applies::AtOnce,
         meaning: "m_c: mass of the impactor",
     },
@@ -414,7 +506,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "impact.velocity",
         unit: "m/s",
         default: DefaultValue::Double(10.0),
-        admissible: Admissible::Real { min: 1e-6, max: 60.0 },
+        admissible: Admissible::Real {
+            min: 1e-6,
+            max: 60.0,
+        },
         applies: Applies::AtOnce,
         meaning: "v_c: closing speed of the impactor, positive towards the column",
     },
@@ -422,7 +517,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "impact.gap",
         unit: "m",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::Real { min: 0.0, max: 100.0 },
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 100.0,
+        },
         applies: Applies::AtOnce,
         meaning: "g_N: initial distance between impactor and column",
     },
@@ -446,7 +544,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "solver.dt",
         unit: "s",
         default: DefaultValue::Double(2e-5),
-        admissible: Admissible::WholeNanoseconds { min: 1e-7, max: 1e-3 },
+        admissible: Admissible::WholeNanoseconds {
+            min: 1e-7,
+            max: 1e-3,
+        },
         applies: Applies::AfterResponse,
         meaning: "length of a time step",
     },
@@ -462,25 +563,12 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "response.duration",
         unit: "s",
         default: DefaultValue::Double(2.0),
-        admissible: Admissible::Real { min: 1e-3, max: 600.0 },
+        admissible: Admissible::Real {
+            min: 1e-3,
+            max: 600.0,
+        },
         applies: Applies::AfterResponse,
         meaning: "longest response that is computed, if it is not over before",
-    },
-    Parameter {
-        name: "publish_rate",
-        unit: "Hz",
-        default: DefaultValue::Double(1000.0),
-        admissible: Admissible::Real { min: 1.0, max: 10_000.0 },
-        applies: Applies::AfterResponse,
-        meaning: "how often state and hinge forces are published during a response; at most once per step",
-    },
-    Parameter {
-        name: "use_sim_time",
-        unit: "",
-        default: DefaultValue::Bool(false),
-        admissible: Admissible::Switch,
-        applies: Applies::Restart,
-        meaning: "take the time from the topic /clock, as in every ROS 2 node",
     },
     Parameter {
         name: "record.mode",
@@ -502,7 +590,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "record.max_file_size",
         unit: "B",
         default: DefaultValue::Integer(1_000_000_000),
-        admissible: Admissible::Integer { min: 1_000_000, max: 1_000_000_000_000 },
+        admissible: Admissible::Integer {
+            min: 1_000_000,
+            max: 1_000_000_000_000,
+        },
         applies: Applies::Restart,
         meaning: "size at which a recording goes on in a new file",
     },
@@ -510,7 +601,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "record.max_files",
         unit: "",
         default: DefaultValue::Integer(100),
-        admissible: Admissible::Integer { min: 0, max: 1_000_000 },
+        admissible: Admissible::Integer {
+            min: 0,
+            max: 1_000_000,
+        },
         applies: Applies::Restart,
         meaning: "most recorded files that are kept, the oldest are deleted; 0 = no limit",
     },
@@ -518,7 +612,11 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "record.max_age",
         unit: "s",
         default: DefaultValue::Double(0.0),
-        admissible: Admissible::RealOrZero { min: 60.0, max: 1e9, zero: "no limit" },
+        admissible: Admissible::RealOrZero {
+            min: 60.0,
+            max: 1e9,
+            zero: "no limit",
+        },
         applies: Applies::Restart,
         meaning: "age at which a recorded file is deleted",
     },
@@ -551,7 +649,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "viewer.port",
         unit: "",
         default: DefaultValue::Integer(9876),
-        admissible: Admissible::Integer { min: 1, max: 65_535 },
+        admissible: Admissible::Integer {
+            min: 1,
+            max: 65_535,
+        },
         applies: Applies::Restart,
         meaning: "TCP port to serve on or to connect to",
     },
@@ -567,7 +668,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "viewer.memory_limit",
         unit: "B",
         default: DefaultValue::Integer(256_000_000),
-        admissible: Admissible::Integer { min: 1_000_000, max: 64_000_000_000 },
+        admissible: Admissible::Integer {
+            min: 1_000_000,
+            max: 64_000_000_000,
+        },
         applies: Applies::Restart,
         meaning: "memory for late viewers while serving; the oldest data go first",
     },
@@ -575,7 +679,10 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "viewer.magnification",
         unit: "",
         default: DefaultValue::Double(1.0),
-        admissible: Admissible::Real { min: 1.0, max: 1000.0 },
+        admissible: Admissible::Real {
+            min: 1.0,
+            max: 1000.0,
+        },
         applies: Applies::AtOnce,
         meaning: "factor on the displacements that are drawn; 1 = true to scale",
     },
@@ -588,9 +695,23 @@ mod tests {
     #[test]
     fn names_are_unique_and_each_entry_is_complete() {
         for (index, parameter) in PARAMETERS.iter().enumerate() {
-            assert_eq!(PARAMETERS.iter().position(|other| other.name == parameter.name), Some(index));
-            assert_eq!(parameter.default_value().kind(), parameter.kind(), "{}", parameter.name);
-            assert!(!parameter.meaning.is_empty() && !parameter.meaning.ends_with('.'), "{}", parameter.name);
+            assert_eq!(
+                PARAMETERS
+                    .iter()
+                    .position(|other| other.name == parameter.name),
+                Some(index)
+            );
+            assert_eq!(
+                parameter.default_value().kind(),
+                parameter.kind(),
+                "{}",
+                parameter.name
+            );
+            assert!(
+                !parameter.meaning.is_empty() && !parameter.meaning.ends_with('.'),
+                "{}",
+                parameter.name
+            );
         }
     }
 
@@ -610,7 +731,11 @@ mod tests {
             ("yield_surface.aplha", "yield_surface.alpha"),
             ("support.base_stifness", "support.base_stiffness"),
         ] {
-            assert_eq!(Parameter::nearest(wrong).first().copied().unwrap_or(""), right, "{wrong}");
+            assert_eq!(
+                Parameter::nearest(wrong).first().copied().unwrap_or(""),
+                right,
+                "{wrong}"
+            );
         }
     }
 }

@@ -63,7 +63,9 @@ impl fmt::Display for Value {
             Self::Integer(value) => write!(f, "{value}"),
             Self::Double(value) => f.write_str(&double_in_yaml(*value)),
             // A JSON string is a YAML double-quoted scalar.
-            Self::String(text) => f.write_str(&serde_json::to_string(text).map_err(|_| fmt::Error)?),
+            Self::String(text) => {
+                f.write_str(&serde_json::to_string(text).map_err(|_| fmt::Error)?)
+            }
         }
     }
 }
@@ -87,7 +89,11 @@ fn double_in_yaml(value: f64) -> String {
 
 /// A number as people write it: 60, 0.001, 1e-6, 2.1e11.
 pub(super) fn readable(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }
 
 impl fmt::Display for Kind {
@@ -151,9 +157,14 @@ mod tests {
 
     #[test]
     fn readable_numbers() {
-        for (value, text) in
-            [(0.0, "0"), (60.0, "60"), (0.001, "0.001"), (1e-6, "1e-6"), (2.1e11, "2.1e11"), (1e5, "1e5")]
-        {
+        for (value, text) in [
+            (0.0, "0"),
+            (60.0, "60"),
+            (0.001, "0.001"),
+            (1e-6, "1e-6"),
+            (2.1e11, "2.1e11"),
+            (1e5, "1e5"),
+        ] {
             assert_eq!(readable(value), text);
         }
     }

@@ -76,7 +76,9 @@ pub(super) fn parse(text: &str) -> Result<Option<Node>, SyntaxError> {
         if matches!(event, Event::StreamEnd) {
             return Ok(builder.root);
         }
-        builder.take(event, at.clone()).map_err(|message| SyntaxError { at, message })?;
+        builder
+            .take(event, at.clone())
+            .map_err(|message| SyntaxError { at, message })?;
     }
 }
 
@@ -90,7 +92,11 @@ struct Builder {
 
 enum Open {
     List(Location),
-    Mapping { at: Location, entries: Vec<(Key, Node)>, key: Option<Key> },
+    Mapping {
+        at: Location,
+        entries: Vec<(Key, Node)>,
+        key: Option<Key>,
+    },
 }
 
 impl Builder {
@@ -99,15 +105,26 @@ impl Builder {
             Event::DocumentStart(_) => {
                 self.documents += 1;
                 if self.documents > 1 {
-                    return Err("a second document: a parameter file has only one; remove the `---`".to_owned());
+                    return Err(
+                        "a second document: a parameter file has only one; remove the `---`"
+                            .to_owned(),
+                    );
                 }
                 Ok(())
             }
-            Event::Scalar(text, style, _, tag) => self.insert(scalar(text, style, tag.as_ref(), at)?),
+            Event::Scalar(text, style, _, tag) => {
+                self.insert(scalar(text, style, tag.as_ref(), at)?)
+            }
             Event::SequenceStart(..) => self.open(Open::List(at)),
-            Event::MappingStart(..) => self.open(Open::Mapping { at, entries: Vec::new(), key: None }),
+            Event::MappingStart(..) => self.open(Open::Mapping {
+                at,
+                entries: Vec::new(),
+                key: None,
+            }),
             Event::SequenceEnd | Event::MappingEnd => self.close(),
-            Event::Alias(_) => Err("ROS parameter files have no aliases (`*name`); write the value itself".to_owned()),
+            Event::Alias(_) => Err(
+                "ROS parameter files have no aliases (`*name`); write the value itself".to_owned(),
+            ),
             Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentEnd => Ok(()),
         }
     }
@@ -122,8 +139,14 @@ impl Builder {
 
     fn close(&mut self) -> Result<(), String> {
         match self.open.pop() {
-            Some(Open::List(at)) => self.insert(Node { at, content: Content::List }),
-            Some(Open::Mapping { at, entries, .. }) => self.insert(Node { at, content: Content::Mapping(entries) }),
+            Some(Open::List(at)) => self.insert(Node {
+                at,
+                content: Content::List,
+            }),
+            Some(Open::Mapping { at, entries, .. }) => self.insert(Node {
+                at,
+                content: Content::Mapping(entries),
+            }),
             None => Err("an end without a beginning".to_owned()),
         }
     }
@@ -149,15 +172,32 @@ fn as_key(node: Node) -> Result<Key, String> {
     }
 }
 
-fn scalar(text: Cow<'_, str>, style: ScalarStyle, tag: Option<&Cow<'_, Tag>>, at: Location) -> Result<Node, String> {
+fn scalar(
+    text: Cow<'_, str>,
+    style: ScalarStyle,
+    tag: Option<&Cow<'_, Tag>>,
+    at: Location,
+) -> Result<Node, String> {
     let typed = text.clone().into_owned();
     let content = match Scalar::parse_from_cow_and_metadata(text, style, tag) {
         None => return Err(format!("`{typed}` does not fit its tag; leave the tag out")),
         Some(Scalar::Null) => Content::Null,
-        Some(Scalar::Boolean(value)) => Content::Scalar { value: Value::Bool(value), text: typed },
-        Some(Scalar::Integer(value)) => Content::Scalar { value: Value::Integer(value), text: typed },
-        Some(Scalar::FloatingPoint(value)) => Content::Scalar { value: Value::Double(value.0), text: typed },
-        Some(Scalar::String(value)) => Content::Scalar { value: Value::String(value.into_owned()), text: typed },
+        Some(Scalar::Boolean(value)) => Content::Scalar {
+            value: Value::Bool(value),
+            text: typed,
+        },
+        Some(Scalar::Integer(value)) => Content::Scalar {
+            value: Value::Integer(value),
+            text: typed,
+        },
+        Some(Scalar::FloatingPoint(value)) => Content::Scalar {
+            value: Value::Double(value.0),
+            text: typed,
+        },
+        Some(Scalar::String(value)) => Content::Scalar {
+            value: Value::String(value.into_owned()),
+            text: typed,
+        },
     };
     Ok(Node { at, content })
 }
@@ -170,7 +210,13 @@ struct Offsets {
 
 impl Offsets {
     fn of(text: &str) -> Self {
-        Self { bytes: text.char_indices().map(|(offset, _)| offset).chain([text.len()]).collect() }
+        Self {
+            bytes: text
+                .char_indices()
+                .map(|(offset, _)| offset)
+                .chain([text.len()])
+                .collect(),
+        }
     }
 
     fn locate(&self, span: Span) -> Location {
@@ -215,16 +261,23 @@ mod tests {
 
     #[test]
     fn scalars_have_the_types_of_yaml() {
-        let kinds: Vec<_> = entries("{a: 10, b: 1e1, c: '10', d: true, e: off, f: .nan, g: ~, h: [1, {a: 2}], i: }")
-            .into_iter()
-            .map(|(_, node)| match node.content {
-                Content::Scalar { value, .. } => format!("{:?}", value.kind()),
-                Content::Null => "Null".to_owned(),
-                Content::List => "List".to_owned(),
-                Content::Mapping(_) => "Mapping".to_owned(),
-            })
-            .collect();
-        assert_eq!(kinds, ["Integer", "Double", "String", "Bool", "String", "Double", "Null", "List", "Null"]);
+        let kinds: Vec<_> = entries(
+            "{a: 10, b: 1e1, c: '10', d: true, e: off, f: .nan, g: ~, h: [1, {a: 2}], i: }",
+        )
+        .into_iter()
+        .map(|(_, node)| match node.content {
+            Content::Scalar { value, .. } => format!("{:?}", value.kind()),
+            Content::Null => "Null".to_owned(),
+            Content::List => "List".to_owned(),
+            Content::Mapping(_) => "Mapping".to_owned(),
+        })
+        .collect();
+        assert_eq!(
+            kinds,
+            [
+                "Integer", "Double", "String", "Bool", "String", "Double", "Null", "List", "Null"
+            ]
+        );
     }
 
     #[test]
@@ -257,10 +310,16 @@ mod tests {
 
     #[test]
     fn nesting_is_bounded() {
-        for text in ["[".repeat(500_000), "{a: ".repeat(200_000), "- ".repeat(400_000)] {
+        for text in [
+            "[".repeat(500_000),
+            "{a: ".repeat(200_000),
+            "- ".repeat(400_000),
+        ] {
             assert!(parse(&text).is_err());
         }
-        let steps: String = (0..600).map(|depth| format!("{}a:\n", " ".repeat(depth))).collect();
+        let steps: String = (0..600)
+            .map(|depth| format!("{}a:\n", " ".repeat(depth)))
+            .collect();
         assert!(parse(&steps).is_err_and(|error| error.message.contains("nested")));
     }
 
