@@ -18,6 +18,7 @@ mod state;
 mod statics;
 mod stepping;
 mod yield_surface;
+mod section;
 
 pub use assembly::PerBar;
 pub use bar::{Bar, BarForces, PlasticFlow};
@@ -35,3 +36,4 @@ pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, step};
 pub use yield_surface::YieldSurface;
+pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
