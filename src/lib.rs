@@ -1,2 +1,3 @@
 //! Digital twin of a steel column hit by a vehicle.
 pub mod column;
+pub mod messages;
