@@ -1,7 +1,8 @@
 //! The bytes of a message: an encapsulation header of four bytes, then CDR (OMG RTPS 10.2, XTypes 7.4).
 //!
-//! These are the bytes on the wire and the bytes in a recording. Reading is bounded by the bytes that are there: a
-//! length that a message announces is never believed beyond them.
+//! These are the bytes on the wire and the bytes in a recording. Padding is written as zeros here; other writers leave
+//! there whatever was in memory (Fast CDR does), so that equal messages need not be equal bytes. Reading is bounded:
+//! a message that announces more than it holds is refused without first taking the memory for it.
 
 use byteorder::{BigEndian, LittleEndian};
 
@@ -94,8 +95,10 @@ pub fn encode_into<M: Message>(bytes: &mut Vec<u8>, message: &M) -> Result<(), C
     })
 }
 
-/// The message that `bytes` are, header included, of either byte order. Allocates no more than a small multiple of
-/// the length of `bytes`.
+/// The message that `bytes` are, header included, of either byte order.
+///
+/// Takes memory for what `bytes` hold, and at most 1 MiB ahead of it for each sequence that is being read: that is
+/// where serde stops to believe an announced length.
 ///
 /// # Errors
 /// When the bytes are too few, too many (beyond padding), or not of this type.
