@@ -31,7 +31,7 @@ find_python() {
     fi
   done
   fail "expected Python 3.11, for which the ROS 2 Jazzy wheels are made, as python3.11 or python3;" \
-    "found $(python3 --version 2>&1 || echo none). On Debian: apt-get install python3.11-venv python3.11-dev"
+    "found $(python3 --version 2>/dev/null || echo no python3). On Debian: apt-get install python3.11-venv python3.11-dev"
 }
 
 check_tools() {
