@@ -1,3 +1,4 @@
 //! Digital twin of a steel column hit by a vehicle.
 pub mod column;
+pub mod messages;
 pub mod parameters;
