@@ -125,8 +125,9 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
         prop_assert!(sample.plastic_work >= dissipated - 1e-12 * scale, "{} {}", sample.plastic_work, dissipated);
         dissipated = sample.plastic_work;
         prop_assert!(sample.contact_force >= 0.0 && sample.percussion >= 0.0);
-        prop_assert!(sample.impact_loss >= 0.0 && sample.damping_work >= 0.0);
+        prop_assert!(sample.damping_work >= 0.0);
         if energy_scheme {
+            prop_assert!(sample.impact_loss >= 0.0);
             for hinge in &sample.hinges {
                 // The surface itself: gamma would only rescale the excess.
                 let excess = hinge.utilisation.powf(properties.yield_surface.gamma) - 1.0;

@@ -113,8 +113,12 @@ impl Stage for Conserving<'_> {
         self.motion.scale()
     }
 
-    fn rotational_scale(&self) -> f64 {
-        statics::rotational_scale(self.model)
+    fn elastic_scale(&self) -> [f64; 2] {
+        statics::elastic_scale(self.model)
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.model.shorter_bar()
     }
 }
 
@@ -261,7 +265,7 @@ fn locate(
 fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<State> {
     let closed = from.impactor.filter(|i| i.closed);
     let added_mass = closed.map_or(0.0, |i| i.impact.mass);
-    let motion = Motion::new(model, &from.velocity, added_mass, 0.0, secs);
+    let motion = Motion::new(model, from, added_mass, 0.0, secs);
     let stage = Conserving {
         model,
         from,

@@ -76,8 +76,12 @@ impl Stage for Midpoint<'_> {
         self.motion.scale()
     }
 
-    fn rotational_scale(&self) -> f64 {
-        statics::rotational_scale(self.model)
+    fn elastic_scale(&self) -> [f64; 2] {
+        statics::elastic_scale(self.model)
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.model.shorter_bar()
     }
 }
 
@@ -182,7 +186,7 @@ fn advance(
     push: f64,
     secs: f64,
 ) -> Option<State> {
-    let motion = Motion::new(model, &from.velocity, added_mass, push, secs);
+    let motion = Motion::new(model, from, added_mass, push, secs);
     let stage = Midpoint {
         model,
         from,
@@ -212,7 +216,13 @@ fn advance(
     // beta1 and a massless u2 are collocated at n + 1/2; extrapolated they would ring for ever, so at n + 1 they are
     // solved for.
     let end = from.displacement.plus(1.0, solved.increment);
-    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)?;
+    // Where they have no elastic equilibrium there (the stress overshoots the yield surface), extrapolation it is.
+    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)
+        .unwrap_or_else(|| {
+            let chords = assembly::chords(model, &end);
+            let forces = assembly::elastic_forces(model, &chords, &end, &state.plastic);
+            (end, forces)
+        });
     Some(state)
 }
 

@@ -139,6 +139,11 @@ impl Model {
         self.properties.top_mass == 0.0
     }
 
+    /// Length of the shorter bar \[m\].
+    pub(crate) fn shorter_bar(&self) -> f64 {
+        self.below.length.min(self.above.length)
+    }
+
     /// Displacements at rest.
     pub(crate) fn rest_displacement(&self) -> Displacement {
         Displacement {

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::geometry::Displacement;
 use super::model::Model;
-use super::state::Velocity;
+use super::state::{State, Velocity};
 
 /// A bar whose extent along the column has shrunk to this fraction of its length has lost its shape.
 pub const LEAST_EXTENT: f64 = 0.01;
@@ -16,6 +16,16 @@ pub const LENGTH_RANGE: [f64; 2] = [0.2, 5.0];
 
 /// A top that has come down by this fraction of the column's height does so without bound.
 pub const MOST_SHORTENING: f64 = 0.5;
+
+/// Floor of the size of forces, relative to `N^p`.
+const FORCE_FLOOR: f64 = 1e-9;
+
+/// Floor of the size of moments, relative to `M^p`.
+const MOMENT_FLOOR: f64 = 1e-6;
+
+/// Share of (stiffness x plastic deformation) that counts as a force: its round-off is 1e-16 of it, a residual 1e-13 of
+/// the forces is converged.
+const ROUND_OFF_SHARE: f64 = 1e-2;
 
 /// How a column loses its shape or its equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,9 +74,10 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// The motion of a column that starts with `velocity`, with `added_mass` \[kg\] moving along at the impact point
+    /// The motion of a column that starts from `from`, with `added_mass` \[kg\] moving along at the impact point
     /// and a constant force `push` \[N\] on it, over `secs`.
-    pub fn new(model: &Model, velocity: &Velocity, added_mass: f64, push: f64, secs: f64) -> Self {
+    pub fn new(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Self {
+        let velocity = &from.velocity;
         let p = &model.properties;
         let masses = Vector4::new(
             model.impact_point_mass + added_mass,
@@ -79,12 +90,12 @@ impl Motion {
         let velocity = Vector4::new(velocity.v1, velocity.u1, 0.0, top);
         let inertia = masses * (2.0 / secs);
         let mut scale = inertia.component_mul(&velocity.abs());
-        let force = p.resistance_axial + p.top_load;
+        let [force, moment] = force_scale(model, from);
         for row in [0, 1, 3] {
             scale[row] += force;
         }
         scale[0] += push.abs();
-        scale[2] = p.resistance_moment;
+        scale[2] = moment;
         Self {
             secs,
             velocity,
@@ -132,6 +143,27 @@ impl Motion {
         let rate = mean_rate(increment, self.secs);
         rate.dot(&(self.damping * rate)) * self.secs
     }
+}
+
+/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, what the round-off of plastic
+/// deformations is worth in stress, and a floor for a column that has no forces yet.
+fn force_scale(model: &Model, from: &State) -> [f64; 2] {
+    let p = &model.properties;
+    let sum_of = |pair: [f64; 2]| pair[0].abs() + pair[1].abs();
+    let mut force = p.top_load + FORCE_FLOOR * p.resistance_axial;
+    let mut moment = MOMENT_FLOOR * p.resistance_moment;
+    for (bar, forces, plastic) in [
+        (&model.below, &from.forces.below, &from.plastic.below),
+        (&model.above, &from.forces.above, &from.plastic.above),
+    ] {
+        let bending = sum_of(forces.moment);
+        moment += bending
+            + ROUND_OFF_SHARE * bar.rotational[0][0] * sum_of(plastic.rotation);
+        force += forces.normal.abs()
+            + bending / bar.length
+            + ROUND_OFF_SHARE * bar.axial * sum_of(plastic.elongation);
+    }
+    [force, moment]
 }
 
 fn mean_rate(increment: &Displacement, secs: f64) -> Vector4<f64> {
