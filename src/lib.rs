@@ -1,4 +1,6 @@
 //! Digital twin of a steel column hit by a vehicle.
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod column;
 #[cfg(feature = "cli")]
 pub mod figures;

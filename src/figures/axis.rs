@@ -10,15 +10,15 @@ pub(super) struct Axis {
     pub from: f64,
     pub to: f64,
     pub marks: Vec<f64>,
-    decimals: usize,
+    step: f64,
 }
 
 impl Axis {
-    /// An axis from a round number below `low` to one above `high`, with about `count` marks.
-    pub fn rounded(low: f64, high: f64, count: usize) -> Self {
+    /// An axis from the next mark below `low` to `high`, with about `count` marks.
+    pub fn from_round(low: f64, high: f64, count: usize) -> Self {
         let (low, high) = widened(low, high);
         let step = round_step(high - low, count);
-        Self::marked((low / step).floor() * step, (high / step).ceil() * step, step)
+        Self::marked((low / step + 1e-6).floor() * step, high, step)
     }
 
     /// An axis from `low` to `high` as they are.
@@ -38,10 +38,9 @@ impl Axis {
             from,
             to,
             marks,
-            decimals: (-step.log10().floor()).clamp(0.0, 12.0) as usize,
+            step,
         }
     }
-
 }
 
 impl Ranged for Axis {
@@ -68,7 +67,13 @@ impl Ranged for Axis {
 
 impl ValueFormatter<f64> for Axis {
     fn format_ext(&self, mark: &f64) -> String {
-        format!("{mark:.*}", self.decimals)
+        let largest = self.from.abs().max(self.to.abs());
+        if self.step < 1e-5 || largest >= 1e6 {
+            let digits = (largest / self.step).log10().ceil().clamp(0.0, 9.0) as usize;
+            return format!("{mark:.digits$e}");
+        }
+        let decimals = (-self.step.log10().floor()).max(0.0) as usize;
+        format!("{mark:.decimals$}")
     }
 }
 
@@ -105,14 +110,15 @@ mod tests {
 
     #[test]
     fn marks_are_round() {
-        let axis = Axis::rounded(-3.0, 94.6, 6);
-        assert_eq!((axis.from, axis.to), (-20.0, 100.0));
-        assert_eq!(axis.marks, [-20.0, 0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
+        let axis = Axis::from_round(-3.0, 94.6, 6);
+        assert_eq!((axis.from, axis.to), (-20.0, 94.6));
+        assert_eq!(axis.marks, [-20.0, 0.0, 20.0, 40.0, 60.0, 80.0]);
         assert_eq!(axis.format_ext(&20.0), "20");
         let time = Axis::exact(0.0, 43.7, 8);
         assert_eq!(time.to, 43.7);
         assert_eq!(*time.marks.last().unwrap(), 40.0);
-        assert_eq!(Axis::rounded(0.0, 0.3, 5).format_ext(&0.1), "0.1");
+        assert_eq!(Axis::from_round(0.0, 0.3, 5).format_ext(&0.1), "0.1");
+        assert_eq!(Axis::exact(0.0, 3e-10, 3).format_ext(&1e-10), "1.0e-10");
     }
 
     #[test]
@@ -128,7 +134,7 @@ mod tests {
             (1e300, 1.5e300),
             (3.0, 1.0),
         ] {
-            for axis in [Axis::rounded(low, high, 6), Axis::exact(low, high, 6)] {
+            for axis in [Axis::from_round(low, high, 6), Axis::exact(low, high, 6)] {
                 assert!(axis.from < axis.to, "{low} {high}: {axis:?}");
                 assert!(!axis.marks.is_empty() && axis.marks.len() < 100);
                 assert!(axis.marks.iter().all(|mark| mark.is_finite()));

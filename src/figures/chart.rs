@@ -8,7 +8,9 @@ use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, RGBColor};
 
 use super::axis::Axis;
-use super::page::{self, Area, BOTTOM, CANVAS, Drawn, Key, LEFT, RIGHT, SMALL, Stroke, TEXT, colour};
+use super::page::{
+    self, Area, BOTTOM, CANVAS, Drawn, Key, LEFT, RIGHT, SMALL, Stroke, TEXT, colour,
+};
 use super::thinning::thin_curve;
 use super::units::Unit;
 
@@ -22,24 +24,40 @@ pub(super) fn axes<'a, 'b>(
     names: [&str; 2],
 ) -> Drawn<Plot<'a, 'b>> {
     let mut plot = ChartBuilder::on(area)
+        .margin_left(EDGE)
+        .margin_bottom(EDGE)
         .margin_right(RIGHT)
-        .x_label_area_size(BOTTOM)
-        .y_label_area_size(LEFT)
+        .x_label_area_size(BOTTOM - EDGE)
+        .y_label_area_size(LEFT - EDGE)
         .build_cartesian_2d(x.clone(), y.clone())?;
     plot.configure_mesh()
         .bold_line_style(colour::GRID.stroke_width(2))
         .axis_style(colour::INK.stroke_width(3))
         .x_desc(names[0])
         .y_desc(names[1])
-        .label_style(page::text_style(SMALL, colour::INK, HPos::Center, VPos::Center))
-        .axis_desc_style(page::text_style(TEXT, colour::INK, HPos::Center, VPos::Center))
+        .label_style(page::text_style(
+            SMALL,
+            colour::INK,
+            HPos::Center,
+            VPos::Center,
+        ))
+        .axis_desc_style(page::text_style(
+            TEXT,
+            colour::INK,
+            HPos::Center,
+            VPos::Center,
+        ))
         .set_all_tick_mark_size(12)
         .draw()?;
     Ok(plot)
 }
 
+/// Between the name of an axis and the edge of the page.
+const EDGE: i32 = 14;
+
 /// A line through values over time, in SI units.
 pub(super) struct Curve {
+    /// For the legend; empty: not in it.
     pub name: String,
     pub points: Vec<(f64, f64)>,
     pub stroke: Stroke,
@@ -49,7 +67,12 @@ pub(super) struct Curve {
 
 impl Curve {
     pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
-        Self { name: name.into(), points, stroke, fill: None }
+        Self {
+            name: name.into(),
+            points,
+            stroke,
+            fill: None,
+        }
     }
 }
 
@@ -105,7 +128,12 @@ impl TimeChart<'_> {
                 &*format!("{} [{}]", self.quantity, self.unit.symbol),
             ];
             let plot = axes(&below, &time, &value, names)?;
-            let frame = Frame { page, plot: &plot, time: unit, value: self.unit };
+            let frame = Frame {
+                page,
+                plot: &plot,
+                time: unit,
+                value: self.unit,
+            };
             draw_events(page, &plot, &events, plot_top)?;
             frame.zero_line(&time, &value)?;
             for curve in &self.curves {
@@ -126,7 +154,8 @@ impl TimeChart<'_> {
     }
 
     fn legend(&self) -> Vec<(Key, String)> {
-        let curves = self.curves.iter().map(|curve| {
+        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
+        let curves = named.map(|curve| {
             let key = match curve.fill {
                 Some(colour) if curve.stroke.width == 0 => Key::Fill(colour),
                 _ => Key::Line(curve.stroke),
@@ -138,15 +167,28 @@ impl TimeChart<'_> {
 
     /// Holds every curve and zero, with room for the texts of the marks.
     fn value_axis(&self) -> Axis {
-        let values = self.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
+        let values = self
+            .curves
+            .iter()
+            .flat_map(|curve| curve.points.iter().map(|point| point.1));
         let (low, high) = values
             .filter(|value| value.is_finite())
-            .fold((0.0, 0.0), |(low, high): (f64, f64), value| (low.min(value), high.max(value)));
+            .fold((0.0, 0.0), |(low, high): (f64, f64), value| {
+                (low.min(value), high.max(value))
+            });
         let texts = self.marks.iter().any(|mark| mark.text.is_some());
-        let room = if texts { 0.09 * (high - low) } else { 0.02 * (high - low) };
-        let bottom = if low < 0.0 { low - 0.02 * (high - low) } else { 0.0 };
+        let room = if texts {
+            0.09 * (high - low)
+        } else {
+            0.02 * (high - low)
+        };
+        let bottom = if low < 0.0 {
+            low - 0.02 * (high - low)
+        } else {
+            0.0
+        };
         let top = if high > 0.0 { high + room } else { 0.0 };
-        Axis::rounded(self.unit.of(bottom), self.unit.of(top), 8)
+        Axis::from_round(self.unit.of(bottom), self.unit.of(top), 8)
     }
 
     /// The events with their place: each in the first row where its text does not meet another.
@@ -165,12 +207,17 @@ impl TimeChart<'_> {
             let text = format!("{name} {}", unit.show(instant));
             let length = page::width(page, &text, &style)?;
             let x = left + (part * f64::from(right - left)) as i32;
-            let start = (x - length / 2).clamp(LEFT / 2, right - length);
+            let start = (x - length / 2).min(right - length).max(LEFT + 10);
             let Some(row) = row_ends.iter().position(|end| *end + 40 < start) else {
                 continue;
             };
             row_ends[row] = start + length;
-            placed.push(PlacedEvent { time: unit.of(instant), text, start, row: row as i32 });
+            placed.push(PlacedEvent {
+                time: unit.of(instant),
+                text,
+                start,
+                row: row as i32,
+            });
         }
         Ok(placed)
     }
@@ -187,14 +234,25 @@ struct PlacedEvent {
 }
 
 /// A fine upright line through the plot for each event, its text above.
-fn draw_events(page: &Area<'_>, plot: &Plot<'_, '_>, events: &[PlacedEvent], top: i32) -> Drawn<()> {
+fn draw_events(
+    page: &Area<'_>,
+    plot: &Plot<'_, '_>,
+    events: &[PlacedEvent],
+    top: i32,
+) -> Drawn<()> {
     let style = page::text_style(SMALL, colour::FAINT, HPos::Left, VPos::Center);
     let range = plot.plotting_area().get_pixel_range().1;
     for event in events {
         let y = top - 26 - event.row * EVENT_ROW;
         let (x, _) = plot.backend_coord(&(event.time, 0.0));
         page.draw_text(&event.text, &style, (event.start, y))?;
-        let stroke = Stroke { dashes: Some((8, 12)), ..Stroke::solid(colour::FAINT, 3) };
+        if (x - LEFT).abs() < 4 {
+            continue; // The axis is there already.
+        }
+        let stroke = Stroke {
+            dashes: Some((8, 12)),
+            ..Stroke::solid(colour::FAINT, 3)
+        };
         stroke.draw(page, vec![(x, top - 4), (x, range.end)])?;
     }
     Ok(())
@@ -210,7 +268,8 @@ struct Frame<'a, 'b, 'c> {
 
 impl Frame<'_, '_, '_> {
     fn place(&self, time: f64, value: f64) -> (i32, i32) {
-        self.plot.backend_coord(&(self.time.of(time), self.value.of(value)))
+        self.plot
+            .backend_coord(&(self.time.of(time), self.value.of(value)))
     }
 
     fn zero_line(&self, time: &Axis, value: &Axis) -> Drawn<()> {
@@ -218,7 +277,10 @@ impl Frame<'_, '_, '_> {
             return Ok(());
         }
         let ends = [time.from, time.to].map(|end| self.plot.backend_coord(&(end, 0.0)));
-        self.page.draw(&PathElement::new(ends.to_vec(), colour::FAINT.stroke_width(3)))
+        self.page.draw(&PathElement::new(
+            ends.to_vec(),
+            colour::FAINT.stroke_width(3),
+        ))
     }
 
     fn curve(&self, curve: &Curve) -> Drawn<()> {
@@ -255,7 +317,13 @@ impl Frame<'_, '_, '_> {
                 page::dot(self.page, place, mark.colour)?;
                 let range = self.plot.plotting_area().get_pixel_range().0;
                 let above = (place.0, place.1 - 28);
-                page::label(self.page, text, above, (range.start, range.end), colour::INK)
+                page::label(
+                    self.page,
+                    text,
+                    above,
+                    (range.start, range.end),
+                    colour::INK,
+                )
             }
         }
     }
@@ -270,7 +338,13 @@ impl Frame<'_, '_, '_> {
         let Some(text) = &arrow.text else {
             return Ok(());
         };
-        page::label(self.page, text, (x, head - 8), (range.0.start, range.0.end), colour::PERCUSSION)
+        page::label(
+            self.page,
+            text,
+            (x, head - 8),
+            (range.0.start, range.0.end),
+            colour::PERCUSSION,
+        )
     }
 }
 

@@ -9,8 +9,12 @@ use crate::column::Sample;
 /// Entries of the stack from its foot: what is lost lies below what is still there.
 type Entry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
 const ENTRIES: [Entry; 5] = [
-    ("lost in percussions", colour::IMPACT_LOSS, |sample| sample.impact_loss),
-    ("plastic work", colour::PLASTIC, |sample| sample.plastic_work),
+    ("lost in percussions", colour::IMPACT_LOSS, |sample| {
+        sample.impact_loss
+    }),
+    ("plastic work", colour::PLASTIC, |sample| {
+        sample.plastic_work
+    }),
     ("damping", colour::DAMPING, |sample| sample.damping_work),
     ("elastic", colour::ELASTIC, |sample| sample.elastic_energy),
     ("kinetic", colour::KINETIC, |sample| sample.kinetic_energy),
@@ -43,16 +47,28 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
                 (sample.time, *sum)
             })
             .collect();
-        let name = format!("{name} {}", unit.show(response.samples.last().map_or(0.0, entry)));
+        let name = format!(
+            "{name} {}",
+            unit.show(response.samples.last().map_or(0.0, entry))
+        );
         let stroke = Stroke::solid(colour, 0);
-        curves.push(Curve { name, points, stroke, fill: Some(colour) });
+        curves.push(Curve {
+            name,
+            points,
+            stroke,
+            fill: Some(colour),
+        });
     }
     // Each is filled down to zero: the highest sum first, so that the lower ones cover it.
     curves.reverse();
     let level = vec![(response.span().0, start), (response.span().1, start)];
-    curves.push(Curve::line("supplied at the start", level, Stroke::solid(colour::FAINT, 3)));
     curves.push(Curve::line(
-        "and by the load since",
+        "supplied at the start",
+        level,
+        Stroke::solid(colour::FAINT, 3),
+    ));
+    curves.push(Curve::line(
+        "with the work of the load since",
         response.over_time(supply),
         Stroke::dashed(colour::INK, 5),
     ));

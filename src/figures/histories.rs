@@ -10,7 +10,9 @@ use crate::column::{HINGE_NAMES, HINGES, Sample};
 pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::length(response.largest(|sample| [sample.v1]));
-    let residual = report.residual_v1.map_or("none".into(), |value| unit.show(value));
+    let residual = report
+        .residual_v1
+        .map_or("none".into(), |value| unit.show(value));
     let key = format!(
         "peak {} at {}, residual {residual}; impactor's velocity at the end {} m/s",
         unit.show(report.max_v1),
@@ -35,7 +37,12 @@ pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> 
                 Stroke::dashed(colour::IMPACTOR, 6),
             ),
         ],
-        marks: vec![peak(report.max_v1_time, report.max_v1, unit, colour::IMPACT_POINT)],
+        marks: vec![peak(
+            report.max_v1_time,
+            report.max_v1,
+            unit,
+            colour::IMPACT_POINT,
+        )],
         arrows: Vec::new(),
         keys: Vec::new(),
         events: response.events(),
@@ -47,13 +54,18 @@ pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> 
 pub(super) fn vertical_displacement(response: &Response<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::length(response.largest(|sample| [sample.u1, sample.u2]));
-    let residual = report.residual_u2.map_or("none".into(), |value| unit.show(value));
+    let residual = report
+        .residual_u2
+        .map_or("none".into(), |value| unit.show(value));
     let outcome = response.outcome();
     let key = format!(
         "largest u₂ {}, residual {residual}; the column {outcome}",
         unit.show(report.max_u2)
     );
-    let highest = response.samples.iter().max_by(|one, other| one.u2.total_cmp(&other.u2));
+    let highest = response
+        .samples
+        .iter()
+        .max_by(|one, other| one.u2.total_cmp(&other.u2));
     TimeChart {
         title: "Vertical displacement of the impact point and the top",
         lines: [response.title, &key],
@@ -148,11 +160,20 @@ pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
     let plastic_moment = [1.0, -1.0].map(|sign| {
         let level = sign * response.resistance_moment;
         let (from, to) = response.span();
-        let name = if sign > 0.0 { "M^p without normal force" } else { "" };
-        let stroke = Stroke { dashes: Some((10, 14)), ..Stroke::solid(colour::FAINT, 4) };
+        let name = if sign > 0.0 {
+            "plastic moment without normal force"
+        } else {
+            ""
+        };
+        let stroke = Stroke {
+            dashes: Some((10, 14)),
+            ..Stroke::solid(colour::FAINT, 4)
+        };
         Curve::line(name, vec![(from, level), (to, level)], stroke)
     });
-    let marks: Vec<_> = (0..HINGES).filter_map(|hinge| first_yield(response, hinge)).collect();
+    let marks: Vec<_> = (0..HINGES)
+        .filter_map(|hinge| first_yield(response, hinge))
+        .collect();
     let keys = if marks.is_empty() {
         Vec::new()
     } else {
@@ -199,7 +220,10 @@ pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
     let keys = if arrows.is_empty() {
         Vec::new()
     } else {
-        vec![(Key::Arrow(colour::PERCUSSION), "percussion (impulse in an instant, not on the scale)".to_owned())]
+        vec![(
+            Key::Arrow(colour::PERCUSSION),
+            "percussion (impulse in an instant, not on the scale)".to_owned(),
+        )]
     };
     let marks = report
         .peak_contact_force_time
@@ -232,17 +256,25 @@ fn percussions(response: &Response<'_>) -> Vec<Arrow> {
     struck.sort_by(|one, other| other.1.total_cmp(&one.1));
     struck.truncate(MOST);
     let largest = struck.first().map_or(1.0, |first| first.1);
-    let arrows = struck.iter().enumerate().map(|(rank, (time, impulse))| Arrow {
-        time: *time,
-        height: impulse / largest,
-        text: (rank < 3).then(|| format!("{} N s", significant(*impulse, 4))),
-    });
+    let arrows = struck
+        .iter()
+        .enumerate()
+        .map(|(rank, (time, impulse))| Arrow {
+            time: *time,
+            height: impulse / largest,
+            text: (rank < 3).then(|| format!("{} N s", significant(*impulse, 4))),
+        });
     // Texts last, above the arrows of others.
     arrows.rev().collect()
 }
 
 fn peak(time: f64, value: f64, unit: Unit, colour: plotters::style::RGBColor) -> Mark {
-    Mark { time, value, colour, text: Some(unit.show(value)) }
+    Mark {
+        time,
+        value,
+        colour,
+        text: Some(unit.show(value)),
+    }
 }
 
 /// A ring on the moment of a hinge at its first yield.

@@ -113,14 +113,35 @@ fn svg_figures(response: &Response<'_>) -> Result<Vec<(String, String)>, FigureE
         return Err(FigureError::NoSamples);
     }
     let thinned = thinned(response.samples);
-    let response = &Response { samples: &thinned, ..*response };
+    let response = &Response {
+        samples: &thinned,
+        ..*response
+    };
     let mut figures = vec![
-        ("fig5_horizontal_displacement".to_owned(), histories::horizontal_displacement(response)),
-        ("fig6_vertical_displacement".to_owned(), histories::vertical_displacement(response)),
-        ("fig7_normal_forces".to_owned(), histories::normal_forces(response)),
-        ("fig8_bending_moments".to_owned(), histories::bending_moments(response)),
-        ("contact_force".to_owned(), histories::contact_force(response)),
-        ("energy_ledger".to_owned(), energy_ledger::energy_ledger(response)),
+        (
+            "fig5_horizontal_displacement".to_owned(),
+            histories::horizontal_displacement(response),
+        ),
+        (
+            "fig6_vertical_displacement".to_owned(),
+            histories::vertical_displacement(response),
+        ),
+        (
+            "fig7_normal_forces".to_owned(),
+            histories::normal_forces(response),
+        ),
+        (
+            "fig8_bending_moments".to_owned(),
+            histories::bending_moments(response),
+        ),
+        (
+            "contact_force".to_owned(),
+            histories::contact_force(response),
+        ),
+        (
+            "energy_ledger".to_owned(),
+            energy_ledger::energy_ledger(response),
+        ),
     ];
     for hinge in 0..HINGES {
         let name = format!("mn_path_{}", HINGE_NAMES[hinge]);
@@ -130,13 +151,18 @@ fn svg_figures(response: &Response<'_>) -> Result<Vec<(String, String)>, FigureE
         .into_iter()
         .map(|(figure, svg)| match svg {
             Ok(svg) => Ok((figure, svg)),
-            Err(fault) => Err(FigureError::Draw { figure, reason: fault.to_string() }),
+            Err(fault) => Err(FigureError::Draw {
+                figure,
+                reason: fault.to_string(),
+            }),
         })
         .collect()
 }
 
 fn thinned(samples: &[Sample]) -> Vec<Sample> {
-    let duration = samples.last().map_or(0.0, |last| last.time - samples[0].time);
+    let duration = samples
+        .last()
+        .map_or(0.0, |last| last.time - samples[0].time);
     let mut thinning = Thinning::new(samples.len() as u64, duration);
     samples.iter().for_each(|sample| thinning.push(sample));
     thinning.finish()
@@ -151,7 +177,10 @@ impl Response<'_> {
 
     /// A quantity over time.
     fn over_time(&self, quantity: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
-        self.samples.iter().map(|sample| (sample.time, quantity(sample))).collect()
+        self.samples
+            .iter()
+            .map(|sample| (sample.time, quantity(sample)))
+            .collect()
     }
 
     /// Largest magnitude of some quantities.

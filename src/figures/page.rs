@@ -6,7 +6,9 @@ use plotters::coord::Shift;
 use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::prelude::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, IntoFont, RGBColor, ShapeStyle, TextStyle, WHITE, register_font};
+use plotters::style::{
+    Color, FontStyle, IntoFont, RGBColor, ShapeStyle, TextStyle, WHITE, register_font,
+};
 
 /// Size of the canvas. Plotters places everything on whole units, so these are finer than the pixels shown.
 pub(super) const CANVAS: (u32, u32) = (2400, 1500);
@@ -73,11 +75,19 @@ pub(super) struct Stroke {
 
 impl Stroke {
     pub const fn solid(colour: RGBColor, width: u32) -> Self {
-        Self { colour, width, dashes: None }
+        Self {
+            colour,
+            width,
+            dashes: None,
+        }
     }
 
     pub const fn dashed(colour: RGBColor, width: u32) -> Self {
-        Self { colour, width, dashes: Some((26, 20)) }
+        Self {
+            colour,
+            width,
+            dashes: Some((26, 20)),
+        }
     }
 
     /// Draws the line through points of the canvas.
@@ -85,9 +95,12 @@ impl Stroke {
         let style = self.colour.stroke_width(self.width);
         match self.dashes {
             None => area.draw(&PathElement::new(points, style)),
-            Some((dash, space)) => {
-                area.draw(&DashedPathElement::new(points.into_iter(), dash, space, style))
-            }
+            Some((dash, space)) => area.draw(&DashedPathElement::new(
+                points.into_iter(),
+                dash,
+                space,
+                style,
+            )),
         }
     }
 }
@@ -123,7 +136,12 @@ pub(super) fn draw(draw: impl FnOnce(&Area<'_>) -> Drawn<()>) -> Drawn<String> {
 }
 
 /// Text of that size, placed by the given point of it.
-pub(super) fn text_style(size: u32, colour: RGBColor, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
+pub(super) fn text_style(
+    size: u32,
+    colour: RGBColor,
+    horizontal: HPos,
+    vertical: VPos,
+) -> TextStyle<'static> {
     TextStyle {
         font: (FONT, size).into_font(),
         color: colour.to_backend_color(),
@@ -173,29 +191,37 @@ fn fitted(area: &Area<'_>, text: &str, style: &TextStyle<'_>, room: i32) -> Draw
 /// One or more rows above the plot, where no curve can pass; the height below them.
 fn draw_legend(area: &Area<'_>, entries: &[(Key, String)], top: i32) -> Drawn<i32> {
     const ROW: i32 = 58;
-    const SWATCH: i32 = 96;
     const SPACE: i32 = 56;
     let style = text_style(TEXT, colour::INK, HPos::Left, VPos::Center);
     let start = LEFT / 2;
     let (mut x, mut y) = (start, top);
     for (key, name) in entries {
-        let length = SWATCH + 16 + width(area, name, &style)?;
+        let swatch = match key {
+            Key::Line(_) | Key::Fill(_) => 96,
+            Key::Ring(_) | Key::Arrow(_) => 34,
+        };
+        let length = swatch + 16 + width(area, name, &style)?;
         if x > start && x + length > CANVAS.0 as i32 - RIGHT {
             (x, y) = (start, y + ROW);
         }
-        draw_key(area, *key, x, y, SWATCH)?;
-        area.draw_text(name, &style, (x + SWATCH + 16, y))?;
+        draw_key(area, *key, x, y, swatch)?;
+        area.draw_text(name, &style, (x + swatch + 16, y))?;
         x += length + SPACE;
     }
-    Ok(if entries.is_empty() { top } else { y + ROW / 2 + 14 })
+    Ok(if entries.is_empty() {
+        top
+    } else {
+        y + ROW / 2 + 14
+    })
 }
 
 fn draw_key(area: &Area<'_>, key: Key, x: i32, y: i32, length: i32) -> Drawn<()> {
     match key {
         Key::Line(stroke) => stroke.draw(area, vec![(x, y), (x + length, y)]),
-        Key::Fill(colour) => {
-            area.draw(&Rectangle::new([(x, y - 17), (x + length, y + 17)], colour.filled()))
-        }
+        Key::Fill(colour) => area.draw(&Rectangle::new(
+            [(x, y - 17), (x + length, y + 17)],
+            colour.filled(),
+        )),
         Key::Ring(colour) => ring(area, (x + length / 2, y), colour),
         Key::Arrow(colour) => arrow(area, x + length / 2, y + 22, y - 22, colour),
     }
@@ -217,9 +243,16 @@ pub(super) fn dot(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Draw
 pub(super) fn arrow(area: &Area<'_>, x: i32, foot: i32, head: i32, colour: RGBColor) -> Drawn<()> {
     let barb = 26.min(foot - head);
     let line: ShapeStyle = colour.stroke_width(6);
-    area.draw(&PathElement::new(vec![(x, foot), (x, head + barb / 2)], line))?;
+    area.draw(&PathElement::new(
+        vec![(x, foot), (x, head + barb / 2)],
+        line,
+    ))?;
     area.draw(&Polygon::new(
-        vec![(x, head), (x - barb / 2, head + barb), (x + barb / 2, head + barb)],
+        vec![
+            (x, head),
+            (x - barb / 2, head + barb),
+            (x + barb / 2, head + barb),
+        ],
         colour.filled(),
     ))
 }
@@ -234,7 +267,9 @@ pub(super) fn label(
 ) -> Drawn<()> {
     let style = text_style(SMALL, colour, HPos::Left, VPos::Center);
     let length = width(area, text, &style)?;
-    let left = (place.0 - length / 2).min(range.1 - length - 10).max(range.0 + 10);
+    let left = (place.0 - length / 2)
+        .min(range.1 - length - 10)
+        .max(range.0 + 10);
     let middle = place.1 - 22;
     area.draw(&Rectangle::new(
         [(left - 6, middle - 22), (left + length + 6, middle + 22)],

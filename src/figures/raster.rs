@@ -26,10 +26,18 @@ impl Raster {
     /// The picture as PNG; the error is the library's own words.
     pub fn png(&self, svg: &str) -> Result<Vec<u8>, String> {
         let tree = self.tree(svg)?;
-        let size = tree.size().to_int_size().scale_by(SCALE).ok_or("the picture has no size")?;
+        let size = tree
+            .size()
+            .to_int_size()
+            .scale_by(SCALE)
+            .ok_or("the picture has no size")?;
         let mut picture =
             Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
-        resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut picture.as_mut());
+        resvg::render(
+            &tree,
+            Transform::from_scale(SCALE, SCALE),
+            &mut picture.as_mut(),
+        );
         picture.encode_png().map_err(|fault| fault.to_string())
     }
 

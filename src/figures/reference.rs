@@ -22,12 +22,26 @@ const RESISTANCE_AXIAL: f64 = 3.232e6;
 impl Reference {
     /// The paper's example with elliptical hinges.
     pub fn ellipse() -> Self {
-        Self::read("heb220_ellipse", YieldExponents { alpha: 2.0, beta: 2.0, gamma: 1.0 })
+        Self::read(
+            "heb220_ellipse",
+            YieldExponents {
+                alpha: 2.0,
+                beta: 2.0,
+                gamma: 1.0,
+            },
+        )
     }
 
     /// The paper's example with Duan and Chen's hinges.
     pub fn duan_chen() -> Self {
-        Self::read("heb220_duan_chen", YieldExponents { alpha: 1.0, beta: 1.3, gamma: 1.0 })
+        Self::read(
+            "heb220_duan_chen",
+            YieldExponents {
+                alpha: 1.0,
+                beta: 1.3,
+                gamma: 1.0,
+            },
+        )
     }
 
     /// What is drawn.
@@ -53,7 +67,11 @@ impl Reference {
             .map(|row| sample(&row.unwrap(), summary, yield_surface))
             .collect();
         let report = report(&samples, summary);
-        Self { samples, report, yield_surface }
+        Self {
+            samples,
+            report,
+            yield_surface,
+        }
     }
 }
 
@@ -76,7 +94,13 @@ fn sample(row: &Row, summary: &serde_json::Value, exponents: YieldExponents) -> 
             (true, true) => HingeState::Plastic,
             (true, false) => HingeState::Unloaded,
         };
-        HingeSample { moment, normal_force, utilisation, state, ..HingeSample::default() }
+        HingeSample {
+            moment,
+            normal_force,
+            utilisation,
+            state,
+            ..HingeSample::default()
+        }
     });
     let contact = row["in_contact"] > 0.5;
     Sample {

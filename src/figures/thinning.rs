@@ -29,7 +29,11 @@ impl Thinning {
     /// For a history of so many samples that lasts so long \[s\].
     pub fn new(samples: u64, duration: f64) -> Self {
         Self {
-            part: if samples <= KEPT_WHOLE { 0.0 } else { duration / PARTS },
+            part: if samples <= KEPT_WHOLE {
+                0.0
+            } else {
+                duration / PARTS
+            },
             part_end: f64::NEG_INFINITY,
             pending: Vec::new(),
             kept: Vec::new(),
@@ -75,7 +79,8 @@ impl Thinning {
         }
         chosen.sort_unstable();
         chosen.dedup();
-        self.kept.extend(chosen.into_iter().map(|place| self.pending[place]));
+        self.kept
+            .extend(chosen.into_iter().map(|place| self.pending[place]));
         self.pending.clear();
     }
 }
@@ -111,7 +116,12 @@ fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
 ///
 /// x does not decrease; points that are not finite are left out.
 pub(super) fn thin_curve(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
-    let finite = || points.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
+    let finite = || {
+        points
+            .iter()
+            .copied()
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+    };
     let (Some(first), Some(last)) = (finite().next(), finite().last()) else {
         return Vec::new();
     };
@@ -184,10 +194,12 @@ mod tests {
         assert!(few.is_sorted_by(|left, right| left.time < right.time));
         for quantity in 0..QUANTITIES {
             let range = |samples: &[Sample]| {
-                samples.iter().map(|sample| drawn(sample)[quantity]).fold(
-                    (f64::MAX, f64::MIN),
-                    |(low, high), value| (low.min(value), high.max(value)),
-                )
+                samples
+                    .iter()
+                    .map(|sample| drawn(sample)[quantity])
+                    .fold((f64::MAX, f64::MIN), |(low, high), value| {
+                        (low.min(value), high.max(value))
+                    })
             };
             assert_eq!(range(&few), range(&samples), "quantity {quantity}");
         }
@@ -202,7 +214,8 @@ mod tests {
         assert!(thin.len() <= 4 * 501);
         assert!(thin.is_sorted_by(|left, right| left.0 < right.0));
         for part in points.chunks(100_000 / 50) {
-            let inside = |point: &&(f64, f64)| (part[0].0..=part[part.len() - 1].0).contains(&point.0);
+            let inside =
+                |point: &&(f64, f64)| (part[0].0..=part[part.len() - 1].0).contains(&point.0);
             let highest = |of: &mut dyn Iterator<Item = f64>| of.fold(f64::MIN, f64::max);
             let all = highest(&mut part.iter().map(|point| point.1));
             let kept = highest(&mut thin.iter().filter(inside).map(|point| point.1));
@@ -214,6 +227,9 @@ mod tests {
     fn points_that_are_not_finite_are_left_out() {
         assert!(thin_curve(&[], 10).is_empty());
         assert!(thin_curve(&[(f64::NAN, 1.0)], 10).is_empty());
-        assert_eq!(thin_curve(&[(0.0, 1.0), (1.0, f64::INFINITY)], 10), [(0.0, 1.0)]);
+        assert_eq!(
+            thin_curve(&[(0.0, 1.0), (1.0, f64::INFINITY)], 10),
+            [(0.0, 1.0)]
+        );
     }
 }

@@ -17,7 +17,12 @@ pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String>
     let path: Vec<(f64, f64)> = response
         .samples
         .iter()
-        .map(|sample| (sample.hinges[hinge].moment, sample.hinges[hinge].normal_force))
+        .map(|sample| {
+            (
+                sample.hinges[hinge].moment,
+                sample.hinges[hinge].normal_force,
+            )
+        })
         .filter(|(moment, force)| moment.is_finite() && force.is_finite())
         .collect();
     let figure = YieldPath {
@@ -26,7 +31,10 @@ pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String>
         surface: surface(response),
         first_yield: response.report.hinges[hinge].first_yield.and_then(|time| {
             let sample = response.samples.iter().find(|sample| sample.time >= time)?;
-            Some((sample.hinges[hinge].moment, sample.hinges[hinge].normal_force))
+            Some((
+                sample.hinges[hinge].moment,
+                sample.hinges[hinge].normal_force,
+            ))
         }),
         path,
         colour: colour::HINGES[hinge],
@@ -36,11 +44,17 @@ pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String>
         HINGE_NAMES[hinge], HINGE_PLACES[hinge]
     );
     page::draw(|page| {
-        let top = page::heading(page, &title, [response.title, &key(response, hinge)], &figure.legend())?;
+        let top = page::heading(
+            page,
+            &title,
+            [response.title, &key(response, hinge)],
+            &figure.legend(),
+        )?;
         let (_, below) = page.split_vertically(top + 10);
         let (left, right) = below.split_horizontally(CANVAS.0 as i32 / 2 + 20);
-        let whole = figure.extent(figure.surface.iter().chain(&figure.path), 0.04);
         let passed = figure.extent(figure.path.iter(), 0.12);
+        let corners = [(passed[0].0, passed[1].0), (passed[0].1, passed[1].1)];
+        let whole = figure.extent(figure.surface.iter().chain(&corners), 0.04);
         figure.panel(page, &left, &whole, "", Some(&passed))?;
         figure.panel(page, &right, &passed, " (enlarged)", None)
     })
@@ -97,8 +111,14 @@ type Extent = [(f64, f64); 2];
 impl YieldPath {
     fn legend(&self) -> Vec<(Key, String)> {
         let mut entries = vec![
-            (Key::Line(Stroke::solid(colour::INK, 4)), "yield surface".to_owned()),
-            (Key::Line(Stroke::solid(self.colour, 6)), "path (● start, ■ end)".to_owned()),
+            (
+                Key::Line(Stroke::solid(colour::INK, 4)),
+                "yield surface".to_owned(),
+            ),
+            (
+                Key::Line(Stroke::solid(self.colour, 6)),
+                "path (● start, ■ end)".to_owned(),
+            ),
         ];
         if self.first_yield.is_some() {
             entries.push((Key::Ring(self.colour), "first yield".to_owned()));
@@ -115,9 +135,12 @@ impl YieldPath {
                 (force.0.min(point.1), force.1.max(point.1)),
             ]
         });
-        let sizes = self.surface.iter().fold((0.0, 0.0), |(moment, force): (f64, f64), point| {
-            (moment.max(point.0), force.max(point.1))
-        });
+        let sizes = self
+            .surface
+            .iter()
+            .fold((0.0, 0.0), |(moment, force): (f64, f64), point| {
+                (moment.max(point.0), force.max(point.1))
+            });
         // A path that stands still is shown within a fiftieth of the surface.
         let widen = |(low, high): (f64, f64), size: f64| {
             let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
@@ -147,7 +170,6 @@ impl YieldPath {
                 &format!("normal force N, tension positive [{}]", self.force.symbol),
             ],
         )?;
-        let (xs, ys) = plot.plotting_area().get_pixel_range();
         let place = |point: &(f64, f64)| {
             plot.backend_coord(&(self.moment.of(point.0), self.force.of(point.1)))
         };
@@ -161,10 +183,12 @@ impl YieldPath {
                 (corners[0].0, corners[1].1),
                 corners[0],
             ];
-            let stroke = Stroke { dashes: Some((8, 12)), ..Stroke::solid(colour::FAINT, 3) };
+            let stroke = Stroke {
+                dashes: Some((8, 12)),
+                ..Stroke::solid(colour::FAINT, 3)
+            };
             stroke.draw(page, outline.to_vec())?;
         }
-        debug_assert!(xs.start < xs.end && ys.start < ys.end);
         for line in lines_once(self.path.iter().map(place)) {
             page.draw(&PathElement::new(line, self.colour.stroke_width(5)))?;
         }
@@ -194,7 +218,10 @@ impl YieldPath {
             !on_edge(point.0, extent[0]) && !on_edge(point.1, extent[1])
         };
         // The outline follows the surface, not the edges of the plot where it was cut.
-        for pair in inside.windows(2).filter(|pair| within(&pair[0]) || within(&pair[1])) {
+        for pair in inside
+            .windows(2)
+            .filter(|pair| within(&pair[0]) || within(&pair[1]))
+        {
             let line = vec![place(&pair[0]), place(&pair[1])];
             page.draw(&PathElement::new(line, colour::INK.stroke_width(4)))?;
         }
@@ -274,7 +301,10 @@ mod tests {
         for corner in expected {
             assert!(cut.contains(&corner), "{cut:?}");
         }
-        assert!(cut.iter().all(|point| (0.0..=1.0).contains(&point.0) && point.1.abs() <= 0.5));
+        assert!(
+            cut.iter()
+                .all(|point| (0.0..=1.0).contains(&point.0) && point.1.abs() <= 0.5)
+        );
         assert!(clipped(&square, &[(2.0, 3.0), (2.0, 3.0)]).is_empty());
     }
 }
