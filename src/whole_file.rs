@@ -33,12 +33,18 @@ impl WholeFile {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
+        if !folder.is_dir() {
+            let reason = format!("there is no folder {}", folder.display());
+            return Err(io::Error::new(io::ErrorKind::NotFound, reason));
+        }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".column-twin-").suffix(".partial");
         // As any other new file: the user's umask decides who may read it.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder)?;
+        // The library's words name the temporary file, which would puzzle the reader.
+        let named = |fault: io::Error| io::Error::new(fault.kind(), fault.kind().to_string());
+        let file = builder.tempfile_in(folder).map_err(named)?;
         Ok(Self {
             writer: BufWriter::new(file),
             path,

@@ -71,9 +71,9 @@ enum SimulateError {
     #[error("the impact cannot be simulated: {0}")]
     #[diagnostic(help("check the column's and the impact's parameters"))]
     Simulation(#[from] SimulationError),
-    #[error("cannot write the history to {}: {source}", path.display())]
+    #[error("cannot write the history to {}: {reason}", path.display())]
     #[diagnostic(help("name a file in a folder that exists and can be written to"))]
-    History { path: PathBuf, source: io::Error },
+    History { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
     #[error(transparent)]
@@ -218,10 +218,10 @@ impl Case {
         let title = format!(
             "{}: {} kg at {} m/s ({} km/h), {} m above the base",
             parameters.column_name(),
-            impact.mass,
-            impact.velocity,
-            significant(3.6 * impact.velocity, 4),
-            significant(properties.length_below, 4),
+            short(impact.mass),
+            short(impact.velocity),
+            short(3.6 * impact.velocity),
+            short(properties.length_below),
         );
         Ok(Self {
             title,
@@ -241,9 +241,9 @@ impl Case {
     }
 
     fn write_history_file(&self, path: &Path) -> Result<(), SimulateError> {
-        let fault = |source| SimulateError::History {
+        let fault = |reason| SimulateError::History {
             path: path.to_path_buf(),
-            source,
+            reason,
         };
         let file = WholeFile::create(path).map_err(fault)?;
         self.write_history(file)
@@ -281,6 +281,13 @@ impl Case {
         };
         Ok(figures::draw_all(folder, &response)?)
     }
+}
+
+/// A number of a title: four significant digits, no zeros behind them.
+fn short(value: f64) -> String {
+    let text = significant(value, 4);
+    text.parse::<f64>()
+        .map_or(text, |rounded| rounded.to_string())
 }
 
 /// The parameters of the files with the overrides.

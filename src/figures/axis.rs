@@ -14,15 +14,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// An axis from the next mark below `low` to `high`, with about `count` marks.
-    pub fn from_round(low: f64, high: f64, count: usize) -> Self {
-        let (low, high) = widened(low, high);
-        let step = round_step(high - low, count);
-        Self::marked((low / step + 1e-6).floor() * step, high, step)
-    }
-
-    /// An axis from `low` to `high` as they are.
-    pub fn exact(low: f64, high: f64, count: usize) -> Self {
+    /// An axis from `low` to `high`, with about `count` round numbers marked.
+    pub fn between(low: f64, high: f64, count: usize) -> Self {
         let (low, high) = widened(low, high);
         Self::marked(low, high, round_step(high - low, count))
     }
@@ -110,15 +103,15 @@ mod tests {
 
     #[test]
     fn marks_are_round() {
-        let axis = Axis::from_round(-3.0, 94.6, 6);
-        assert_eq!((axis.from, axis.to), (-20.0, 94.6));
-        assert_eq!(axis.marks, [-20.0, 0.0, 20.0, 40.0, 60.0, 80.0]);
+        let axis = Axis::between(-3.0, 94.6, 6);
+        assert_eq!((axis.from, axis.to), (-3.0, 94.6));
+        assert_eq!(axis.marks, [0.0, 20.0, 40.0, 60.0, 80.0]);
         assert_eq!(axis.format_ext(&20.0), "20");
-        let time = Axis::exact(0.0, 43.7, 8);
+        let time = Axis::between(0.0, 43.7, 8);
         assert_eq!(time.to, 43.7);
         assert_eq!(*time.marks.last().unwrap(), 40.0);
-        assert_eq!(Axis::from_round(0.0, 0.3, 5).format_ext(&0.1), "0.1");
-        assert_eq!(Axis::exact(0.0, 3e-10, 3).format_ext(&1e-10), "1.0e-10");
+        assert_eq!(Axis::between(0.0, 0.3, 5).format_ext(&0.1), "0.1");
+        assert_eq!(Axis::between(0.0, 3e-10, 3).format_ext(&1e-10), "1.0e-10");
     }
 
     #[test]
@@ -134,7 +127,8 @@ mod tests {
             (1e300, 1.5e300),
             (3.0, 1.0),
         ] {
-            for axis in [Axis::from_round(low, high, 6), Axis::exact(low, high, 6)] {
+            {
+                let axis = Axis::between(low, high, 6);
                 assert!(axis.from < axis.to, "{low} {high}: {axis:?}");
                 assert!(!axis.marks.is_empty() && axis.marks.len() < 100);
                 assert!(axis.marks.iter().all(|mark| mark.is_finite()));

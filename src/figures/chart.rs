@@ -31,8 +31,8 @@ pub(super) fn axes<'a, 'b>(
         .y_label_area_size(LEFT - EDGE)
         .build_cartesian_2d(x.clone(), y.clone())?;
     plot.configure_mesh()
-        .bold_line_style(colour::GRID.stroke_width(2))
-        .axis_style(colour::INK.stroke_width(3))
+        .bold_line_style(colour::GRID.stroke_width(4))
+        .axis_style(colour::INK.stroke_width(6))
         .x_desc(names[0])
         .y_desc(names[1])
         .label_style(page::text_style(
@@ -47,13 +47,13 @@ pub(super) fn axes<'a, 'b>(
             HPos::Center,
             VPos::Center,
         ))
-        .set_all_tick_mark_size(12)
+        .set_all_tick_mark_size(24)
         .draw()?;
     Ok(plot)
 }
 
 /// Between the name of an axis and the edge of the page.
-const EDGE: i32 = 14;
+const EDGE: i32 = 28;
 
 /// A line through values over time, in SI units.
 pub(super) struct Curve {
@@ -117,10 +117,10 @@ impl TimeChart<'_> {
         page::draw(|page| {
             let top = page::heading(page, self.title, self.lines, &self.legend())?;
             let unit = Unit::time(self.span.0.abs().max(self.span.1.abs()));
-            let time = Axis::exact(unit.of(self.span.0), unit.of(self.span.1), 10);
+            let time = Axis::between(unit.of(self.span.0), unit.of(self.span.1), 10);
             let events = self.placed_events(page, &time, unit)?;
             let rows = events.iter().map(|event| event.row + 1).max().unwrap_or(0);
-            let plot_top = top + 20 + rows * EVENT_ROW;
+            let plot_top = top + 40 + rows * EVENT_ROW;
             let (_, below) = page.split_vertically(plot_top);
             let value = self.value_axis();
             let names = [
@@ -180,15 +180,15 @@ impl TimeChart<'_> {
         let room = if texts {
             0.09 * (high - low)
         } else {
-            0.02 * (high - low)
+            0.04 * (high - low)
         };
         let bottom = if low < 0.0 {
-            low - 0.02 * (high - low)
+            low - 0.04 * (high - low)
         } else {
             0.0
         };
         let top = if high > 0.0 { high + room } else { 0.0 };
-        Axis::from_round(self.unit.of(bottom), self.unit.of(top), 8)
+        Axis::between(self.unit.of(bottom), self.unit.of(top), 8)
     }
 
     /// The events with their place: each in the first row where its text does not meet another.
@@ -207,8 +207,8 @@ impl TimeChart<'_> {
             let text = format!("{name} {}", unit.show(instant));
             let length = page::width(page, &text, &style)?;
             let x = left + (part * f64::from(right - left)) as i32;
-            let start = (x - length / 2).min(right - length).max(LEFT + 10);
-            let Some(row) = row_ends.iter().position(|end| *end + 40 < start) else {
+            let start = (x - length / 2).min(right - length).max(LEFT + 20);
+            let Some(row) = row_ends.iter().position(|end| *end + 80 < start) else {
                 continue;
             };
             row_ends[row] = start + length;
@@ -223,7 +223,7 @@ impl TimeChart<'_> {
     }
 }
 
-const EVENT_ROW: i32 = 48;
+const EVENT_ROW: i32 = 96;
 
 struct PlacedEvent {
     /// In the unit of the axis.
@@ -243,17 +243,17 @@ fn draw_events(
     let style = page::text_style(SMALL, colour::FAINT, HPos::Left, VPos::Center);
     let range = plot.plotting_area().get_pixel_range().1;
     for event in events {
-        let y = top - 26 - event.row * EVENT_ROW;
+        let y = top - 52 - event.row * EVENT_ROW;
         let (x, _) = plot.backend_coord(&(event.time, 0.0));
         page.draw_text(&event.text, &style, (event.start, y))?;
-        if (x - LEFT).abs() < 4 {
+        if (x - LEFT).abs() < 8 {
             continue; // The axis is there already.
         }
         let stroke = Stroke {
-            dashes: Some((8, 12)),
-            ..Stroke::solid(colour::FAINT, 3)
+            dashes: Some((16, 24)),
+            ..Stroke::solid(colour::FAINT, 6)
         };
-        stroke.draw(page, vec![(x, top - 4), (x, range.end)])?;
+        stroke.draw(page, vec![(x, top - 8), (x, range.end)])?;
     }
     Ok(())
 }
@@ -279,12 +279,12 @@ impl Frame<'_, '_, '_> {
         let ends = [time.from, time.to].map(|end| self.plot.backend_coord(&(end, 0.0)));
         self.page.draw(&PathElement::new(
             ends.to_vec(),
-            colour::FAINT.stroke_width(3),
+            colour::FAINT.stroke_width(6),
         ))
     }
 
     fn curve(&self, curve: &Curve) -> Drawn<()> {
-        let points: Vec<_> = thin_curve(&curve.points, CANVAS.0 as usize / 2)
+        let points: Vec<_> = thin_curve(&curve.points, CANVAS.0 as usize / 4)
             .into_iter()
             .map(|(time, value)| self.place(time, value))
             .collect();
@@ -316,7 +316,7 @@ impl Frame<'_, '_, '_> {
             Some(text) => {
                 page::dot(self.page, place, mark.colour)?;
                 let range = self.plot.plotting_area().get_pixel_range().0;
-                let above = (place.0, place.1 - 28);
+                let above = (place.0, place.1 - 56);
                 page::label(
                     self.page,
                     text,
@@ -341,7 +341,7 @@ impl Frame<'_, '_, '_> {
         page::label(
             self.page,
             text,
-            (x, head - 8),
+            (x, head - 16),
             (range.0.start, range.0.end),
             colour::PERCUSSION,
         )

@@ -65,12 +65,12 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
     curves.push(Curve::line(
         "supplied at the start",
         level,
-        Stroke::solid(colour::FAINT, 3),
+        Stroke::solid(colour::FAINT, 6),
     ));
     curves.push(Curve::line(
         "with the work of the load since",
         response.over_time(supply),
-        Stroke::dashed(colour::INK, 5),
+        Stroke::dashed(colour::INK, 10),
     ));
     let last = response.samples.last();
     let key = format!(

@@ -29,12 +29,12 @@ pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> 
             Curve::line(
                 "v₁ impact point",
                 response.over_time(|sample| sample.v1),
-                Stroke::solid(colour::IMPACT_POINT, 9),
+                Stroke::solid(colour::IMPACT_POINT, 18),
             ),
             Curve::line(
                 "v_c impactor",
                 response.over_time(|sample| sample.impactor_position),
-                Stroke::dashed(colour::IMPACTOR, 6),
+                Stroke::dashed(colour::IMPACTOR, 12),
             ),
         ],
         marks: vec![peak(
@@ -76,12 +76,12 @@ pub(super) fn vertical_displacement(response: &Response<'_>) -> Drawn<String> {
             Curve::line(
                 "u₁ impact point",
                 response.over_time(|sample| sample.u1),
-                Stroke::solid(colour::IMPACT_POINT, 7),
+                Stroke::solid(colour::IMPACT_POINT, 14),
             ),
             Curve::line(
                 "u₂ top",
                 response.over_time(|sample| sample.u2),
-                Stroke::solid(colour::TOP, 7),
+                Stroke::solid(colour::TOP, 14),
             ),
         ],
         marks: highest
@@ -124,12 +124,12 @@ pub(super) fn normal_forces(response: &Response<'_>) -> Drawn<String> {
             Curve::line(
                 "N_a below the impact (hinges 1a, 3)",
                 response.over_time(bar_a),
-                Stroke::solid(colour::BAR_A, 6),
+                Stroke::solid(colour::BAR_A, 12),
             ),
             Curve::line(
                 "N_b above the impact (hinges 1b, 2)",
                 response.over_time(bar_b),
-                Stroke::solid(colour::BAR_B, 6),
+                Stroke::solid(colour::BAR_B, 12),
             ),
         ],
         marks: Vec::new(),
@@ -147,10 +147,10 @@ pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
     let largest = response.largest(|sample| sample.hinges.map(|hinge| hinge.moment));
     let unit = Unit::moment(largest.max(response.resistance_moment));
     let strokes = [
-        Stroke::solid(colour::HINGES[0], 12),
-        Stroke::dashed(colour::HINGES[1], 6),
-        Stroke::solid(colour::HINGES[2], 6),
-        Stroke::solid(colour::HINGES[3], 6),
+        Stroke::solid(colour::HINGES[0], 24),
+        Stroke::dashed(colour::HINGES[1], 12),
+        Stroke::solid(colour::HINGES[2], 12),
+        Stroke::solid(colour::HINGES[3], 12),
     ];
     let curves = (0..HINGES).map(|hinge| {
         let name = format!("hinge {} {}", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
@@ -166,8 +166,8 @@ pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
             ""
         };
         let stroke = Stroke {
-            dashes: Some((10, 14)),
-            ..Stroke::solid(colour::FAINT, 4)
+            dashes: Some((20, 28)),
+            ..Stroke::solid(colour::FAINT, 8)
         };
         Curve::line(name, vec![(from, level), (to, level)], stroke)
     });
@@ -213,7 +213,7 @@ pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
     let mut force = Curve::line(
         "contact force",
         response.over_time(|sample| sample.contact_force),
-        Stroke::solid(colour::CONTACT, 6),
+        Stroke::solid(colour::CONTACT, 12),
     );
     force.fill = Some(plotters::style::RGBColor(219, 234, 244));
     let arrows = percussions(response);

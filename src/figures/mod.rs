@@ -48,22 +48,22 @@ pub enum FigureError {
     #[diagnostic(help("draw a response of at least one sample"))]
     NoSamples,
     /// The folder cannot be made.
-    #[error("cannot make the folder {} for the figures: {source}", folder.display())]
+    #[error("cannot make the folder {} for the figures: {reason}", folder.display())]
     #[diagnostic(help("name a folder that can be written to"))]
     Folder {
         /// The folder.
         folder: PathBuf,
         /// What the system says.
-        source: io::Error,
+        reason: io::Error,
     },
     /// A file cannot be written.
-    #[error("cannot write the figure {}: {source}", path.display())]
+    #[error("cannot write the figure {}: {reason}", path.display())]
     #[diagnostic(help("name a folder that can be written to and has room for about 2 MB"))]
     Write {
         /// The file.
         path: PathBuf,
         /// What the system says.
-        source: io::Error,
+        reason: io::Error,
     },
     /// A fault of this program or its plotting library.
     #[error("cannot draw the figure {figure}: {reason}")]
@@ -84,9 +84,9 @@ pub enum FigureError {
 /// See [`FigureError`].
 pub fn draw_all(folder: &Path, response: &Response<'_>) -> Result<Vec<PathBuf>, FigureError> {
     let drawings = svg_figures(response)?;
-    fs::create_dir_all(folder).map_err(|source| FigureError::Folder {
+    fs::create_dir_all(folder).map_err(|reason| FigureError::Folder {
         folder: folder.to_path_buf(),
-        source,
+        reason,
     })?;
     let raster = raster::Raster::new();
     let mut files = Vec::new();
@@ -97,9 +97,9 @@ pub fn draw_all(folder: &Path, response: &Response<'_>) -> Result<Vec<PathBuf>, 
         })?;
         for (ending, content) in [("svg", svg.as_bytes()), ("png", &png)] {
             let path = folder.join(format!("{name}.{ending}"));
-            whole_file::write(&path, content).map_err(|source| FigureError::Write {
+            whole_file::write(&path, content).map_err(|reason| FigureError::Write {
                 path: path.clone(),
-                source,
+                reason,
             })?;
             files.push(path);
         }
@@ -143,8 +143,8 @@ fn svg_figures(response: &Response<'_>) -> Result<Vec<(String, String)>, FigureE
             energy_ledger::energy_ledger(response),
         ),
     ];
-    for hinge in 0..HINGES {
-        let name = format!("mn_path_{}", HINGE_NAMES[hinge]);
+    for (hinge, name) in HINGE_NAMES.iter().enumerate() {
+        let name = format!("mn_path_{name}");
         figures.push((name, yield_path::yield_path(response, hinge)));
     }
     figures

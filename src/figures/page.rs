@@ -11,20 +11,20 @@ use plotters::style::{
 };
 
 /// Size of the canvas. Plotters places everything on whole units, so these are finer than the pixels shown.
-pub(super) const CANVAS: (u32, u32) = (2400, 1500);
+pub(super) const CANVAS: (u32, u32) = (4800, 3000);
 /// Width and height at which an SVG asks to be shown.
 const SHOWN: (u32, u32) = (960, 600);
 /// From the left edge to the axis.
-pub(super) const LEFT: i32 = 230;
+pub(super) const LEFT: i32 = 460;
 /// From the end of the axis to the right edge.
-pub(super) const RIGHT: i32 = 70;
+pub(super) const RIGHT: i32 = 140;
 /// Room for the marks and the name of the horizontal axis.
-pub(super) const BOTTOM: i32 = 150;
+pub(super) const BOTTOM: i32 = 300;
 
 /// Sizes of text in plotters' measure, 1.24 times that of the SVG.
-pub(super) const TITLE: u32 = 58;
-pub(super) const TEXT: u32 = 42;
-pub(super) const SMALL: u32 = 38;
+pub(super) const TITLE: u32 = 116;
+pub(super) const TEXT: u32 = 84;
+pub(super) const SMALL: u32 = 76;
 
 /// The embedded font under the name that viewers may know; Verdana has nearly the same widths.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
@@ -86,7 +86,7 @@ impl Stroke {
         Self {
             colour,
             width,
-            dashes: Some((26, 20)),
+            dashes: Some((52, 40)),
         }
     }
 
@@ -95,12 +95,7 @@ impl Stroke {
         let style = self.colour.stroke_width(self.width);
         match self.dashes {
             None => area.draw(&PathElement::new(points, style)),
-            Some((dash, space)) => area.draw(&DashedPathElement::new(
-                points.into_iter(),
-                dash,
-                space,
-                style,
-            )),
+            Some((dash, space)) => area.draw(&DashedPathElement::new(points, dash, space, style)),
         }
     }
 }
@@ -167,10 +162,10 @@ pub(super) fn heading(
         .color(&colour::INK)
         .pos(Pos::new(HPos::Left, VPos::Top));
     let plain = text_style(TEXT, colour::FAINT, HPos::Left, VPos::Top);
-    area.draw_text(&fitted(area, title, &bold, room)?, &bold, (start, 30))?;
-    area.draw_text(&fitted(area, lines[0], &plain, room)?, &plain, (start, 104))?;
-    area.draw_text(&fitted(area, lines[1], &plain, room)?, &plain, (start, 158))?;
-    draw_legend(area, legend, 236)
+    area.draw_text(&fitted(area, title, &bold, room)?, &bold, (start, 60))?;
+    area.draw_text(&fitted(area, lines[0], &plain, room)?, &plain, (start, 208))?;
+    area.draw_text(&fitted(area, lines[1], &plain, room)?, &plain, (start, 316))?;
+    draw_legend(area, legend, 472)
 }
 
 /// The text, or as much of it as fits.
@@ -190,28 +185,28 @@ fn fitted(area: &Area<'_>, text: &str, style: &TextStyle<'_>, room: i32) -> Draw
 
 /// One or more rows above the plot, where no curve can pass; the height below them.
 fn draw_legend(area: &Area<'_>, entries: &[(Key, String)], top: i32) -> Drawn<i32> {
-    const ROW: i32 = 58;
-    const SPACE: i32 = 56;
+    const ROW: i32 = 116;
+    const SPACE: i32 = 112;
     let style = text_style(TEXT, colour::INK, HPos::Left, VPos::Center);
     let start = LEFT / 2;
     let (mut x, mut y) = (start, top);
     for (key, name) in entries {
         let swatch = match key {
-            Key::Line(_) | Key::Fill(_) => 96,
-            Key::Ring(_) | Key::Arrow(_) => 34,
+            Key::Line(_) | Key::Fill(_) => 192,
+            Key::Ring(_) | Key::Arrow(_) => 68,
         };
-        let length = swatch + 16 + width(area, name, &style)?;
+        let length = swatch + 32 + width(area, name, &style)?;
         if x > start && x + length > CANVAS.0 as i32 - RIGHT {
             (x, y) = (start, y + ROW);
         }
         draw_key(area, *key, x, y, swatch)?;
-        area.draw_text(name, &style, (x + swatch + 16, y))?;
+        area.draw_text(name, &style, (x + swatch + 32, y))?;
         x += length + SPACE;
     }
     Ok(if entries.is_empty() {
         top
     } else {
-        y + ROW / 2 + 14
+        y + ROW / 2 + 28
     })
 }
 
@@ -219,30 +214,30 @@ fn draw_key(area: &Area<'_>, key: Key, x: i32, y: i32, length: i32) -> Drawn<()>
     match key {
         Key::Line(stroke) => stroke.draw(area, vec![(x, y), (x + length, y)]),
         Key::Fill(colour) => area.draw(&Rectangle::new(
-            [(x, y - 17), (x + length, y + 17)],
+            [(x, y - 34), (x + length, y + 34)],
             colour.filled(),
         )),
         Key::Ring(colour) => ring(area, (x + length / 2, y), colour),
-        Key::Arrow(colour) => arrow(area, x + length / 2, y + 22, y - 22, colour),
+        Key::Arrow(colour) => arrow(area, x + length / 2, y + 44, y - 44, colour),
     }
 }
 
 /// A dot with a white core.
 pub(super) fn ring(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
-    area.draw(&Circle::new(centre, 15, colour.filled()))?;
-    area.draw(&Circle::new(centre, 8, WHITE.filled()))
+    area.draw(&Circle::new(centre, 30, colour.filled()))?;
+    area.draw(&Circle::new(centre, 16, WHITE.filled()))
 }
 
 /// A full dot with a white rim.
 pub(super) fn dot(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
-    area.draw(&Circle::new(centre, 17, WHITE.filled()))?;
-    area.draw(&Circle::new(centre, 13, colour.filled()))
+    area.draw(&Circle::new(centre, 34, WHITE.filled()))?;
+    area.draw(&Circle::new(centre, 26, colour.filled()))
 }
 
 /// An upright arrow.
 pub(super) fn arrow(area: &Area<'_>, x: i32, foot: i32, head: i32, colour: RGBColor) -> Drawn<()> {
-    let barb = 26.min(foot - head);
-    let line: ShapeStyle = colour.stroke_width(6);
+    let barb = 52.min(foot - head);
+    let line: ShapeStyle = colour.stroke_width(12);
     area.draw(&PathElement::new(
         vec![(x, foot), (x, head + barb / 2)],
         line,
@@ -268,11 +263,11 @@ pub(super) fn label(
     let style = text_style(SMALL, colour, HPos::Left, VPos::Center);
     let length = width(area, text, &style)?;
     let left = (place.0 - length / 2)
-        .min(range.1 - length - 10)
-        .max(range.0 + 10);
-    let middle = place.1 - 22;
+        .min(range.1 - length - 20)
+        .max(range.0 + 20);
+    let middle = place.1 - 44;
     area.draw(&Rectangle::new(
-        [(left - 6, middle - 22), (left + length + 6, middle + 22)],
+        [(left - 12, middle - 44), (left + length + 12, middle + 44)],
         WHITE.mix(0.85).filled(),
     ))?;
     area.draw_text(text, &style, (left, middle))

@@ -122,7 +122,7 @@ pub(super) fn thin_curve(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64
             .copied()
             .filter(|(x, y)| x.is_finite() && y.is_finite())
     };
-    let (Some(first), Some(last)) = (finite().next(), finite().last()) else {
+    let (Some(first), Some(last)) = (finite().next(), finite().next_back()) else {
         return Vec::new();
     };
     if points.len() <= 4 * columns || last.0 <= first.0 {

@@ -50,8 +50,8 @@ pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String>
             [response.title, &key(response, hinge)],
             &figure.legend(),
         )?;
-        let (_, below) = page.split_vertically(top + 10);
-        let (left, right) = below.split_horizontally(CANVAS.0 as i32 / 2 + 20);
+        let (_, below) = page.split_vertically(top + 20);
+        let (left, right) = below.split_horizontally(CANVAS.0 as i32 / 2 + 40);
         let passed = figure.extent(figure.path.iter(), 0.12);
         let corners = [(passed[0].0, passed[1].0), (passed[0].1, passed[1].1)];
         let whole = figure.extent(figure.surface.iter().chain(&corners), 0.04);
@@ -112,11 +112,11 @@ impl YieldPath {
     fn legend(&self) -> Vec<(Key, String)> {
         let mut entries = vec![
             (
-                Key::Line(Stroke::solid(colour::INK, 4)),
+                Key::Line(Stroke::solid(colour::INK, 8)),
                 "yield surface".to_owned(),
             ),
             (
-                Key::Line(Stroke::solid(self.colour, 6)),
+                Key::Line(Stroke::solid(self.colour, 12)),
                 "path (● start, ■ end)".to_owned(),
             ),
         ];
@@ -159,7 +159,7 @@ impl YieldPath {
         enlarged: Option<&Extent>,
     ) -> Drawn<()> {
         let axis = |(low, high): (f64, f64), unit: Unit, count| {
-            Axis::exact(unit.of(low), unit.of(high), count)
+            Axis::between(unit.of(low), unit.of(high), count)
         };
         let plot = axes(
             area,
@@ -184,13 +184,13 @@ impl YieldPath {
                 corners[0],
             ];
             let stroke = Stroke {
-                dashes: Some((8, 12)),
-                ..Stroke::solid(colour::FAINT, 3)
+                dashes: Some((16, 24)),
+                ..Stroke::solid(colour::FAINT, 6)
             };
             stroke.draw(page, outline.to_vec())?;
         }
         for line in lines_once(self.path.iter().map(place)) {
-            page.draw(&PathElement::new(line, self.colour.stroke_width(5)))?;
+            page.draw(&PathElement::new(line, self.colour.stroke_width(10)))?;
         }
         if let Some(point) = &self.first_yield {
             page::ring(page, place(point), self.colour)?;
@@ -198,7 +198,7 @@ impl YieldPath {
         if let (Some(start), Some(end)) = (self.path.first(), self.path.last()) {
             page::dot(page, place(start), colour::INK)?;
             let (x, y) = place(end);
-            ground(page, [(x - 14, y - 14), (x + 14, y + 14)], colour::INK)?;
+            ground(page, [(x - 28, y - 28), (x + 28, y + 28)], colour::INK)?;
         }
         Ok(())
     }
@@ -223,7 +223,7 @@ impl YieldPath {
             .filter(|pair| within(&pair[0]) || within(&pair[1]))
         {
             let line = vec![place(&pair[0]), place(&pair[1])];
-            page.draw(&PathElement::new(line, colour::INK.stroke_width(4)))?;
+            page.draw(&PathElement::new(line, colour::INK.stroke_width(8)))?;
         }
         Ok(())
     }
@@ -233,7 +233,8 @@ impl YieldPath {
 fn clipped(curve: &[(f64, f64)], [moment, force]: &Extent) -> Vec<(f64, f64)> {
     let mut points = curve.to_vec();
     // Signed distance from each edge, positive inside.
-    let edges: [&dyn Fn(&(f64, f64)) -> f64; 4] = [
+    type Distance<'e> = &'e dyn Fn(&(f64, f64)) -> f64;
+    let edges: [Distance<'_>; 4] = [
         &|point| point.0 - moment.0,
         &|point| moment.1 - point.0,
         &|point| point.1 - force.0,
