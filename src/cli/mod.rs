@@ -66,6 +66,10 @@ impl Failure {
 /// Runs the command that the arguments, the program's name first, ask for; results go to the standard output, what
 /// went wrong to the standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    // Lines of a report are not broken, so that paths and names can be copied; a hook set before stays.
+    let _ = miette::set_hook(Box::new(|_| {
+        Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
+    }));
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(request) => {

@@ -60,6 +60,9 @@ impl Ranged for Axis {
 
 impl ValueFormatter<f64> for Axis {
     fn format_ext(&self, mark: &f64) -> String {
+        if *mark == 0.0 {
+            return "0".into();
+        }
         let largest = self.from.abs().max(self.to.abs());
         if self.step < 1e-5 || largest >= 1e6 {
             let digits = (largest / self.step).log10().ceil().clamp(0.0, 9.0) as usize;

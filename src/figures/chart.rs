@@ -201,7 +201,8 @@ impl TimeChart<'_> {
         events.sort_by(|one, other| one.0.total_cmp(&other.0));
         for (instant, name) in events {
             let part = (unit.of(instant) - time.from) / (time.to - time.from);
-            if !(0.0..=1.0).contains(&part) {
+            // The last sample may stand a step before the end that the report names.
+            if !(0.0..=1.001).contains(&part) {
                 continue;
             }
             let text = format!("{name} {}", unit.show(instant));

@@ -218,11 +218,8 @@ impl YieldPath {
             !on_edge(point.0, extent[0]) && !on_edge(point.1, extent[1])
         };
         // The outline follows the surface, not the edges of the plot where it was cut.
-        for pair in inside
-            .windows(2)
-            .filter(|pair| within(&pair[0]) || within(&pair[1]))
-        {
-            let line = vec![place(&pair[0]), place(&pair[1])];
+        for line in inside.chunk_by(|from, to| within(from) || within(to)) {
+            let line: Vec<_> = line.iter().map(place).collect();
             page.draw(&PathElement::new(line, colour::INK.stroke_width(8)))?;
         }
         Ok(())
