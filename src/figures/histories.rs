@@ -243,7 +243,8 @@ pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
     .draw()
 }
 
-/// The largest percussions, as high as they are large; the three largest with their impulse.
+/// The largest percussions, as high as they are large; up to three of the largest, apart from each other, with
+/// their impulse.
 fn percussions(response: &Response<'_>) -> Vec<Arrow> {
     /// More cannot be told apart.
     const MOST: usize = 200;
@@ -256,16 +257,27 @@ fn percussions(response: &Response<'_>) -> Vec<Arrow> {
     struck.sort_by(|one, other| other.1.total_cmp(&one.1));
     struck.truncate(MOST);
     let largest = struck.first().map_or(1.0, |first| first.1);
-    let arrows = struck
-        .iter()
-        .enumerate()
-        .map(|(rank, (time, impulse))| Arrow {
-            time: *time,
-            height: impulse / largest,
-            text: (rank < 3).then(|| format!("{} N s", significant(*impulse, 4))),
-        });
+    let (from, to) = response.span();
+    let mut named: Vec<f64> = Vec::new();
+    let arrows: Vec<_> = struck
+        .into_iter()
+        .map(|(time, impulse)| {
+            let free = named
+                .iter()
+                .all(|other| (time - other).abs() > 0.1 * (to - from));
+            let text = (free && named.len() < 3).then(|| {
+                named.push(time);
+                format!("{} N s", significant(impulse, 4))
+            });
+            Arrow {
+                time,
+                height: impulse / largest,
+                text,
+            }
+        })
+        .collect();
     // Texts last, above the arrows of others.
-    arrows.rev().collect()
+    arrows.into_iter().rev().collect()
 }
 
 fn peak(time: f64, value: f64, unit: Unit, colour: plotters::style::RGBColor) -> Mark {

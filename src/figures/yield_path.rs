@@ -213,12 +213,16 @@ impl YieldPath {
         if polygon.len() > 2 {
             page.draw(&Polygon::new(polygon, colour::SURFACE.mix(0.7).filled()))?;
         }
-        let within = |point: &(f64, f64)| {
-            let on_edge = |value: f64, (low, high): (f64, f64)| value <= low || value >= high;
-            !on_edge(point.0, extent[0]) && !on_edge(point.1, extent[1])
+        // The middle of a piece of the plot's edge lies on that edge, also after rounding.
+        let within = |(from, to): (f64, f64), value: f64| {
+            let rounding = 1e-9 * (to - from);
+            value > from + rounding && value < to - rounding
+        };
+        let on_surface = |from: &(f64, f64), to: &(f64, f64)| {
+            within(extent[0], (from.0 + to.0) / 2.0) && within(extent[1], (from.1 + to.1) / 2.0)
         };
         // The outline follows the surface, not the edges of the plot where it was cut.
-        for line in inside.chunk_by(|from, to| within(from) || within(to)) {
+        for line in inside.chunk_by(on_surface) {
             let line: Vec<_> = line.iter().map(place).collect();
             page.draw(&PathElement::new(line, colour::INK.stroke_width(8)))?;
         }
