@@ -4,5 +4,7 @@ pub mod cli;
 pub mod column;
 #[cfg(feature = "cli")]
 pub mod figures;
+pub mod messages;
+pub mod parameters;
 #[cfg(feature = "cli")]
 pub mod whole_file;

@@ -4,7 +4,6 @@ mod history;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
-mod stand_in;
 mod summary;
 
 use std::ffi::OsString;

@@ -6,12 +6,11 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::stand_in::parameters::{Parameters, parse_override};
-use super::stand_in::{Impact, SimulationError, simulate};
 use super::{Exit, Failure, HistoryWriter, Summary};
-use crate::column::{ColumnProperties, Report, Sample};
+use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, Thinning};
+use crate::parameters::{Parameters, parse_override};
 use crate::whole_file::WholeFile;
 
 /// What `column-twin simulate` is told.
@@ -85,7 +84,9 @@ impl From<SimulateError> for Failure {
     fn from(fault: SimulateError) -> Self {
         let exit = match &fault {
             SimulateError::Height { .. } | SimulateError::OneOutput => Exit::BadInput,
-            SimulateError::Simulation(fault) if fault.is_bad_input() => Exit::BadInput,
+            SimulateError::Simulation(SimulationError::Model(_) | SimulationError::Impact(_)) => {
+                Exit::BadInput
+            }
             _ => Exit::Failed,
         };
         Self::new(exit, fault)
@@ -194,7 +195,7 @@ impl Case {
         ];
         for (name, value) in options {
             // An option is an override, so that the one table of parameters judges it.
-            overrides.extend(value.map(|value| format!("{name}:={value:?}")));
+            overrides.extend(value.map(|value| format!("{name}:={}", yaml(value))));
         }
         let mut parameters = load(&arguments.config, &overrides)?;
         if let Some(height) = arguments.height {
@@ -203,8 +204,8 @@ impl Case {
             if !(height > 0.0 && height < total) {
                 return Err(SimulateError::Height { height, total }.into());
             }
-            overrides.push(format!("geometry.length_below:={height:?}"));
-            overrides.push(format!("geometry.length_above:={:?}", total - height));
+            overrides.push(format!("geometry.length_below:={}", yaml(height)));
+            overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
             parameters = load(&arguments.config, &overrides)?;
         }
         let properties = parameters.column_properties();
@@ -217,7 +218,7 @@ impl Case {
         };
         let title = format!(
             "{}: {} kg at {} m/s ({} km/h), {} m above the base",
-            parameters.column_name(),
+            column_name(&parameters),
             short(impact.mass),
             short(impact.velocity),
             short(3.6 * impact.velocity),
@@ -290,16 +291,36 @@ fn short(value: f64) -> String {
         .map_or(text, |rounded| rounded.to_string())
 }
 
+/// A number as YAML writes it, always with a point.
+fn yaml(value: f64) -> String {
+    match value {
+        value if value.is_nan() => ".nan".into(),
+        f64::INFINITY => ".inf".into(),
+        f64::NEG_INFINITY => "-.inf".into(),
+        value => {
+            let text = format!("{value:?}");
+            // Rust writes 1e-7, which YAML 1.1 takes for text.
+            match text.split_once('e') {
+                Some((digits, power)) if !digits.contains('.') => format!("{digits}.0e{power}"),
+                _ => text,
+            }
+        }
+    }
+}
+
 /// The parameters of the files with the overrides.
 fn load(files: &[PathBuf], overrides: &[String]) -> Result<Parameters, Failure> {
-    let bad_input = |report| Failure {
+    let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
+    Parameters::load(files, &overrides).map_err(|faults| Failure {
         exit: Exit::BadInput,
-        report,
-    };
-    let overrides: Vec<_> = overrides
-        .iter()
-        .map(|text| parse_override(text))
-        .collect::<Result<_, _>>()
-        .map_err(|fault| bad_input(fault.report()))?;
-    Parameters::load(files, &overrides).map_err(|faults| bad_input(faults.report()))
+        report: faults.report(),
+    })
+}
+
+/// The section if it is named, otherwise the column's identity.
+fn column_name(parameters: &Parameters) -> &str {
+    parameters
+        .section()
+        .name
+        .unwrap_or(&parameters.settings().column_id)
 }

@@ -128,8 +128,13 @@ impl Summary<'_> {
 
     fn displacements(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let report = self.report;
-        let unit = Unit::length(report.max_v1.max(report.max_u2));
-        let residual = |value: Option<f64>| value.map_or("none".into(), |value| unit.show(value));
+        let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
+        // Round-off of the solver is nothing that stays.
+        let residual = |value: Option<f64>, unit: Unit| match value {
+            None => "none".into(),
+            Some(value) if value.abs() < 1e-15 => unit.show(0.0),
+            Some(value) => unit.show(value),
+        };
         writeln!(
             f,
             "\n{:<32}{:>14}{:>14}{:>14}",
@@ -139,17 +144,17 @@ impl Summary<'_> {
             f,
             "  {:<30}{:>14}{:>14}{:>14}",
             "v1  of the impact point",
-            unit.show(report.max_v1),
+            v1.show(report.max_v1),
             self.time(report.max_v1_time),
-            residual(report.residual_v1),
+            residual(report.residual_v1, v1),
         )?;
         writeln!(
             f,
             "  {:<30}{:>14}{:>14}{:>14}",
             "u2  of the top, down",
-            unit.show(report.max_u2),
+            u2.show(report.max_u2),
             "",
-            residual(report.residual_u2),
+            residual(report.residual_u2, u2),
         )
     }
 

@@ -74,7 +74,7 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
     ));
     let last = response.samples.last();
     let key = format!(
-        "supplied: {} by the impactor, {} in the preload, {} by the load since; ledger open by {:.1e} of the input",
+        "supplied: {} by the impactor, {} in the preload, {} by the load since; largest residual {:.1e}",
         unit.show(report.input_energy),
         unit.show(preload),
         unit.show(last.map_or(0.0, |last| last.load_work - first_load)),

@@ -1,0 +1,520 @@
+//! One bar: two hinges that share one normal force. Trial, return to the yield surface, tangent (Eqs 18-25).
+//!
+//! The paper gives a bar one `N` (Eq 12), so the factors `alpha_a`, `alpha_b` that split its elongation between its
+//! two hinges (Eqs 18-21) are a result, and the return mapping is done per bar: the admissible stress closest to the
+//! trial stress, in the norm of the elastic complementary energy, minimises
+//!
+//! `(N - N*)^2 / (2 K) + G(m(N))` over `|N| <= N^p`,
+//!
+//! where `m(N)` is the moment that the surface leaves both hinges and `G` the least complementary energy of moments
+//! within `[-m, m]`. `G` is convex and falls with `m`, `m` is concave: the problem is convex in one scalar, its
+//! derivative is monotone, and a bracketed root never fails, corners and tips included.
+//!
+//! Index 0 is the hinge at the impact point (1a, 1b), index 1 the one at the bar's other end (3, 2).
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use super::yield_surface::{Branch, YieldSurface};
+
+/// Bound of the scalar root search: bisection alone needs 60.
+const MAX_RETURN_ITERATIONS: usize = 80;
+
+/// The root search stops at a step of this size, relative to the trial stress. Newton's error after such a step is of
+/// the order of its square; the stress lies on the surface and the energy balance holds whatever the error is.
+const RETURN_TOLERANCE: f64 = 1e-12;
+
+/// Forces of one bar.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BarForces {
+    /// `N` \[N\], tension positive.
+    pub normal: f64,
+    /// `M` of its hinges \[N m\]: at the impact point, at the other end.
+    pub moment: [f64; 2],
+}
+
+impl BarForces {
+    /// The mean of `self` and `other`.
+    pub(crate) fn mean(self, other: Self) -> Self {
+        Self {
+            normal: 0.5 * (self.normal + other.normal),
+            moment: [
+                0.5 * (self.moment[0] + other.moment[0]),
+                0.5 * (self.moment[1] + other.moment[1]),
+            ],
+        }
+    }
+
+    /// Work on a plastic flow \[J\].
+    pub(crate) fn work(self, flow: &PlasticFlow) -> f64 {
+        self.normal * (flow.elongation[0] + flow.elongation[1])
+            + self.moment[0] * flow.rotation[0]
+            + self.moment[1] * flow.rotation[1]
+    }
+}
+
+/// Deformation of one bar: elongation \[m\] and the rotations of its hinges \[rad\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct BarStrain {
+    pub elongation: f64,
+    pub rotation: [f64; 2],
+}
+
+/// Plastic deformation of a bar's two hinges, total or of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PlasticFlow {
+    /// Plastic elongations \[m\].
+    pub elongation: [f64; 2],
+    /// Plastic rotations \[rad\].
+    pub rotation: [f64; 2],
+}
+
+impl PlasticFlow {
+    /// `self + factor * flow`.
+    pub(crate) fn plus(self, factor: f64, flow: &Self) -> Self {
+        let add = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
+        Self {
+            elongation: add(self.elongation, flow.elongation),
+            rotation: add(self.rotation, flow.rotation),
+        }
+    }
+
+    /// Whether hinge `k` flows.
+    pub(crate) fn flows(&self, k: usize) -> bool {
+        self.rotation[k] != 0.0 || self.elongation[k] != 0.0
+    }
+}
+
+/// What is constant about one bar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bar {
+    /// `L` \[m\].
+    pub length: f64,
+    /// `K = EA/L`: both axial springs `2EA/L` in series (Eqs 49-50) \[N/m\].
+    pub axial: f64,
+    /// Stiffness of the moments against the hinge rotations \[N m/rad\]; symmetric.
+    pub rotational: [[f64; 2]; 2],
+    /// Yield surface of both hinges.
+    pub surface: YieldSurface,
+}
+
+/// Stress returned to the yield surface, the flow it took, and what the tangent needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Returned {
+    pub forces: BarForces,
+    pub flow: PlasticFlow,
+    place: Place,
+}
+
+/// Where the returned stress lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// Inside: no flow.
+    Elastic,
+    /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
+    Vertex { active: [bool; 2] },
+    /// On the curve, which it can slide along: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
+    /// second derivative of the convex problem in `t`.
+    Curve {
+        active: [bool; 2],
+        sign_axial: f64,
+        tangent_axial: f64,
+        tangent_moment: f64,
+        stiffness: f64,
+    },
+}
+
+/// Rotations that bring trial moments within a cap, and how much of them a smaller cap would add.
+#[derive(Debug, Clone, Copy)]
+struct CappedMoments {
+    /// Plastic rotations \[rad\].
+    rotation: [f64; 2],
+    /// `-d(|p_0| + |p_1|)/dm` \[rad/(N m)\].
+    compliance: f64,
+}
+
+impl CappedMoments {
+    fn sum(&self) -> f64 {
+        self.rotation[0].abs() + self.rotation[1].abs()
+    }
+}
+
+impl Bar {
+    /// Elastic forces of an elastic deformation.
+    pub(crate) fn elastic(&self, strain: &BarStrain) -> BarForces {
+        let c = &self.rotational;
+        let [first, second] = strain.rotation;
+        BarForces {
+            normal: self.axial * strain.elongation,
+            moment: [
+                c[0][0] * first + c[0][1] * second,
+                c[1][0] * first + c[1][1] * second,
+            ],
+        }
+    }
+
+    /// Elastic energy of an elastic deformation \[J\].
+    pub(crate) fn elastic_energy(&self, strain: &BarStrain) -> f64 {
+        let forces = self.elastic(strain);
+        0.5 * (forces.normal * strain.elongation
+            + forces.moment[0] * strain.rotation[0]
+            + forces.moment[1] * strain.rotation[1])
+    }
+
+    /// Tangent of the elastic law; rows and columns: elongation, two rotations.
+    pub(crate) fn elastic_tangent(&self) -> Matrix3<f64> {
+        let c = &self.rotational;
+        Matrix3::new(
+            self.axial, 0.0, 0.0, //
+            0.0, c[0][0], c[0][1], //
+            0.0, c[1][0], c[1][1],
+        )
+    }
+
+    /// Returns the trial stress to the yield surface. `near` \[N\] is where the normal force is expected; it only
+    /// saves iterations.
+    pub(crate) fn return_stress(&self, trial: BarForces, near: f64) -> Returned {
+        if !self.surface.exceeded(trial.moment, trial.normal) {
+            return Returned {
+                forces: trial,
+                flow: PlasticFlow::default(),
+                place: Place::Elastic,
+            };
+        }
+        let sign = if trial.normal < 0.0 { -1.0 } else { 1.0 };
+        let search = Search {
+            bar: self,
+            moments: trial.moment,
+            trial: trial.normal.abs() / self.surface.resistance_axial,
+        };
+        match search.run((sign * near) / self.surface.resistance_axial) {
+            Root::Vertex { axial, cap } => self.at_vertex(trial, sign, axial, cap),
+            Root::Curve { branch, t } => self.on_curve(trial, sign, branch, t),
+        }
+    }
+
+    fn at_vertex(&self, trial: BarForces, sign: f64, axial: f64, cap: f64) -> Returned {
+        let surface = &self.surface;
+        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let normal = sign * axial * surface.resistance_axial;
+        let total = (trial.normal - normal) / self.axial;
+        let elongation = if axial == 0.0 {
+            shared(total, &capped)
+        } else {
+            // At a tip each hinge takes at least what normality to the curve asks of its rotation.
+            let least = surface.resistance_moment / surface.resistance_axial
+                * self.tip_slope()
+                * sign;
+            let own = capped.rotation.map(|p| least * p.abs());
+            let rest = 0.5 * (total - own[0] - own[1]);
+            [own[0] + rest, own[1] + rest]
+        };
+        self.returned(trial, normal, cap, capped, elongation, |active| Place::Vertex {
+            active,
+        })
+    }
+
+    fn on_curve(&self, trial: BarForces, sign: f64, branch: Branch, t: f64) -> Returned {
+        let surface = &self.surface;
+        let point = surface.point(branch, t);
+        let (axial, cap) = match branch {
+            Branch::Axial => (t, point.other),
+            Branch::Moment => (point.other, t),
+        };
+        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let normal = sign * axial * surface.resistance_axial;
+        let total = (trial.normal - normal) / self.axial;
+        let (tangent_axial, tangent_moment, curvature) = match branch {
+            Branch::Axial => (
+                surface.resistance_axial,
+                -point.slope * surface.resistance_moment,
+                capped.sum() * point.bend * surface.resistance_moment,
+            ),
+            Branch::Moment => (
+                -point.slope * surface.resistance_axial,
+                surface.resistance_moment,
+                total.abs() * point.bend * surface.resistance_axial,
+            ),
+        };
+        let stiffness = tangent_axial * tangent_axial / self.axial
+            + tangent_moment * tangent_moment * capped.compliance
+            + curvature;
+        let elongation = shared(total, &capped);
+        self.returned(trial, normal, cap, capped, elongation, |active| Place::Curve {
+            active,
+            sign_axial: sign,
+            tangent_axial,
+            tangent_moment,
+            stiffness,
+        })
+    }
+
+    /// Puts the parts together. Active hinges get the cap itself, not trial less flow: they lie on the surface to
+    /// the last bit.
+    fn returned(
+        &self,
+        trial: BarForces,
+        normal: f64,
+        cap: f64,
+        capped: CappedMoments,
+        elongation: [f64; 2],
+        place: impl Fn([bool; 2]) -> Place,
+    ) -> Returned {
+        let limit = cap * self.surface.resistance_moment;
+        let [p, q] = capped.rotation;
+        let c = &self.rotational;
+        let elastic = [
+            trial.moment[0] - c[0][0] * p - c[0][1] * q,
+            trial.moment[1] - c[1][0] * p - c[1][1] * q,
+        ];
+        let active = [p != 0.0, q != 0.0];
+        let moment = [0, 1].map(|k| {
+            if active[k] {
+                limit.copysign(capped.rotation[k])
+            } else {
+                elastic[k].clamp(-limit, limit)
+            }
+        });
+        Returned {
+            forces: BarForces { normal, moment },
+            flow: PlasticFlow {
+                elongation,
+                rotation: capped.rotation,
+            },
+            place: place(active),
+        }
+    }
+
+    /// The plastic rotations that bring `trial` moments within `[-cap, cap]` with the least complementary energy:
+    /// `min 1/2 p' C p - trial' p + cap (|p_0| + |p_1|)`, solved by cases.
+    fn cap_moments(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
+        let c = &self.rotational;
+        let excess = trial.map(|m| m.abs() - cap);
+        let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) / c[k][k];
+        let flexibility = |k: usize| 1.0 / c[k][k];
+        if excess[0] <= 0.0 && excess[1] <= 0.0 {
+            return CappedMoments {
+                rotation: [0.0; 2],
+                compliance: 0.0,
+            };
+        }
+        if c[0][1] == 0.0 {
+            let rotation = [0, 1].map(|k| if excess[k] > 0.0 { alone(k) } else { 0.0 });
+            let compliance = (0..2).filter(|&k| excess[k] > 0.0).map(flexibility).sum();
+            return CappedMoments { rotation, compliance };
+        }
+        for k in 0..2 {
+            let p = alone(k);
+            if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= cap {
+                let mut rotation = [0.0; 2];
+                rotation[k] = p;
+                return CappedMoments {
+                    rotation,
+                    compliance: flexibility(k),
+                };
+            }
+        }
+        self.cap_both(trial, cap)
+    }
+
+    /// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
+    fn cap_both(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
+        let c = &self.rotational;
+        let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
+        let mut best = CappedMoments {
+            rotation: [0.0; 2],
+            compliance: 0.0,
+        };
+        let mut best_agreement = f64::NEG_INFINITY;
+        for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
+            let right = [trial[0] - signs[0] * cap, trial[1] - signs[1] * cap];
+            let rotation = [
+                (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
+                (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
+            ];
+            let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
+            if agreement > best_agreement {
+                best_agreement = agreement;
+                best = CappedMoments {
+                    rotation,
+                    compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1]) / determinant,
+                };
+            }
+        }
+        best
+    }
+
+    /// `-dm/dn` of the quarter curve at its tip `n = 1`, where that is finite; elsewhere no hinge rotates there.
+    fn tip_slope(&self) -> f64 {
+        let inverse = self.surface.point(Branch::Moment, 0.0).slope;
+        if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
+    }
+
+    /// Consistent tangent of the returned stress; rows and columns: elongation, two rotations.
+    pub(crate) fn tangent(&self, returned: &Returned) -> Matrix3<f64> {
+        match returned.place {
+            Place::Elastic => self.elastic_tangent(),
+            Place::Vertex { active } => self.frozen_tangent(active),
+            Place::Curve {
+                active,
+                sign_axial,
+                tangent_axial,
+                tangent_moment,
+                stiffness,
+            } => {
+                let c = &self.rotational;
+                let sign = returned.flow.rotation.map(f64::signum);
+                let along = match active {
+                    [true, true] => [sign[0], sign[1]],
+                    [true, false] => [sign[0], sign[0] * c[0][1] / c[0][0]],
+                    [false, true] => [sign[1] * c[0][1] / c[1][1], sign[1]],
+                    [false, false] => [0.0, 0.0],
+                };
+                let w = [
+                    sign_axial * tangent_axial,
+                    tangent_moment * along[0],
+                    tangent_moment * along[1],
+                ];
+                let mut tangent = self.frozen_tangent(active);
+                for row in 0..3 {
+                    for column in 0..3 {
+                        tangent[(row, column)] += w[row] * w[column] / stiffness;
+                    }
+                }
+                tangent
+            }
+        }
+    }
+
+    /// Tangent with `N` and the moments of the active hinges held.
+    fn frozen_tangent(&self, active: [bool; 2]) -> Matrix3<f64> {
+        let c = &self.rotational;
+        let mut tangent = Matrix3::zeros();
+        match active {
+            [true, true] => {}
+            [true, false] => tangent[(2, 2)] = c[1][1] - c[0][1] * c[0][1] / c[0][0],
+            [false, true] => tangent[(1, 1)] = c[0][0] - c[0][1] * c[0][1] / c[1][1],
+            [false, false] => {
+                tangent = self.elastic_tangent();
+                tangent[(0, 0)] = 0.0;
+            }
+        }
+        tangent
+    }
+}
+
+/// Shares the bar's plastic elongation between its hinges as normality to a smooth surface does: in proportion to
+/// their rotations; evenly where no hinge rotates.
+fn shared(total: f64, capped: &CappedMoments) -> [f64; 2] {
+    let sum = capped.sum();
+    if sum > 0.0 {
+        let first = total * (capped.rotation[0].abs() / sum);
+        let second = total * (capped.rotation[1].abs() / sum);
+        [first, second]
+    } else {
+        [0.5 * total, 0.5 * total]
+    }
+}
+
+/// The scalar problem of one return mapping, with `n = |N|/N^p >= 0`.
+struct Search<'a> {
+    bar: &'a Bar,
+    moments: [f64; 2],
+    trial: f64,
+}
+
+enum Root {
+    Vertex { axial: f64, cap: f64 },
+    Curve { branch: Branch, t: f64 },
+}
+
+impl Search<'_> {
+    /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative. Positive: the root
+    /// lies at a smaller coordinate.
+    fn derivative(&self, branch: Branch, t: f64) -> (f64, f64) {
+        let surface = &self.bar.surface;
+        let point = surface.point(branch, t);
+        let ratio = surface.resistance_moment / surface.resistance_axial;
+        let scale = self.bar.axial * ratio / surface.resistance_axial;
+        match branch {
+            Branch::Axial => {
+                let capped = self
+                    .bar
+                    .cap_moments(self.moments, point.other * surface.resistance_moment);
+                let value = t - self.trial + scale * capped.sum() * point.slope;
+                let compliance = capped.compliance * surface.resistance_moment;
+                let slope = 1.0
+                    + scale * (compliance * point.slope * point.slope + capped.sum() * point.bend);
+                (value, slope)
+            }
+            Branch::Moment => {
+                let capped = self.bar.cap_moments(self.moments, t * surface.resistance_moment);
+                let short = self.trial - point.other;
+                let value = short * point.slope - scale * capped.sum();
+                let compliance = capped.compliance * surface.resistance_moment;
+                let slope = point.slope * point.slope + short * point.bend + scale * compliance;
+                (value, slope)
+            }
+        }
+    }
+
+    fn run(&self, near: f64) -> Root {
+        let split = self.bar.surface.split();
+        // On which half of the curve? The optimum has no larger n than the trial stress.
+        if self.trial <= split || self.derivative(Branch::Axial, split).0 >= 0.0 {
+            let high = self.trial.min(split);
+            if self.bar.surface.has_corner_at_zero_axial()
+                && self.derivative(Branch::Axial, 0.0).0 >= 0.0
+            {
+                return Root::Vertex { axial: 0.0, cap: 1.0 };
+            }
+            return Root::Curve {
+                branch: Branch::Axial,
+                t: self.bisect_newton(Branch::Axial, 0.0, high, near),
+            };
+        }
+        if self.trial >= 1.0 && self.derivative(Branch::Moment, 0.0).0 >= 0.0 {
+            return Root::Vertex { axial: 1.0, cap: 0.0 };
+        }
+        let start = self.bar.surface.point(Branch::Axial, split).other;
+        let near = if near >= split && near < 1.0 {
+            self.bar.surface.cap_of(near)
+        } else {
+            start
+        };
+        Root::Curve {
+            branch: Branch::Moment,
+            t: self.bisect_newton(Branch::Moment, 0.0, split, near),
+        }
+    }
+
+    /// Newton's method kept within a shrinking bracket of the monotone derivative.
+    fn bisect_newton(&self, branch: Branch, mut low: f64, mut high: f64, near: f64) -> f64 {
+        let mut t = if near > low && near < high { near } else { 0.5 * (low + high) };
+        let mut last_step = high - low;
+        let tolerance = RETURN_TOLERANCE * (1.0 + self.trial);
+        for _ in 0..MAX_RETURN_ITERATIONS {
+            let (value, slope) = self.derivative(branch, t);
+            if value > 0.0 {
+                high = t;
+            } else if value < 0.0 {
+                low = t;
+            } else {
+                return t;
+            }
+            let newton = value / slope;
+            let inside = t - newton >= low && t - newton <= high;
+            let next = if inside && newton.abs() <= 0.5 * last_step {
+                t - newton
+            } else {
+                0.5 * (low + high)
+            };
+            last_step = (next - t).abs();
+            t = next;
+            if last_step <= tolerance || high - low <= tolerance {
+                return t;
+            }
+        }
+        t
+    }
+}

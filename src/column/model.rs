@@ -1,0 +1,282 @@
+//! What is constant while one column is stepped, derived and checked once.
+
+use nalgebra::Matrix2;
+use thiserror::Error;
+
+use super::assembly::PerBar;
+use super::bar::Bar;
+use super::geometry::Displacement;
+use super::modes;
+use super::properties::{ColumnProperties, ElasticLaw, Scheme, Support};
+use super::yield_surface::YieldSurface;
+
+/// Nanoseconds in a second.
+pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
+
+/// Longest step \[ns\]: a step of more than this is longer than the impacts this model is for.
+const MAX_STEP_NANOS: u64 = 10_000_000;
+
+/// A column that can be stepped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model {
+    /// What it was derived from.
+    pub properties: ColumnProperties,
+    /// Bar a, below the impact point.
+    pub below: Bar,
+    /// Bar b, above it.
+    pub above: Bar,
+    /// `m_1`: a third of the column's mass, at the impact point \[kg\].
+    pub impact_point_mass: f64,
+    /// Static equilibrium of the virgin column under its load.
+    pub rest: RestState,
+    /// Period of the slowest elastic mode about it \[s\].
+    pub slowest_period: f64,
+    /// Damping coefficient of `v1` \[N s/m\].
+    pub(crate) damping_transverse: f64,
+    /// Damping coefficients of `u1`, `u2` \[N s/m\].
+    pub(crate) damping_axial: Matrix2<f64>,
+    /// Length of a step \[s\].
+    pub step_secs: f64,
+}
+
+/// Static equilibrium of the virgin column: `v1 = beta1 = 0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestState {
+    /// `u1` \[m\].
+    pub u1: f64,
+    /// `u2` \[m\].
+    pub u2: f64,
+    /// `N` of both bars, `-P / (1 + k_s (1/K_a + 1/K_b))` \[N\].
+    pub normal_force: f64,
+}
+
+/// Why no model can be made of some properties.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum ModelError {
+    /// A number is NaN, infinite or outside its range.
+    #[error("{name} is {found}; expected {expected}")]
+    OutOfRange {
+        /// Which property.
+        name: &'static str,
+        /// Its value.
+        found: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// Stiffness given directly together with the coupled law.
+    #[error(
+        "the stiffness of hinge {hinge} is given directly, which the coupled elastic law cannot use; \
+         leave it out or use the uncoupled law"
+    )]
+    StiffnessWithCoupledLaw {
+        /// Name of the hinge.
+        hinge: &'static str,
+    },
+    /// The load alone makes the column yield.
+    #[error(
+        "the load squashes the column: it puts {normal_force:.4e} N into the bars at rest and they yield at \
+         {resistance:.4e} N; lower the load or take a larger section"
+    )]
+    Squashed {
+        /// `|N|` at rest \[N\].
+        normal_force: f64,
+        /// `N^p` \[N\].
+        resistance: f64,
+    },
+    /// The load alone makes the column buckle.
+    #[error(
+        "the load buckles the column: at rest the transverse stiffness of the impact point is {stiffness:.4e} N/m; \
+         lower the load or stiffen the supports"
+    )]
+    Buckled {
+        /// Condensed stiffness against `v1` \[N/m\], <= 0.
+        stiffness: f64,
+    },
+}
+
+impl Model {
+    /// Derives and checks everything constant.
+    ///
+    /// # Errors
+    /// A number out of its range, a contradiction, or a column that its load alone squashes or buckles.
+    pub fn new(properties: &ColumnProperties) -> Result<Self, ModelError> {
+        check(properties)?;
+        let p = *properties;
+        let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
+        let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
+        let bar = |length: f64, support, given| Bar {
+            length,
+            axial: p.axial_rigidity / length,
+            rotational: rotational_stiffness(p.elastic_law, p.bending_stiffness / length, support, given),
+            surface,
+        };
+        let below = bar(p.length_below, p.base, [stiffness_1a, stiffness_3]);
+        let above = bar(p.length_above, p.top, [stiffness_1b, stiffness_2]);
+        let rest = rest_state(&p, &below, &above)?;
+        let mut model = Self {
+            properties: p,
+            below,
+            above,
+            impact_point_mass: p.mass_per_length * (p.length_below + p.length_above) / 3.0,
+            rest,
+            slowest_period: 0.0,
+            damping_transverse: 0.0,
+            damping_axial: Matrix2::zeros(),
+            step_secs: p.step_nanos as f64 / NANOS_PER_SECOND,
+        };
+        model.add_modes()?;
+        Ok(model)
+    }
+
+    /// Instant of the beginning of step `step` \[s\]: a count times a whole number of nanoseconds, never a sum of
+    /// floats.
+    pub fn time_of_step(&self, step: u64) -> f64 {
+        (step as f64 * self.properties.step_nanos as f64) / NANOS_PER_SECOND
+    }
+
+    /// Whether `u2` is an algebraic unknown.
+    pub(crate) fn top_is_massless(&self) -> bool {
+        self.properties.top_mass == 0.0
+    }
+
+    /// Displacements at rest.
+    pub(crate) fn rest_displacement(&self) -> Displacement {
+        Displacement {
+            u1: self.rest.u1,
+            u2: self.rest.u2,
+            ..Displacement::default()
+        }
+    }
+
+    /// Which time-stepping scheme.
+    pub(crate) fn scheme(&self) -> Scheme {
+        self.properties.scheme
+    }
+
+    /// The slowest period and the modal damping.
+    fn add_modes(&mut self) -> Result<(), ModelError> {
+        let rest = self.rest_displacement();
+        let stiffness = modes::condensed_stiffness(self, &rest, &PerBar::default())[(0, 0)];
+        if !(stiffness > 0.0) {
+            return Err(ModelError::Buckled { stiffness });
+        }
+        self.slowest_period = modes::slowest_period(self, &rest, &PerBar::default())
+            .ok_or(ModelError::Buckled { stiffness })?;
+        (self.damping_transverse, self.damping_axial) =
+            modes::modal_damping(self, self.properties.damping_ratio);
+        Ok(())
+    }
+}
+
+/// Stiffness of a bar's hinges, index 0 at the impact point, index 1 at the supported end; `c = EI/L`.
+///
+/// With `r = k / (k + 4c)` (1 built-in, 0 pinned) the elastic beam with a support spring `k` at one end, condensed to
+/// the rotations of chord against impact point and chord against ground, is `c [[3 + r, 2r], [2r, 4r]]`. The
+/// uncoupled springs are exact for a rotation of the chord (Eqs 47-48 where built-in): its row sums.
+fn rotational_stiffness(
+    law: ElasticLaw,
+    c: f64,
+    support: Support,
+    given: [Option<f64>; 2],
+) -> [[f64; 2]; 2] {
+    let r = match support {
+        Support::BuiltIn => 1.0,
+        Support::Pinned => 0.0,
+        Support::SemiRigid { stiffness } => stiffness / (stiffness + 4.0 * c),
+    };
+    match law {
+        ElasticLaw::Coupled => [[c * (3.0 + r), 2.0 * c * r], [2.0 * c * r, 4.0 * c * r]],
+        ElasticLaw::Uncoupled => [
+            [given[0].unwrap_or(3.0 * c * (1.0 + r)), 0.0],
+            [0.0, given[1].unwrap_or(6.0 * c * r)],
+        ],
+    }
+}
+
+fn rest_state(p: &ColumnProperties, below: &Bar, above: &Bar) -> Result<RestState, ModelError> {
+    let flexibility = 1.0 / below.axial + 1.0 / above.axial;
+    let normal_force = -p.top_load / (1.0 + p.top_spring_stiffness * flexibility);
+    if -normal_force >= p.resistance_axial {
+        return Err(ModelError::Squashed {
+            normal_force: -normal_force,
+            resistance: p.resistance_axial,
+        });
+    }
+    Ok(RestState {
+        u1: -normal_force / below.axial,
+        u2: -normal_force * flexibility,
+        normal_force,
+    })
+}
+
+fn check(p: &ColumnProperties) -> Result<(), ModelError> {
+    const POSITIVE: &str = "a finite number > 0";
+    const NOT_NEGATIVE: &str = "a finite number >= 0";
+    const AT_LEAST_ONE: &str = "a finite number >= 1";
+    let positive = |x: f64| x > 0.0;
+    let not_negative = |x: f64| x >= 0.0;
+    let at_least_one = |x: f64| x >= 1.0;
+    type Check<'a> = (&'static str, f64, &'static str, &'a dyn Fn(f64) -> bool);
+    let checks: [Check; 14] = [
+        ("length below the impact point", p.length_below, POSITIVE, &positive),
+        ("length above the impact point", p.length_above, POSITIVE, &positive),
+        ("axial rigidity EA", p.axial_rigidity, POSITIVE, &positive),
+        ("bending stiffness EI", p.bending_stiffness, POSITIVE, &positive),
+        ("mass per length", p.mass_per_length, POSITIVE, &positive),
+        ("plastic moment", p.resistance_moment, POSITIVE, &positive),
+        ("squash load", p.resistance_axial, POSITIVE, &positive),
+        ("yield exponent alpha", p.yield_surface.alpha, AT_LEAST_ONE, &at_least_one),
+        ("yield exponent beta", p.yield_surface.beta, AT_LEAST_ONE, &at_least_one),
+        ("yield exponent gamma", p.yield_surface.gamma, POSITIVE, &positive),
+        ("stiffness of the top spring", p.top_spring_stiffness, NOT_NEGATIVE, &not_negative),
+        ("mass at the top", p.top_mass, NOT_NEGATIVE, &not_negative),
+        ("load on the top", p.top_load, NOT_NEGATIVE, &not_negative),
+        ("damping ratio", p.damping_ratio, NOT_NEGATIVE, &not_negative),
+    ];
+    for (name, found, expected, right) in checks {
+        if !(found.is_finite() && right(found)) {
+            return Err(ModelError::OutOfRange {
+                name,
+                found,
+                expected,
+            });
+        }
+    }
+    check_supports(p)?;
+    if p.step_nanos == 0 || p.step_nanos > MAX_STEP_NANOS {
+        return Err(ModelError::OutOfRange {
+            name: "length of a time step [ns]",
+            found: p.step_nanos as f64,
+            expected: "a whole number from 1 to 10 000 000",
+        });
+    }
+    Ok(())
+}
+
+fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
+    for (name, support) in [("stiffness of the base", p.base), ("stiffness of the top", p.top)] {
+        if let Support::SemiRigid { stiffness } = support
+            && !(stiffness.is_finite() && stiffness > 0.0)
+        {
+            return Err(ModelError::OutOfRange {
+                name,
+                found: stiffness,
+                expected: "a finite number > 0; for a pin say pinned",
+            });
+        }
+    }
+    for (hinge, given) in super::HINGE_NAMES.into_iter().zip(p.hinge_stiffness) {
+        let Some(stiffness) = given else { continue };
+        if p.elastic_law == ElasticLaw::Coupled {
+            return Err(ModelError::StiffnessWithCoupledLaw { hinge });
+        }
+        if !(stiffness.is_finite() && stiffness > 0.0) {
+            return Err(ModelError::OutOfRange {
+                name: "stiffness of a hinge",
+                found: stiffness,
+                expected: "a finite number > 0",
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,240 @@
+//! The superellipse family of yield surfaces (Eqs 26-31).
+
+use super::properties::YieldExponents;
+
+/// A trial stress counts as outside the surface when `|m|^alpha + |n|^beta` exceeds 1 by more than this: three
+/// orders above the round-off of the sum, so that a stress just returned to the surface does not flow again.
+pub(crate) const YIELD_TOLERANCE: f64 = 1e-12;
+
+/// `Phi(M, N) = (|M/M^p|^alpha + |N/N^p|^beta)^(1/gamma) - 1` (Eq 28), symmetric and convex for
+/// `alpha, beta >= 1`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct YieldSurface {
+    /// `M^p` \[N m\].
+    pub resistance_moment: f64,
+    /// `N^p` \[N\].
+    pub resistance_axial: f64,
+    alpha: Power,
+    beta: Power,
+    gamma: f64,
+    /// Where the quarter curve passes from its flat to its steep half: `n = m = split`.
+    split: f64,
+}
+
+/// One point of the quarter curve `m^alpha + n^beta = 1`, `m, n >= 0`, seen from the coordinate that is
+/// well-conditioned there: with `t` that coordinate and `o` the other, `slope = -do/dt >= 0` and
+/// `bend = d slope / dt >= 0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CurvePoint {
+    pub other: f64,
+    pub slope: f64,
+    pub bend: f64,
+}
+
+/// Which coordinate of the quarter curve is the parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Branch {
+    /// `n = |N|/N^p` on the flat half, `n <= split`.
+    Axial,
+    /// `m = |M|/M^p` on the steep half, `m <= split`: there a rounded `n` would not determine `m`.
+    Moment,
+}
+
+impl YieldSurface {
+    /// The surface with resistances `M^p` \[N m\] and `N^p` \[N\], both > 0, and exponents `alpha, beta >= 1`,
+    /// `gamma > 0`.
+    pub fn new(resistance_moment: f64, resistance_axial: f64, exponents: YieldExponents) -> Self {
+        let (alpha, beta) = (Power::new(exponents.alpha), Power::new(exponents.beta));
+        // The sum is increasing: bisection to the last bit.
+        let (mut low, mut high) = (0.5, 1.0);
+        for _ in 0..f64::MANTISSA_DIGITS {
+            let middle = 0.5 * (low + high);
+            if alpha.of(middle) + beta.of(middle) < 1.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Self {
+            resistance_moment,
+            resistance_axial,
+            alpha,
+            beta,
+            gamma: exponents.gamma,
+            split: low,
+        }
+    }
+
+    /// `Phi + 1`: 0 without stress, 1 on the surface.
+    pub fn utilisation(&self, moment: f64, normal_force: f64) -> f64 {
+        let sum = self.sum(moment, normal_force);
+        if self.gamma == 1.0 {
+            sum
+        } else {
+            sum.powf(1.0 / self.gamma)
+        }
+    }
+
+    /// `|M/M^p|^alpha + |N/N^p|^beta`.
+    pub(crate) fn sum(&self, moment: f64, normal_force: f64) -> f64 {
+        self.alpha.of((moment / self.resistance_moment).abs())
+            + self.beta.of((normal_force / self.resistance_axial).abs())
+    }
+
+    /// Whether any of two hinges with moments `moments` \[N m\] that share the normal force `normal_force` \[N\]
+    /// lies outside the surface.
+    pub(crate) fn exceeded(&self, moments: [f64; 2], normal_force: f64) -> bool {
+        let axial = self.beta.of((normal_force / self.resistance_axial).abs());
+        let moment = moments[0].abs().max(moments[1].abs()) / self.resistance_moment;
+        self.alpha.of(moment) + axial > 1.0 + YIELD_TOLERANCE
+    }
+
+    /// Where the branches meet: `n = m` there.
+    pub(crate) fn split(&self) -> f64 {
+        self.split
+    }
+
+    /// Whether the surface has a corner at `N = 0`, where the cap `m(N)` has a kink.
+    pub(crate) fn has_corner_at_zero_axial(&self) -> bool {
+        self.beta == Power::One
+    }
+
+    /// `m` on the quarter curve above `n`, `0 <= n <= 1`.
+    pub(crate) fn cap_of(&self, n: f64) -> f64 {
+        self.alpha.root(1.0 - self.beta.of(n))
+    }
+
+    /// The point of the quarter curve with coordinate `t`, `0 <= t <= split`, on `branch`.
+    pub(crate) fn point(&self, branch: Branch, t: f64) -> CurvePoint {
+        let (own, other) = match branch {
+            Branch::Axial => (self.beta, self.alpha),
+            Branch::Moment => (self.alpha, self.beta),
+        };
+        // o = (1 - t^p)^(1/q); -do/dt = (p/q) t^(p-1) o / (1 - t^p)
+        let power = own.of(t);
+        let rest = 1.0 - power;
+        let o = other.root(rest);
+        let (p, q) = (own.exponent(), other.exponent());
+        let slope = p / q * own.less_one(t, power) * o / rest;
+        let bend = if slope > 0.0 && t > 0.0 {
+            slope * ((p - 1.0) + (1.0 - 1.0 / q) * p * power / rest) / t
+        } else {
+            0.0
+        };
+        CurvePoint { other: o, slope, bend }
+    }
+}
+
+/// A power with the two exponents that need no transcendental function set apart: they are the paper's example
+/// and half of Duan-Chen, and `powf` would cost more than the rest of a return mapping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Power {
+    One,
+    Two,
+    Other(f64),
+}
+
+impl Power {
+    fn new(exponent: f64) -> Self {
+        if exponent == 1.0 {
+            Self::One
+        } else if exponent == 2.0 {
+            Self::Two
+        } else {
+            Self::Other(exponent)
+        }
+    }
+
+    fn exponent(self) -> f64 {
+        match self {
+            Self::One => 1.0,
+            Self::Two => 2.0,
+            Self::Other(p) => p,
+        }
+    }
+
+    /// `x^p`, `x >= 0`.
+    fn of(self, x: f64) -> f64 {
+        match self {
+            Self::One => x,
+            Self::Two => x * x,
+            Self::Other(p) => x.powf(p),
+        }
+    }
+
+    /// `x^(1/p)`, `x >= 0`.
+    fn root(self, x: f64) -> f64 {
+        match self {
+            Self::One => x,
+            Self::Two => x.sqrt(),
+            Self::Other(p) => x.powf(1.0 / p),
+        }
+    }
+
+    /// `x^(p-1)` where `power = x^p` is known.
+    fn less_one(self, x: f64, power: f64) -> f64 {
+        match self {
+            Self::One => 1.0,
+            Self::Two => x,
+            Self::Other(_) if x > 0.0 => power / x,
+            Self::Other(_) => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAIRS: [(f64, f64); 7] = [
+        (2.0, 2.0),
+        (1.0, 1.3),
+        (1.0, 1.0),
+        (1.7, 1.0),
+        (3.0, 2.5),
+        (50.0, 50.0),
+        (1.0, 50.0),
+    ];
+
+    fn surface(alpha: f64, beta: f64) -> YieldSurface {
+        YieldSurface::new(
+            0.307e6,
+            3.23e6,
+            YieldExponents { alpha, beta, gamma: 1.0 },
+        )
+    }
+
+    #[test]
+    fn both_branches_lie_on_the_surface_and_have_its_derivatives() {
+        for (alpha, beta) in PAIRS {
+            let s = surface(alpha, beta);
+            for k in 1..20 {
+                let t = s.split() * f64::from(k) / 20.0;
+                for branch in [Branch::Axial, Branch::Moment] {
+                    let point = s.point(branch, t);
+                    let (n, m) = match branch {
+                        Branch::Axial => (t, point.other),
+                        Branch::Moment => (point.other, t),
+                    };
+                    let sum = s.sum(m * s.resistance_moment, n * s.resistance_axial);
+                    assert!((sum - 1.0).abs() < 1e-13, "{alpha} {beta} {branch:?} {t}: {sum}");
+                    let h = 1e-6 * t;
+                    let (after, before) = (s.point(branch, t + h), s.point(branch, t - h));
+                    let slope = (before.other - after.other) / (2.0 * h);
+                    let bend = (after.slope - before.slope) / (2.0 * h);
+                    assert!((slope - point.slope).abs() < 1e-8 * (1.0 + slope.abs()));
+                    assert!((bend - point.bend).abs() < 1e-6 * (1.0 + bend.abs()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gamma_scales_phi_and_leaves_the_surface() {
+        let exponents = YieldExponents { alpha: 2.0, beta: 2.0, gamma: 2.0 };
+        let s = YieldSurface::new(1.0, 1.0, exponents);
+        assert!((s.utilisation(0.6, 0.8) - 1.0).abs() < 1e-15);
+        // gamma = alpha = beta is the superelliptic norm of Eq 27: homogeneous of degree one.
+        assert!((s.utilisation(0.3, 0.4) - 0.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,137 @@
+//! The bytes of a message: an encapsulation header of four bytes, then CDR (OMG RTPS 10.2, XTypes 7.4).
+//!
+//! These are the bytes on the wire and the bytes in a recording. Padding is written as zeros here; other writers leave
+//! there whatever was in memory (Fast CDR does), so that equal messages need not be equal bytes. Reading is bounded:
+//! a message that announces more than it holds is refused without first taking the memory for it.
+
+use byteorder::{BigEndian, LittleEndian};
+
+use super::interface::Message;
+
+/// Header of plain CDR, little endian: what is written.
+const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
+
+/// Length of the encapsulation header \[bytes\].
+const HEADER_LENGTH: usize = 4;
+
+/// RTPS pads a payload to a multiple of four bytes, so up to three may follow the message.
+const LONGEST_PADDING: usize = 3;
+
+/// Why bytes are not a message, or a message cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum CdrError {
+    /// Too short to have an encapsulation header.
+    #[error("{message}: expected at least 4 bytes of encapsulation header, found {found} bytes")]
+    NoHeader {
+        /// ROS name of the expected type.
+        message: String,
+        /// Number of bytes.
+        found: usize,
+    },
+    /// Encapsulated in another way than plain CDR.
+    #[error("{message}: expected plain CDR (encapsulation 00 00 or 00 01), found {:02x} {:02x}; let the sender use XCDR1", found[0], found[1])]
+    Encapsulation {
+        /// ROS name of the expected type.
+        message: String,
+        /// First two bytes.
+        found: [u8; 2],
+    },
+    /// The content is not that of the expected type.
+    #[error(
+        "{message}: {length} bytes are not such a message: {source}; compare the sender's definition of the type"
+    )]
+    Content {
+        /// ROS name of the expected type.
+        message: String,
+        /// Number of bytes.
+        length: usize,
+        /// What does not fit.
+        source: cdr_encoding::Error,
+    },
+    /// More bytes than the expected type has.
+    #[error(
+        "{message}: expected {expected} bytes, found {found}; compare the sender's definition of the type"
+    )]
+    TooLong {
+        /// ROS name of the expected type.
+        message: String,
+        /// Number of bytes of the message that was read.
+        expected: usize,
+        /// Number of bytes.
+        found: usize,
+    },
+    /// The message cannot be written.
+    #[error("{message} cannot be written: {source}")]
+    Write {
+        /// ROS name of the type.
+        message: String,
+        /// Why.
+        source: cdr_encoding::Error,
+    },
+}
+
+/// The bytes of `message`, header included, little endian.
+///
+/// # Errors
+/// When memory or a length of 32 bits does not suffice.
+pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
+    let mut bytes = Vec::new();
+    encode_into(&mut bytes, message)?;
+    Ok(bytes)
+}
+
+/// As [`encode`], into a buffer whose former content goes and whose capacity is used again.
+///
+/// # Errors
+/// As [`encode`]; the buffer then holds a part of the message.
+pub fn encode_into<M: Message>(bytes: &mut Vec<u8>, message: &M) -> Result<(), CdrError> {
+    bytes.clear();
+    bytes.extend_from_slice(&LITTLE_ENDIAN);
+    cdr_encoding::to_writer::<_, LittleEndian, _>(bytes, message).map_err(|source| {
+        CdrError::Write {
+            message: M::INTERFACE.ros_name(),
+            source,
+        }
+    })
+}
+
+/// The message that `bytes` are, header included, of either byte order.
+///
+/// Takes memory for what `bytes` hold, and at most 1 MiB ahead of it for each sequence that is being read: that is
+/// where serde stops to believe an announced length.
+///
+/// # Errors
+/// When the bytes are too few, too many (beyond padding), or not of this type.
+pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
+    let name = || M::INTERFACE.ros_name();
+    let Some((header, content)) = bytes.split_first_chunk::<HEADER_LENGTH>() else {
+        return Err(CdrError::NoHeader {
+            message: name(),
+            found: bytes.len(),
+        });
+    };
+    // The last two bytes of the header are options and say nothing about plain CDR.
+    let read = match [header[0], header[1]] {
+        [0, 0] => cdr_encoding::from_bytes::<M, BigEndian>(content),
+        [0, 1] => cdr_encoding::from_bytes::<M, LittleEndian>(content),
+        found => {
+            return Err(CdrError::Encapsulation {
+                message: name(),
+                found,
+            });
+        }
+    };
+    let (message, consumed) = read.map_err(|source| CdrError::Content {
+        message: name(),
+        length: bytes.len(),
+        source,
+    })?;
+    if content.len() - consumed > LONGEST_PADDING {
+        return Err(CdrError::TooLong {
+            message: name(),
+            expected: consumed + HEADER_LENGTH,
+            found: bytes.len(),
+        });
+    }
+    Ok(message)
+}

@@ -1,0 +1,376 @@
+//! `column_twin`: our own messages and services. Fields and units: the definition above each struct.
+#![allow(missing_docs)]
+
+use serde::{Deserialize, Serialize};
+
+use super::std_msgs::Header;
+
+/// A vehicle is about to hit the column, or has just hit it.
+///
+/// ```text
+#[doc = include_str!("../../msg/ImpactEvent.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImpactEvent {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub mass: f64,
+    pub velocity: f64,
+    pub gap: f64,
+    pub restitution: f64,
+    pub height: f64,
+}
+
+impl Default for ImpactEvent {
+    /// Leaves to the parameters what an event may leave to them; mass and velocity remain to be given.
+    fn default() -> Self {
+        Self {
+            header: Header::default(),
+            column_id: String::new(),
+            event_id: String::new(),
+            mass: 0.0,
+            velocity: 0.0,
+            gap: f64::NAN,
+            restitution: f64::NAN,
+            height: f64::NAN,
+        }
+    }
+}
+
+/// Sets parameters of one column, all or nothing.
+///
+/// ```text
+#[doc = include_str!("../../msg/ColumnParameters.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ColumnParameters {
+    pub header: Header,
+    pub column_id: String,
+    pub geometry_length_below: f64,
+    pub geometry_length_above: f64,
+    pub section_name: String,
+    pub section_area: f64,
+    pub section_second_moment: f64,
+    pub section_mass_per_length: f64,
+    pub steel_grade: String,
+    pub steel_young_modulus: f64,
+    pub steel_yield_strength: f64,
+    pub resistance_moment: f64,
+    pub resistance_axial: f64,
+    pub yield_surface_alpha: f64,
+    pub yield_surface_beta: f64,
+    pub yield_surface_gamma: f64,
+    pub hinge_elastic_law: String,
+    pub support_base: String,
+    pub support_base_stiffness: f64,
+    pub support_top: String,
+    pub support_top_stiffness: f64,
+    pub top_spring_stiffness: f64,
+    pub top_mass: f64,
+    pub top_load: f64,
+    pub impact_mass: f64,
+    pub impact_velocity: f64,
+    pub impact_gap: f64,
+    pub impact_restitution: f64,
+    pub solver_scheme: String,
+    pub solver_dt: f64,
+    pub damping_ratio: f64,
+    pub response_duration: f64,
+}
+
+impl Default for ColumnParameters {
+    /// Leaves every parameter as it is.
+    fn default() -> Self {
+        Self {
+            header: Header::default(),
+            column_id: String::new(),
+            geometry_length_below: f64::NAN,
+            geometry_length_above: f64::NAN,
+            section_name: String::new(),
+            section_area: f64::NAN,
+            section_second_moment: f64::NAN,
+            section_mass_per_length: f64::NAN,
+            steel_grade: String::new(),
+            steel_young_modulus: f64::NAN,
+            steel_yield_strength: f64::NAN,
+            resistance_moment: f64::NAN,
+            resistance_axial: f64::NAN,
+            yield_surface_alpha: f64::NAN,
+            yield_surface_beta: f64::NAN,
+            yield_surface_gamma: f64::NAN,
+            hinge_elastic_law: String::new(),
+            support_base: String::new(),
+            support_base_stiffness: f64::NAN,
+            support_top: String::new(),
+            support_top_stiffness: f64::NAN,
+            top_spring_stiffness: f64::NAN,
+            top_mass: f64::NAN,
+            top_load: f64::NAN,
+            impact_mass: f64::NAN,
+            impact_velocity: f64::NAN,
+            impact_gap: f64::NAN,
+            impact_restitution: f64::NAN,
+            solver_scheme: String::new(),
+            solver_dt: f64::NAN,
+            damping_ratio: f64::NAN,
+            response_duration: f64::NAN,
+        }
+    }
+}
+
+/// What a [`ColumnParameters`] message says of one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ParameterEntry<'a> {
+    /// Its value; NaN: as it is.
+    Number(f64),
+    /// A name or a choice; empty: as it is.
+    Text(&'a str),
+}
+
+impl ParameterEntry<'_> {
+    /// Whether the parameter is left as it is. An infinite number is no such sign: it is a value, and a wrong one.
+    pub fn leaves_as_is(self) -> bool {
+        match self {
+            Self::Number(number) => number.is_nan(),
+            Self::Text(text) => text.is_empty(),
+        }
+    }
+}
+
+impl ColumnParameters {
+    /// Every parameter by its name, in the order of the message.
+    #[rustfmt::skip] // one parameter, one line
+    pub fn entries(&self) -> impl Iterator<Item = (&'static str, ParameterEntry<'_>)> {
+        use ParameterEntry::{Number, Text};
+        [
+            ("geometry.length_below", Number(self.geometry_length_below)),
+            ("geometry.length_above", Number(self.geometry_length_above)),
+            ("section.name", Text(&self.section_name)),
+            ("section.area", Number(self.section_area)),
+            ("section.second_moment", Number(self.section_second_moment)),
+            ("section.mass_per_length", Number(self.section_mass_per_length)),
+            ("steel.grade", Text(&self.steel_grade)),
+            ("steel.young_modulus", Number(self.steel_young_modulus)),
+            ("steel.yield_strength", Number(self.steel_yield_strength)),
+            ("resistance.moment", Number(self.resistance_moment)),
+            ("resistance.axial", Number(self.resistance_axial)),
+            ("yield_surface.alpha", Number(self.yield_surface_alpha)),
+            ("yield_surface.beta", Number(self.yield_surface_beta)),
+            ("yield_surface.gamma", Number(self.yield_surface_gamma)),
+            ("hinge.elastic_law", Text(&self.hinge_elastic_law)),
+            ("support.base", Text(&self.support_base)),
+            ("support.base_stiffness", Number(self.support_base_stiffness)),
+            ("support.top", Text(&self.support_top)),
+            ("support.top_stiffness", Number(self.support_top_stiffness)),
+            ("top.spring_stiffness", Number(self.top_spring_stiffness)),
+            ("top.mass", Number(self.top_mass)),
+            ("top.load", Number(self.top_load)),
+            ("impact.mass", Number(self.impact_mass)),
+            ("impact.velocity", Number(self.impact_velocity)),
+            ("impact.gap", Number(self.impact_gap)),
+            ("impact.restitution", Number(self.impact_restitution)),
+            ("solver.scheme", Text(&self.solver_scheme)),
+            ("solver.dt", Number(self.solver_dt)),
+            ("damping.ratio", Number(self.damping_ratio)),
+            ("response.duration", Number(self.response_duration)),
+        ]
+        .into_iter()
+    }
+}
+
+/// The column and its impactor at one instant.
+///
+/// ```text
+#[doc = include_str!("../../msg/ColumnState.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ColumnState {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub phase: u8,
+    pub time: f64,
+    pub v1: f64,
+    pub u1: f64,
+    pub beta1: f64,
+    pub u2: f64,
+    pub v1_rate: f64,
+    pub u1_rate: f64,
+    pub u2_rate: f64,
+    pub impactor_position: f64,
+    pub impactor_velocity: f64,
+    pub gap: f64,
+    pub contact_force: f64,
+    pub percussion: f64,
+    pub impulse: f64,
+    pub kinetic_energy: f64,
+    pub elastic_energy: f64,
+    pub plastic_work: f64,
+    pub impact_loss: f64,
+    pub damping_work: f64,
+    pub load_work: f64,
+    pub ledger_residual: f64,
+}
+
+impl ColumnState {
+    pub const IDLE: u8 = 0;
+    pub const APPROACH: u8 = 1;
+    pub const CONTACT: u8 = 2;
+    pub const FREE: u8 = 3;
+    pub const REST: u8 = 4;
+    pub const COLLAPSED: u8 = 5;
+    pub const FAULTED: u8 = 6;
+}
+
+/// Forces and deformations of the hinges at one instant.
+///
+/// ```text
+#[doc = include_str!("../../msg/HingeForces.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct HingeForces {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub moment: [f64; 4],
+    pub normal_force: [f64; 4],
+    pub rotation: [f64; 4],
+    pub elongation: [f64; 4],
+    pub plastic_rotation: [f64; 4],
+    pub plastic_elongation: [f64; 4],
+    pub utilisation: [f64; 4],
+    pub state: [u8; 4],
+}
+
+impl HingeForces {
+    pub const HINGE_1A: u8 = 0;
+    pub const HINGE_1B: u8 = 1;
+    pub const HINGE_2: u8 = 2;
+    pub const HINGE_3: u8 = 3;
+    pub const ELASTIC: u8 = 0;
+    pub const PLASTIC: u8 = 1;
+    pub const UNLOADED: u8 = 2;
+}
+
+/// The outcome of one impact.
+///
+/// ```text
+#[doc = include_str!("../../msg/ImpactReport.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ImpactReport {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub kind: u8,
+    pub outcome: u8,
+    pub max_v1: f64,
+    pub max_v1_time: f64,
+    pub residual_v1: f64,
+    pub max_u2: f64,
+    pub residual_u2: f64,
+    pub release_time: f64,
+    pub impactor_rebound: f64,
+    pub peak_contact_force: f64,
+    pub impulse: f64,
+    pub plastic_work: f64,
+    pub impact_loss: f64,
+    pub ledger_residual: f64,
+    pub compute_time: f64,
+    pub first_yield_time: [f64; 4],
+    pub max_utilisation: [f64; 4],
+    pub plastic_rotation: [f64; 4],
+    pub end: u8,
+    pub end_time: f64,
+}
+
+impl ImpactReport {
+    pub const HINGE_1A: u8 = 0;
+    pub const HINGE_1B: u8 = 1;
+    pub const HINGE_2: u8 = 2;
+    pub const HINGE_3: u8 = 3;
+    pub const FORECAST: u8 = 0;
+    pub const RESULT: u8 = 1;
+    pub const PREDICTION: u8 = 2;
+    pub const ELASTIC: u8 = 0;
+    pub const PLASTIC: u8 = 1;
+    pub const COLLAPSED: u8 = 2;
+    pub const END_AT_REST: u8 = 0;
+    pub const END_DURATION_REACHED: u8 = 1;
+    pub const END_COLLAPSED: u8 = 2;
+}
+
+/// How the twin itself is.
+///
+/// ```text
+#[doc = include_str!("../../msg/TwinStatus.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TwinStatus {
+    pub header: Header,
+    pub column_id: String,
+    pub phase: u8,
+    pub event_id: String,
+    pub events_accepted: u64,
+    pub events_refused: u64,
+    pub parameters_accepted: u64,
+    pub parameters_refused: u64,
+    pub last_refusal_reason: String,
+    pub last_refusal_event_id: String,
+    pub fault: String,
+    pub overruns: u64,
+    pub worst_lateness: f64,
+    pub dropped_inputs: u64,
+    pub dropped_states: u64,
+    pub dropped_recording: u64,
+    pub dropped_viewer: u64,
+    pub impacts_since_reset: u32,
+    pub residual_v1: f64,
+    pub residual_u2: f64,
+    pub plastic_work_since_reset: f64,
+    pub plastic_rotation: [f64; 4],
+    pub plastic_elongation: [f64; 4],
+}
+
+impl TwinStatus {
+    pub const HINGE_1A: u8 = 0;
+    pub const HINGE_1B: u8 = 1;
+    pub const HINGE_2: u8 = 2;
+    pub const HINGE_3: u8 = 3;
+    pub const IDLE: u8 = 0;
+    pub const APPROACH: u8 = 1;
+    pub const CONTACT: u8 = 2;
+    pub const FREE: u8 = 3;
+    pub const REST: u8 = 4;
+    pub const COLLAPSED: u8 = 5;
+    pub const FAULTED: u8 = 6;
+}
+
+/// What would this impact do?
+///
+/// ```text
+#[doc = include_str!("../../srv/PredictImpact.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PredictImpactRequest {
+    pub column_id: String,
+    pub event_id: String,
+    pub mass: f64,
+    pub velocity: f64,
+    pub gap: f64,
+    pub restitution: f64,
+    pub height: f64,
+}
+
+/// The answer.
+///
+/// ```text
+#[doc = include_str!("../../srv/PredictImpact.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PredictImpactResponse {
+    pub success: bool,
+    pub message: String,
+    pub report: ImpactReport,
+}

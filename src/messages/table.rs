@@ -1,0 +1,62 @@
+//! The one table of types: every struct with its ROS name and the file that defines it.
+
+use super::interface::{Interface, Message, Part};
+use super::{
+    builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rosgraph_msgs, sensor_msgs,
+    std_msgs, std_srvs, visualization_msgs,
+};
+
+/// Ties each struct to its file and lists all of them, so that no type can be in one place only.
+macro_rules! interfaces {
+    ($($package:ident $part:ident $name:ident = $type:ident in $file:literal;)*) => {
+        $(impl Message for $package::$type {
+            const INTERFACE: &'static Interface = &Interface::new(
+                stringify!($package), Part::$part, stringify!($name), include_str!(concat!("../../", $file)),
+            );
+        })*
+
+        /// Every type that the twin reads or writes, and every type that these are made of.
+        pub const INTERFACES: &[&Interface] = &[$(<$package::$type as Message>::INTERFACE),*];
+    };
+}
+
+interfaces! {
+    column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
+    column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
+    column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
+    column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
+    column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
+    column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
+    column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
+    column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
+
+    builtin_interfaces Message Duration = Duration in "msg/deps/builtin_interfaces/Duration.msg";
+    builtin_interfaces Message Time = Time in "msg/deps/builtin_interfaces/Time.msg";
+    diagnostic_msgs Message DiagnosticArray = DiagnosticArray in "msg/deps/diagnostic_msgs/DiagnosticArray.msg";
+    diagnostic_msgs Message DiagnosticStatus = DiagnosticStatus in "msg/deps/diagnostic_msgs/DiagnosticStatus.msg";
+    diagnostic_msgs Message KeyValue = KeyValue in "msg/deps/diagnostic_msgs/KeyValue.msg";
+    geometry_msgs Message Point = Point in "msg/deps/geometry_msgs/Point.msg";
+    geometry_msgs Message Pose = Pose in "msg/deps/geometry_msgs/Pose.msg";
+    geometry_msgs Message Quaternion = Quaternion in "msg/deps/geometry_msgs/Quaternion.msg";
+    geometry_msgs Message Vector3 = Vector3 in "msg/deps/geometry_msgs/Vector3.msg";
+    rosgraph_msgs Message Clock = Clock in "msg/deps/rosgraph_msgs/Clock.msg";
+    sensor_msgs Message CompressedImage = CompressedImage in "msg/deps/sensor_msgs/CompressedImage.msg";
+    sensor_msgs Message JointState = JointState in "msg/deps/sensor_msgs/JointState.msg";
+    std_msgs Message ColorRGBA = ColorRGBA in "msg/deps/std_msgs/ColorRGBA.msg";
+    std_msgs Message Header = Header in "msg/deps/std_msgs/Header.msg";
+    std_msgs Message String = String in "msg/deps/std_msgs/String.msg";
+    std_srvs Request Trigger = TriggerRequest in "msg/deps/std_srvs/Trigger.srv";
+    std_srvs Response Trigger = TriggerResponse in "msg/deps/std_srvs/Trigger.srv";
+    visualization_msgs Message Marker = Marker in "msg/deps/visualization_msgs/Marker.msg";
+    visualization_msgs Message MarkerArray = MarkerArray in "msg/deps/visualization_msgs/MarkerArray.msg";
+    visualization_msgs Message MeshFile = MeshFile in "msg/deps/visualization_msgs/MeshFile.msg";
+    visualization_msgs Message UVCoordinate = UVCoordinate in "msg/deps/visualization_msgs/UVCoordinate.msg";
+}
+
+/// The type of that ROS name, for example `column_twin/msg/ColumnState`.
+pub fn find(ros_name: &str) -> Option<&'static Interface> {
+    INTERFACES
+        .iter()
+        .copied()
+        .find(|interface| interface.ros_name() == ros_name)
+}

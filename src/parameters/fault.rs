@@ -1,0 +1,366 @@
+//! What is wrong with given parameters: where, what, and what would be right.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+use super::yaml::Location;
+
+/// One fault. `Display` is one line with place, name, value and what would be right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}{}{problem}", Subject(.name.as_deref(), .value.as_deref()))]
+pub struct Fault {
+    /// The parameter that is meant, or the unknown name as it was written; `None` for a fault of a file as a whole.
+    pub name: Option<String>,
+    /// The value as it was written, where the fault lies in the value.
+    pub value: Option<String>,
+    /// Where it was given.
+    pub place: Place,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+/// Where a value was given.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    /// In a parameter file.
+    File {
+        /// As it was named by the user.
+        path: PathBuf,
+        /// Line and column, from 1; `None` where the file could not be read.
+        position: Option<(usize, usize)>,
+        /// The bytes meant and the file's text, for reports that show them.
+        excerpt: Option<Excerpt>,
+    },
+    /// On the command line, in this argument: `-p name:=value` or a flag with its value.
+    CommandLine(String),
+    /// By a program or a service call, or nowhere: a default.
+    Direct,
+}
+
+/// A part of a file's text.
+#[derive(Clone, PartialEq)]
+pub struct Excerpt {
+    /// The whole text.
+    pub text: Arc<str>,
+    /// The bytes of it that are meant.
+    pub bytes: std::ops::Range<usize>,
+}
+
+/// What is wrong, and what would be right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file cannot be read.
+    #[error("cannot be read: {0}; check the path and its permissions")]
+    Unreadable(String),
+    /// The text is not a parameter file.
+    #[error("{0}")]
+    Syntax(String),
+    /// No parameter has this name.
+    #[error("is not a parameter{}", Suggestion(.nearest, "; all of them stand in docs/parameters.md"))]
+    UnknownName {
+        /// Names that are spelt like it, nearest first.
+        nearest: Vec<String>,
+    },
+    /// The name is that of a group of parameters.
+    #[error("is a group of parameters, not one of them; it has {}", .members.join(", "))]
+    Group {
+        /// The parameters of the group.
+        members: Vec<String>,
+    },
+    /// The same name stands twice in one place.
+    #[error("is given a second time, first in line {first_line}; remove one of the two")]
+    Duplicate {
+        /// Line of the first, from 1.
+        first_line: usize,
+    },
+    /// No value stands behind the name.
+    #[error("has no value; allowed: {expected}")]
+    NoValue {
+        /// What is admissible.
+        expected: String,
+    },
+    /// The value has another type.
+    #[error("is {found}; allowed: {expected}")]
+    WrongType {
+        /// What it is.
+        found: String,
+        /// What is admissible.
+        expected: String,
+    },
+    /// The value is not a finite number.
+    #[error("is not a finite number; allowed: {expected}")]
+    NotFinite {
+        /// What is admissible.
+        expected: String,
+    },
+    /// The value is outside of its range.
+    #[error("is out of range; allowed: {expected}")]
+    OutOfRange {
+        /// What is admissible.
+        expected: String,
+    },
+    /// The duration is not a whole number of nanoseconds.
+    #[error("is not a whole number of nanoseconds; the nearest is {nearest}")]
+    NotWholeNanoseconds {
+        /// The nearest duration that is \[s\].
+        nearest: String,
+    },
+    /// The text is too short or too long, or has control characters.
+    #[error("is not such a text as it should be; allowed: {expected}")]
+    UnfitText {
+        /// What is admissible.
+        expected: String,
+    },
+    /// The value is not one of the known words.
+    #[error("is not known{}; allowed: {expected}", Suggestion(.nearest, ""))]
+    UnknownWord {
+        /// Words that are spelt like it, nearest first.
+        nearest: Vec<String>,
+        /// What is admissible.
+        expected: String,
+    },
+    /// The parameter does not go with another one, or needs one that is missing.
+    #[error("{0}")]
+    Inconsistent(String),
+}
+
+struct Subject<'a>(Option<&'a str>, Option<&'a str>);
+
+impl fmt::Display for Subject<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self(Some(name), Some(value)) => write!(f, "{name}: `{}` ", Shortened(value)),
+            Self(Some(name), None) => write!(f, "{} ", Shortened(name)),
+            Self(None, _) => Ok(()),
+        }
+    }
+}
+
+/// A name or value from outside, in one line of bounded length.
+struct Shortened<'a>(&'a str);
+
+impl fmt::Display for Shortened<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const MOST: usize = 60;
+        for c in self.0.chars().take(MOST) {
+            if c.is_control() {
+                write!(f, "{}", c.escape_default())?
+            } else {
+                write!(f, "{c}")?
+            }
+        }
+        if self.0.chars().nth(MOST).is_some() {
+            f.write_str("...")
+        } else {
+            Ok(())
+        }
+    }
+}
+
+struct Suggestion<'a>(&'a [String], &'static str);
+
+impl fmt::Display for Suggestion<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [] => f.write_str(self.1),
+            [one] => write!(f, " (did you mean {one}?)"),
+            [most @ .., last] => write!(f, " (did you mean {} or {last}?)", most.join(", ")),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File {
+                path,
+                position: Some((line, column)),
+                ..
+            } => {
+                write!(f, "{}:{line}:{column}: ", path.display())
+            }
+            Self::File {
+                path,
+                position: None,
+                ..
+            } => write!(f, "{}: ", path.display()),
+            Self::CommandLine(text) => write!(f, "{}: ", Shortened(text)),
+            Self::Direct => Ok(()),
+        }
+    }
+}
+
+impl fmt::Debug for Excerpt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Excerpt")
+            .field(&self.text.get(self.bytes.clone()).unwrap_or_default())
+            .finish()
+    }
+}
+
+/// All the faults of the given parameters, in the order of files and lines; never empty.
+///
+/// `Display` is one line per fault behind a line with their number; [`report`](Self::report) shows them in the text of
+/// the files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterFaults(Vec<Fault>);
+
+impl ParameterFaults {
+    /// `Ok` where there are none.
+    ///
+    /// # Errors
+    /// All of them.
+    pub(super) fn none_of(faults: Vec<Fault>) -> Result<(), Self> {
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(Self(faults))
+        }
+    }
+
+    /// The faults.
+    #[must_use]
+    pub fn faults(&self) -> &[Fault] {
+        &self.0
+    }
+
+    /// The same for a person: the files' lines with the faults written below.
+    #[must_use]
+    pub fn report(&self) -> miette::Report {
+        let mut parts: Vec<Part> = Vec::new();
+        for fault in &self.0 {
+            match &fault.place {
+                Place::File {
+                    path,
+                    excerpt: Some(excerpt),
+                    ..
+                } => {
+                    let label =
+                        LabeledSpan::at(excerpt.bytes.clone(), FaultInPlace(fault).to_string());
+                    let name = path.display().to_string();
+                    match parts
+                        .iter_mut()
+                        .find(|part| part.file.as_ref().is_some_and(|file| file.name() == name))
+                    {
+                        Some(part) => part.labels.push(label),
+                        None => parts.push(Part::of_file(name, excerpt.text.clone(), label)),
+                    }
+                }
+                _ => parts.push(Part {
+                    message: fault.to_string(),
+                    file: None,
+                    labels: Vec::new(),
+                }),
+            }
+        }
+        miette::Report::new(Listing {
+            count: self.0.len(),
+            parts,
+        })
+    }
+}
+
+impl fmt::Display for ParameterFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", Count(self.0.len()))?;
+        self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+    }
+}
+
+impl std::error::Error for ParameterFaults {}
+
+impl From<Fault> for ParameterFaults {
+    fn from(fault: Fault) -> Self {
+        Self(vec![fault])
+    }
+}
+
+struct Count(usize);
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 == 1 {
+            f.write_str("1 fault in the parameters")
+        } else {
+            write!(f, "{} faults in the parameters", self.0)
+        }
+    }
+}
+
+/// A fault below the line that it is about, which needs no place.
+struct FaultInPlace<'a>(&'a Fault);
+
+impl fmt::Display for FaultInPlace<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let subject = Subject(self.0.name.as_deref(), self.0.value.as_deref());
+        write!(f, "{subject}{}", self.0.problem)
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("{}", Count(*.count))]
+struct Listing {
+    count: usize,
+    parts: Vec<Part>,
+}
+
+impl Diagnostic for Listing {
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        Some(Box::new(
+            self.parts.iter().map(|part| part as &dyn Diagnostic),
+        ))
+    }
+}
+
+/// The faults of one file, or one that is in no file.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+struct Part {
+    message: String,
+    file: Option<NamedSource<Arc<str>>>,
+    labels: Vec<LabeledSpan>,
+}
+
+impl Part {
+    fn of_file(name: String, text: Arc<str>, label: LabeledSpan) -> Self {
+        Self {
+            message: format!("in {name}"),
+            file: Some(NamedSource::new(name, text)),
+            labels: vec![label],
+        }
+    }
+}
+
+impl Diagnostic for Part {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.file.as_ref().map(|file| file as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(self.labels.iter().cloned()))
+    }
+}
+
+/// A file that is being read, to place faults in.
+#[derive(Debug, Clone)]
+pub(super) struct SourceFile {
+    pub path: PathBuf,
+    pub text: Arc<str>,
+}
+
+impl SourceFile {
+    pub(super) fn place(&self, at: &Location) -> Place {
+        Place::File {
+            path: self.path.clone(),
+            position: Some((at.line, at.column)),
+            excerpt: Some(Excerpt {
+                text: self.text.clone(),
+                bytes: at.bytes.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,388 @@
+//! Parameters: one table says what there is, and declaration, validation and documentation follow from it.
+//!
+//! Files are ROS 2 parameter files, overrides are ROS 2's `-p name:=value`. All faults are found at once, each with its
+//! place, name, value and what would be right.
+//!
+//! ```
+//! use column_twin::parameters::{Parameters, parse_override};
+//!
+//! let overrides = [parse_override("section.name:=HEB 300"), parse_override("impact.velocity:=12")];
+//! let parameters = Parameters::load(&[], &overrides)?;
+//! assert_eq!(parameters.impact().velocity, 12.0);
+//! assert!((parameters.section().area - 149.1e-4).abs() < 0.05e-4);
+//!
+//! let wrong = [parse_override("impact.velocty:=12"), parse_override("steel.grade:=S350")];
+//! let faults = Parameters::load(&[], &wrong).unwrap_err();
+//! assert_eq!(
+//!     faults.faults()[0].to_string(),
+//!     "-p impact.velocty:=12: impact.velocty is not a parameter (did you mean impact.velocity?)"
+//! );
+//! assert_eq!(faults.faults().len(), 2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod catalogue;
+mod check;
+mod consistency;
+mod draft;
+mod fault;
+mod file;
+mod node_name;
+mod overrides;
+mod reference;
+mod settings;
+mod steel;
+mod table;
+mod value;
+mod yaml;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+pub use catalogue::{CatalogueSection, catalogue};
+pub use fault::{Excerpt, Fault, ParameterFaults, Place, Problem};
+pub use file::MAX_FILE_BYTES;
+pub use node_name::NodeName;
+pub use overrides::{Override, parse_override};
+pub use reference::markdown;
+pub use settings::{
+    Compression, Damping, Geometry, Hinge, Impact, Record, RecordMode, Resistance, Response,
+    Section, Settings, Solver, Steel, SupportKind, Supports, Top, Viewer, ViewerMode, YieldSurface,
+};
+pub use steel::{STEEL_GRADES, SteelGrade};
+pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
+pub use value::{Kind, Value};
+
+use crate::column::{ColumnProperties, Support, YieldExponents};
+use draft::Draft;
+use file::Assignment;
+
+/// A complete and consistent set of parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Settings", try_from = "Settings")]
+pub struct Parameters {
+    settings: Settings,
+}
+
+/// The section that the column has: named, given by numbers, or named with some numbers overridden.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ColumnSection {
+    /// Name in the catalogue.
+    pub name: Option<&'static str>,
+    /// `A` \[m²\].
+    pub area: f64,
+    /// `I` \[m⁴\], about the axis that the column is bent about.
+    pub second_moment: f64,
+    /// `m_l` \[kg/m\].
+    pub mass_per_length: f64,
+    /// `W_pl` \[m³\] of a named section.
+    pub plastic_modulus: Option<f64>,
+}
+
+/// The steel that the column has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ColumnSteel {
+    /// Name of the grade.
+    pub grade: Option<&'static str>,
+    /// `E` \[Pa\].
+    pub young_modulus: f64,
+    /// `f_y` \[Pa\].
+    pub yield_strength: f64,
+}
+
+impl Parameters {
+    /// The defaults, changed by the files in their order and then by the overrides in theirs, for the node
+    /// `/column_twin`.
+    ///
+    /// # Errors
+    /// All faults of all files and overrides.
+    pub fn load(files: &[PathBuf], overrides: &[Override]) -> Result<Self, ParameterFaults> {
+        Self::load_for(&NodeName::default(), files, overrides)
+    }
+
+    /// The same for a node of another name or in a namespace.
+    ///
+    /// # Errors
+    /// All faults of all files and overrides.
+    pub fn load_for(
+        node: &NodeName,
+        files: &[PathBuf],
+        overrides: &[Override],
+    ) -> Result<Self, ParameterFaults> {
+        let mut draft = Draft::of_defaults();
+        for path in files {
+            let (assignments, faults) = file::read(path, node);
+            draft.take(assignments, faults);
+        }
+        for one in overrides {
+            match one.assignment(node) {
+                Ok(assignment) => draft.take(vec![assignment], vec![]),
+                Err(fault) => draft.take(vec![], vec![*fault]),
+            }
+        }
+        draft.finish()
+    }
+
+    /// The defaults, changed by the text of one parameter file; `path` names it in faults.
+    ///
+    /// # Errors
+    /// All faults of the text.
+    pub fn from_yaml(path: &Path, text: &str) -> Result<Self, ParameterFaults> {
+        let source = fault::SourceFile {
+            path: path.to_owned(),
+            text: text.into(),
+        };
+        let (assignments, faults) = file::assignments(&source, &NodeName::default());
+        let mut draft = Draft::of_defaults();
+        draft.take(assignments, faults);
+        draft.finish()
+    }
+
+    /// The defaults, changed by these values.
+    ///
+    /// # Errors
+    /// All faults of the values, and of their combination.
+    pub fn from_values(
+        values: impl IntoIterator<Item = (impl Into<String>, Value)>,
+    ) -> Result<Self, ParameterFaults> {
+        let mut draft = Draft::of_defaults();
+        draft.take(values.into_iter().map(direct).collect(), vec![]);
+        draft.finish()
+    }
+
+    /// These parameters with some of them changed, validated as a whole; nothing is half applied.
+    ///
+    /// Which of the changes a running node may make is for its caller to ask of [`changed_from`](Self::changed_from).
+    ///
+    /// # Errors
+    /// All faults of the changes, and of their combination with the rest.
+    pub fn with_changes(
+        &self,
+        changes: impl IntoIterator<Item = (impl Into<String>, Value)>,
+    ) -> Result<Self, ParameterFaults> {
+        let mut draft = Draft::of_settings(&self.settings);
+        draft.take(changes.into_iter().map(direct).collect(), vec![]);
+        draft.finish()
+    }
+
+    /// The parameters whose values differ.
+    #[must_use]
+    pub fn changed_from(&self, earlier: &Self) -> Vec<&'static Parameter> {
+        PARAMETERS
+            .iter()
+            .filter(|parameter| self.get(parameter.name) != earlier.get(parameter.name))
+            .collect()
+    }
+
+    /// The value of the parameter of this name; `None` where there is no such parameter.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<Value> {
+        let index = Parameter::index_of(name)?;
+        values_of(&self.settings).into_iter().nth(index)
+    }
+
+    /// All parameters with their values, in the order of the table.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Value)> + use<> {
+        PARAMETERS.iter().zip(values_of(&self.settings))
+    }
+
+    /// All parameters as typed data.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What an impact event leaves open.
+    #[must_use]
+    pub fn impact(&self) -> &Impact {
+        &self.settings.impact
+    }
+
+    /// Longest response that is computed \[s\].
+    #[must_use]
+    pub fn response_duration(&self) -> f64 {
+        self.settings.response.duration
+    }
+
+    /// The column's section.
+    #[must_use]
+    pub fn section(&self) -> ColumnSection {
+        let given = &self.settings.section;
+        let named = CatalogueSection::named(&given.name);
+        let computed = named.map(CatalogueSection::properties);
+        let or_computed = |number: f64, of_name: Option<f64>| {
+            if number > 0.0 {
+                number
+            } else {
+                of_name.unwrap_or(0.0)
+            }
+        };
+        ColumnSection {
+            name: named.map(|section| section.name.as_str()),
+            area: or_computed(given.area, computed.map(|it| it.area)),
+            second_moment: or_computed(given.second_moment, computed.map(|it| it.second_moment)),
+            mass_per_length: or_computed(
+                given.mass_per_length,
+                computed.map(|it| it.mass_per_length),
+            ),
+            plastic_modulus: computed.map(|it| it.plastic_modulus),
+        }
+    }
+
+    /// The column's steel.
+    #[must_use]
+    pub fn steel(&self) -> ColumnSteel {
+        let given = &self.settings.steel;
+        let named = SteelGrade::named(&given.grade);
+        let or_nominal = |number: f64, of_name: Option<f64>| {
+            if number > 0.0 {
+                number
+            } else {
+                of_name.unwrap_or(0.0)
+            }
+        };
+        ColumnSteel {
+            grade: named.map(|grade| grade.name),
+            young_modulus: or_nominal(given.young_modulus, named.map(|it| it.young_modulus)),
+            yield_strength: or_nominal(given.yield_strength, named.map(|it| it.yield_strength)),
+        }
+    }
+
+    /// `M^p` \[N m\]: as given, or `W_pl f_y`.
+    #[must_use]
+    pub fn resistance_moment(&self) -> f64 {
+        match self.settings.resistance.moment {
+            0.0 => self.section().plastic_modulus.unwrap_or(0.0) * self.steel().yield_strength,
+            given => given,
+        }
+    }
+
+    /// `N^p` \[N\]: as given, or `A f_y`.
+    #[must_use]
+    pub fn resistance_axial(&self) -> f64 {
+        match self.settings.resistance.axial {
+            0.0 => self.section().area * self.steel().yield_strength,
+            given => given,
+        }
+    }
+
+    /// What the mechanics is to know of the column.
+    #[must_use]
+    pub fn column_properties(&self) -> ColumnProperties {
+        let Settings {
+            geometry,
+            yield_surface,
+            hinge,
+            support,
+            top,
+            solver,
+            damping,
+            ..
+        } = &self.settings;
+        let (section, steel) = (self.section(), self.steel());
+        let given = |stiffness: f64| (stiffness > 0.0).then_some(stiffness);
+        ColumnProperties {
+            length_below: geometry.length_below,
+            length_above: geometry.length_above,
+            axial_rigidity: steel.young_modulus * section.area,
+            bending_stiffness: steel.young_modulus * section.second_moment,
+            mass_per_length: section.mass_per_length,
+            resistance_moment: self.resistance_moment(),
+            resistance_axial: self.resistance_axial(),
+            yield_surface: YieldExponents {
+                alpha: yield_surface.alpha,
+                beta: yield_surface.beta,
+                gamma: yield_surface.gamma,
+            },
+            elastic_law: hinge.elastic_law,
+            base: support_of(support.base, support.base_stiffness),
+            top: support_of(support.top, support.top_stiffness),
+            hinge_stiffness: [
+                hinge.stiffness_1a,
+                hinge.stiffness_1b,
+                hinge.stiffness_2,
+                hinge.stiffness_3,
+            ]
+            .map(given),
+            top_spring_stiffness: top.spring_stiffness,
+            top_mass: top.mass,
+            top_load: top.load,
+            damping_ratio: damping.ratio,
+            scheme: solver.scheme,
+            step_nanos: (solver.dt * 1e9).round() as u64,
+        }
+    }
+
+    /// A complete parameter file for the node `column_twin`, which [`load`](Self::load) reads back to the same values.
+    #[must_use]
+    pub fn to_yaml(&self) -> String {
+        let mut text = String::from("column_twin:\n  ros__parameters:\n");
+        let mut group = "";
+        for (parameter, value) in self.iter() {
+            match parameter.name.split_once('.') {
+                None => text.push_str(&format!("    {}: {value}\n", parameter.name)),
+                Some((this, name)) => {
+                    if this != group {
+                        text.push_str(&format!("    {this}:\n"));
+                    }
+                    group = this;
+                    text.push_str(&format!("      {name}: {value}\n"));
+                }
+            }
+        }
+        text
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Draft::of_defaults()
+            .finish()
+            .expect("the table's defaults are complete and consistent, which is tested")
+    }
+}
+
+impl TryFrom<Settings> for Parameters {
+    type Error = ParameterFaults;
+
+    fn try_from(settings: Settings) -> Result<Self, ParameterFaults> {
+        let all = PARAMETERS
+            .iter()
+            .map(|parameter| parameter.name)
+            .zip(values_of(&settings));
+        let mut draft = Draft::of_defaults();
+        draft.take(all.map(direct).collect(), vec![]);
+        draft.finish()
+    }
+}
+
+impl From<Parameters> for Settings {
+    fn from(parameters: Parameters) -> Self {
+        parameters.settings
+    }
+}
+
+/// One value per entry of the table, in its order.
+fn values_of(settings: &Settings) -> Vec<Value> {
+    settings
+        .values()
+        .expect("settings are numbers, words and texts, which JSON can hold")
+}
+
+fn support_of(kind: SupportKind, stiffness: f64) -> Support {
+    match kind {
+        SupportKind::BuiltIn => Support::BuiltIn,
+        SupportKind::Pinned => Support::Pinned,
+        SupportKind::SemiRigid => Support::SemiRigid { stiffness },
+    }
+}
+
+fn direct((name, value): (impl Into<String>, Value)) -> Assignment {
+    Assignment {
+        name: name.into(),
+        text: Some(value.plain()),
+        value: Ok(value),
+        place: Place::Direct,
+    }
+}

@@ -1,0 +1,206 @@
+//! Parameters given on the command line.
+
+use super::fault::{Fault, Place, Problem};
+use super::file::Assignment;
+use super::node_name::NodeName;
+use super::table::Parameter;
+use super::value::Value;
+use super::yaml::{self, Content, Node};
+
+/// A parameter given on the command line: `-p [node:]name:=value`, or by a flag of its own.
+///
+/// What is wrong with it is said by [`Parameters::load`](super::Parameters::load), together with all else that is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Override {
+    /// The node it is addressed to, if any.
+    node: Option<String>,
+    name: Option<String>,
+    /// The value with the text that was typed, or what is wrong with the argument.
+    value: Result<(Value, String), Problem>,
+    /// The argument as it was typed.
+    text: String,
+}
+
+/// Splits a `-p` argument `[node:]name:=value` as ROS 2 does; the value has the type that YAML gives it.
+#[must_use]
+pub fn parse_override(argument: &str) -> Override {
+    let text = format!("-p {argument}");
+    let malformed = |message: &str| Override {
+        node: None,
+        name: None,
+        value: Err(Problem::Syntax(message.to_owned())),
+        text: text.clone(),
+    };
+    let Some((target, value)) = argument.split_once(":=") else {
+        return malformed("no `:=`; write it as name:=value, such as top.load:=2.0e6");
+    };
+    let (node, name) = match target.rsplit_once(':') {
+        Some((node, name)) => (Some(node.to_owned()), name),
+        None => (None, target),
+    };
+    if name.is_empty() {
+        return malformed("no name before `:=`; write it as name:=value");
+    }
+    Override {
+        node,
+        name: Some(name.to_owned()),
+        value: single_value(name, value),
+        text,
+    }
+}
+
+fn single_value(name: &str, text: &str) -> Result<(Value, String), Problem> {
+    let expected = || {
+        Parameter::named(name).map_or_else(|| "a single value".to_owned(), Parameter::expectation)
+    };
+    match yaml::parse(text) {
+        Ok(None) => Err(Problem::NoValue {
+            expected: expected(),
+        }),
+        Ok(Some(Node { content, .. })) => match content {
+            Content::Scalar { value, text } => Ok((value, text)),
+            Content::Null => Err(Problem::NoValue {
+                expected: expected(),
+            }),
+            Content::List | Content::Mapping(_) => Err(Problem::WrongType {
+                found: "a list or a mapping".to_owned(),
+                expected: expected(),
+            }),
+        },
+        Err(error) => Err(Problem::Syntax(format!(
+            "has a value that is {}",
+            error.message
+        ))),
+    }
+}
+
+impl Override {
+    /// A parameter that a flag of its own gives; `text` is the flag with its argument, such as `--velocity 10`.
+    #[must_use]
+    pub fn by_flag(text: &str, name: &str, value: Value) -> Self {
+        let plain = value.plain();
+        Self {
+            node: None,
+            name: Some(name.to_owned()),
+            value: Ok((value, plain)),
+            text: text.to_owned(),
+        }
+    }
+
+    /// As an assignment to this node's parameter, or what is wrong with it.
+    pub(super) fn assignment(&self, node: &NodeName) -> Result<Assignment, Box<Fault>> {
+        let place = Place::CommandLine(self.text.clone());
+        let fault = |problem| {
+            Box::new(Fault {
+                name: self.name.clone(),
+                value: None,
+                place: place.clone(),
+                problem,
+            })
+        };
+        if let Some(addressee) = self
+            .node
+            .as_deref()
+            .filter(|addressee| !is_addressed_to(node, addressee))
+        {
+            return Err(fault(Problem::Inconsistent(format!(
+                "is addressed to the node {addressee}, but this is {node}; leave `{addressee}:` out"
+            ))));
+        }
+        let (value, text) = self.value.clone().map_err(fault)?;
+        Ok(Assignment {
+            name: self.name.clone().unwrap_or_default(),
+            value: Ok(value),
+            text: Some(text),
+            place: place.clone(),
+        })
+    }
+}
+
+/// On the command line the bare name of a node is enough.
+fn is_addressed_to(node: &NodeName, addressee: &str) -> bool {
+    node.is_meant_by(addressee) || addressee == node.bare()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn given(argument: &str) -> Result<(String, Value), String> {
+        let assignment = parse_override(argument).assignment(&NodeName::default());
+        let assignment = assignment.map_err(|fault| fault.to_string())?;
+        Ok((assignment.name, assignment.value.expect("a single value")))
+    }
+
+    #[test]
+    fn arguments_are_split_and_typed_as_ros_does() {
+        for (argument, name, value) in [
+            ("top.load:=2.0e6", "top.load", Value::Double(2.0e6)),
+            ("top.load:=10", "top.load", Value::Integer(10)),
+            (
+                "section.name:=HEB 220",
+                "section.name",
+                Value::from("HEB 220"),
+            ),
+            ("section.name:=''", "section.name", Value::from("")),
+            ("use_sim_time:=true", "use_sim_time", Value::Bool(true)),
+            ("column_twin:top.load:=1.5", "top.load", Value::Double(1.5)),
+            ("/column_twin:top.load:=1.5", "top.load", Value::Double(1.5)),
+        ] {
+            assert_eq!(given(argument), Ok((name.to_owned(), value)));
+        }
+        for (argument, expected) in [
+            (
+                "top.load=3",
+                "-p top.load=3: no `:=`; write it as name:=value",
+            ),
+            (":=3", "-p :=3: no name before `:=`"),
+            (
+                "top.load:=",
+                "-p top.load:=: top.load has no value; allowed: 0 to 1e9 N",
+            ),
+            (
+                "top.load:=[1, 2]",
+                "top.load is a list or a mapping; allowed: 0 to 1e9 N",
+            ),
+            (
+                "top.load:=[1",
+                "top.load has a value that is not valid YAML",
+            ),
+            (
+                "lidar:top.load:=1.0",
+                "is addressed to the node lidar, but this is /column_twin",
+            ),
+        ] {
+            let fault = given(argument).expect_err(argument);
+            assert!(fault.contains(expected), "{fault}");
+        }
+    }
+
+    #[test]
+    fn an_override_is_for_a_node_in_its_namespace() {
+        let node = NodeName::new("/garage", "column_twin");
+        for (addressee, meant) in [
+            ("column_twin", true),
+            ("/garage/column_twin", true),
+            ("/column_twin", false),
+            ("lidar", false),
+        ] {
+            let assignment =
+                parse_override(&format!("{addressee}:top.load:=1.5")).assignment(&node);
+            assert_eq!(assignment.is_ok(), meant, "{addressee}");
+        }
+    }
+
+    #[test]
+    fn a_flag_is_its_own_place() {
+        let flag = Override::by_flag("--velocity 100", "impact.velocity", Value::Double(100.0));
+        let faults = super::super::Parameters::load(&[], &[flag])
+            .expect_err("out of range")
+            .to_string();
+        assert!(
+            faults.contains("\n  --velocity 100: impact.velocity: `100.0` is out of range"),
+            "{faults}"
+        );
+    }
+}

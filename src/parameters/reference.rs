@@ -1,0 +1,111 @@
+//! The parameters' reference, written from the table.
+
+use std::fmt::Write;
+
+use super::catalogue::catalogue;
+use super::steel::STEEL_GRADES;
+use super::table::{Applies, PARAMETERS, Parameter};
+use super::value::{Value, readable};
+
+/// The reference as Markdown, which is `docs/parameters.md`.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text = String::from(INTRODUCTION);
+    let mut group = None;
+    for parameter in PARAMETERS {
+        let this = parameter.name.split_once('.').map(|(group, _)| group);
+        if group != Some(this) {
+            text.push_str(&heading(this.unwrap_or("The node itself")));
+            group = Some(this);
+        }
+        text.push_str(&row(parameter));
+    }
+    text.push_str(&steels());
+    text.push_str(&sections());
+    text
+}
+
+const INTRODUCTION: &str = "\
+# Parameters
+
+Written by the program from its one table of parameters (`src/parameters/table.rs`); do not edit.
+
+SI units throughout. Parameters come from ROS 2 parameter files and from `-p name:=value`, later ones override earlier
+ones. A file looks like this, groups nested or with dots:
+
+```yaml
+column_twin:
+  ros__parameters:
+    section.name: HEB220
+    impact: {mass: 1500.0, velocity: 10.0}
+```
+
+`/**:` instead of `column_twin:` means every node, `/garage/a3/column_twin:` the one in that namespace. A whole number is
+accepted where a double is wanted; NaN and infinity never are. Ranges include their bounds. *or 0 (...)* says what 0
+stands for where it is not a number of the range. *Applies* says when a change takes effect in the running node;
+*restart* means read-only while it runs.
+";
+
+fn heading(group: &str) -> String {
+    let columns = "| name | type | unit | default | admissible | applies | meaning |\n|---|---|---|---|---|---|---|\n";
+    format!("\n## {group}\n\n{columns}")
+}
+
+fn row(parameter: &Parameter) -> String {
+    let default = match parameter.default_value() {
+        Value::Double(number) => readable(number),
+        Value::String(text) if text.is_empty() => "(empty)".to_owned(),
+        other => other.plain(),
+    };
+    let applies = match parameter.applies {
+        Applies::AtOnce => "at once",
+        Applies::AfterResponse => "after the response",
+        Applies::Restart => "restart",
+    };
+    format!(
+        "| `{}` | {} | {} | {default} | {} | {applies} | {} |\n",
+        parameter.name,
+        parameter.kind(),
+        parameter.unit,
+        parameter.expectation(),
+        parameter.meaning
+    )
+}
+
+fn steels() -> String {
+    let mut text = String::from(
+        "\n## Steel grades\n\nNominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1).\n\n\
+         | name | E [GPa] | f_y [MPa] |\n|---|---|---|\n",
+    );
+    for grade in STEEL_GRADES {
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} |",
+            grade.name,
+            grade.young_modulus / 1e9,
+            grade.yield_strength / 1e6
+        );
+    }
+    text
+}
+
+fn sections() -> String {
+    let mut text = String::from(
+        "\n## Sections\n\nComputed from the dimensions of EN 10365 in `config/sections.csv`, root fillets included; bending about the \
+         strong axis. Names are\ntaken in any case, with or without spaces; `HE 220 B` is `HEB220`.\n\n\
+         | name | A [cm^2] | I [cm^4] | W_pl [cm^3] | mass [kg/m] |\n|---|---|---|---|---|\n",
+    );
+    for section in catalogue() {
+        let properties = section.properties();
+        let _ = writeln!(
+            text,
+            "| {} | {:.2} | {:.1} | {:.1} | {:.1} |",
+            section.name,
+            properties.area * 1e4,
+            properties.second_moment * 1e8,
+            properties.plastic_modulus * 1e6,
+            properties.mass_per_length
+        );
+    }
+    text
+}

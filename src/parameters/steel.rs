@@ -1,0 +1,65 @@
+//! Structural steel grades.
+
+/// A grade with its nominal values.
+///
+/// Yield strengths are those of EN 1993-1-1:2005, table 3.1, for thicknesses up to 40 mm, which is the thickest
+/// flange of the catalogue (S235 to S355: EN 10025-2; S420, S460: EN 10025-3 N/NL and 10025-4 M/ML).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteelGrade {
+    /// Such as `S355`.
+    pub name: &'static str,
+    /// `E` \[Pa\] (EN 1993-1-1, 3.2.6).
+    pub young_modulus: f64,
+    /// `f_y` \[Pa\].
+    pub yield_strength: f64,
+}
+
+/// Every grade known by name, weakest first.
+pub const STEEL_GRADES: &[SteelGrade] = &[
+    grade("S235", 235e6),
+    grade("S275", 275e6),
+    grade("S355", 355e6),
+    grade("S420", 420e6),
+    grade("S460", 460e6),
+];
+
+const fn grade(name: &'static str, yield_strength: f64) -> SteelGrade {
+    SteelGrade {
+        name,
+        young_modulus: 210e9,
+        yield_strength,
+    }
+}
+
+impl SteelGrade {
+    /// The grade of this name, in any case and with or without spaces.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        let wanted: String = name.split_whitespace().collect();
+        STEEL_GRADES
+            .iter()
+            .find(|grade| grade.name.eq_ignore_ascii_case(&wanted))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_any_case() {
+        assert_eq!(
+            SteelGrade::named(" s 355").map(|grade| grade.yield_strength),
+            Some(355e6)
+        );
+        assert_eq!(SteelGrade::named("S350"), None);
+        assert_eq!(SteelGrade::named(""), None);
+    }
+
+    #[test]
+    fn a_grade_is_named_after_its_strength() {
+        for grade in STEEL_GRADES {
+            assert_eq!(format!("S{}", grade.yield_strength / 1e6), grade.name);
+        }
+    }
+}

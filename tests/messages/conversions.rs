@@ -1,0 +1,266 @@
+//! What the column computes arrives in its messages, value by value.
+
+use column_twin::column::{
+    End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
+};
+use column_twin::messages::builtin_interfaces::Time;
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use proptest::prelude::*;
+use serde_json::{Map, Value, json};
+
+/// An object in which every number is another one.
+fn numbered(value: Value, next: &mut f64) -> Value {
+    let mut number = || {
+        *next += 1.25;
+        json!(*next)
+    };
+    match value {
+        Value::Number(_) => number(),
+        Value::Array(elements) => elements
+            .into_iter()
+            .map(|element| numbered(element, next))
+            .collect(),
+        Value::Object(fields) => fields
+            .into_iter()
+            .map(|(name, value)| (name, numbered(value, next)))
+            .collect(),
+        other => other,
+    }
+}
+
+fn sample() -> Sample {
+    let states = [
+        HingeState::Elastic,
+        HingeState::Plastic,
+        HingeState::Unloaded,
+        HingeState::Plastic,
+    ];
+    let hinges = states.map(|state| HingeSample {
+        state,
+        ..HingeSample::default()
+    });
+    let sample = Sample {
+        phase: Phase::Contact,
+        hinges,
+        ..Sample::default()
+    };
+    serde_json::from_value(numbered(serde_json::to_value(sample).unwrap(), &mut 0.0)).unwrap()
+}
+
+fn fields(message: impl serde::Serialize) -> Map<String, Value> {
+    let Value::Object(fields) = serde_json::to_value(message).unwrap() else {
+        panic!("no struct")
+    };
+    fields
+}
+
+/// A message that was filled before shows nothing of it, and what the column does not know stays.
+#[test]
+fn column_state_has_every_value_of_the_sample() {
+    let sample = sample();
+    let mut message = ColumnState {
+        event_id: "e1".to_owned(),
+        v1: -1.0,
+        ..ColumnState::default()
+    };
+    message.set_sample(&sample);
+    assert_eq!(message.event_id, "e1");
+    assert_eq!(message.phase, ColumnState::CONTACT);
+    let expected = fields(sample);
+    for (name, value) in fields(&message) {
+        if !["header", "column_id", "event_id", "phase"].contains(&name.as_str()) {
+            assert_eq!(value, expected[&name], "{name}");
+        }
+    }
+    assert_eq!(
+        ColumnState::from(&sample),
+        ColumnState {
+            event_id: String::new(),
+            ..message
+        }
+    );
+}
+
+#[test]
+fn hinge_forces_have_every_value_of_the_sample() {
+    let sample = sample();
+    let message = HingeForces::from(&sample);
+    assert_eq!(
+        message.state,
+        [
+            HingeForces::ELASTIC,
+            HingeForces::PLASTIC,
+            HingeForces::UNLOADED,
+            HingeForces::PLASTIC
+        ]
+    );
+    for (name, values) in fields(&message) {
+        if !["header", "column_id", "event_id", "state"].contains(&name.as_str()) {
+            let expected: Vec<_> = sample
+                .hinges
+                .iter()
+                .map(|hinge| fields(hinge)[&name].clone())
+                .collect();
+            assert_eq!(values, Value::Array(expected), "{name}");
+        }
+    }
+}
+
+#[test]
+fn every_phase_has_its_constant() {
+    for (phase, code) in [
+        (Phase::Idle, ColumnState::IDLE),
+        (Phase::Approach, ColumnState::APPROACH),
+        (Phase::Contact, ColumnState::CONTACT),
+        (Phase::Free, ColumnState::FREE),
+    ] {
+        assert_eq!(
+            ColumnState::from(&Sample {
+                phase,
+                ..Sample::default()
+            })
+            .phase,
+            code
+        );
+    }
+}
+
+/// A thousand times a second, beside the solver.
+#[test]
+fn filling_a_message_does_not_allocate() {
+    let sample = sample();
+    let (mut state, mut forces) = (ColumnState::default(), HingeForces::default());
+    let memory = allocation_counter::measure(|| {
+        state.set_sample(&sample);
+        forces.set_sample(&sample);
+    });
+    assert_eq!(memory.count_total, 0);
+}
+
+fn report() -> Report {
+    Report {
+        outcome: Outcome::Plastic,
+        end: End::DurationReached,
+        end_time: 0.5,
+        max_v1: 1.0,
+        max_v1_time: 2.0,
+        residual_v1: Some(3.0),
+        max_u2: 4.0,
+        residual_u2: Some(5.0),
+        first_contact_time: Some(6.0),
+        release_time: Some(7.0),
+        contact_duration: 8.0,
+        impactor_velocity: 9.0,
+        peak_contact_force: 10.0,
+        peak_contact_force_time: Some(11.0),
+        percussions: 12,
+        percussion_impulse: 13.0,
+        impulse: 14.0,
+        input_energy: 15.0,
+        column_kinetic_energy: 16.0,
+        impactor_kinetic_energy: 17.0,
+        elastic_energy_change: 18.0,
+        plastic_work: 19.0,
+        impact_loss: 20.0,
+        damping_work: 21.0,
+        load_work: 22.0,
+        ledger_residual: 23.0,
+        steps: 24,
+        hinges: std::array::from_fn::<_, HINGES, _>(|index| HingeReport {
+            first_yield: (index != 2).then_some(30.0 + index as f64),
+            max_utilisation: 40.0 + index as f64,
+            plastic_rotation: 50.0 + index as f64,
+            plastic_elongation: 60.0 + index as f64,
+        }),
+    }
+}
+
+#[test]
+fn impact_report_has_the_values_of_the_report() {
+    let report = report();
+    let message = ImpactReport::from(&report);
+    assert_eq!(message.outcome, ImpactReport::PLASTIC);
+    assert_eq!(message.end, ImpactReport::END_DURATION_REACHED);
+    assert_eq!(message.impactor_rebound, report.impactor_velocity);
+    assert!(message.compute_time.is_nan());
+    assert_eq!(message.max_utilisation, [40.0, 41.0, 42.0, 43.0]);
+    assert_eq!(message.plastic_rotation, [50.0, 51.0, 52.0, 53.0]);
+    assert_eq!(
+        message.first_yield_time.map(f64::to_bits),
+        [30.0, 31.0, f64::NAN, 33.0].map(f64::to_bits)
+    );
+    let expected = fields(report);
+    let same_name = [
+        "end_time",
+        "max_v1",
+        "max_v1_time",
+        "residual_v1",
+        "max_u2",
+        "residual_u2",
+        "release_time",
+        "peak_contact_force",
+        "impulse",
+        "plastic_work",
+        "impact_loss",
+        "ledger_residual",
+    ];
+    let found = fields(&message);
+    for name in same_name {
+        assert_eq!(found[name], expected[name], "{name}");
+    }
+}
+
+/// What did not happen is NaN, which no arithmetic can take for a value.
+#[test]
+fn what_a_report_does_not_know_is_nan() {
+    let report = Report {
+        residual_v1: None,
+        residual_u2: None,
+        release_time: None,
+        ..report()
+    };
+    let report = Report {
+        outcome: Outcome::Collapsed,
+        end: End::Collapsed,
+        ..report
+    };
+    let message = ImpactReport::from(&report);
+    assert_eq!(
+        (message.outcome, message.end),
+        (ImpactReport::COLLAPSED, ImpactReport::END_COLLAPSED)
+    );
+    assert!(
+        message.residual_v1.is_nan()
+            && message.residual_u2.is_nan()
+            && message.release_time.is_nan()
+    );
+}
+
+proptest! {
+    #[test]
+    fn instants_survive_as_time(nanos in (i64::from(i32::MIN) * 1_000_000_000)..=(i64::from(i32::MAX) * 1_000_000_000)) {
+        let time = Time::from_nanos(nanos).unwrap();
+        prop_assert!(time.nanosec < 1_000_000_000);
+        prop_assert_eq!(time.to_nanos(), Some(nanos));
+    }
+}
+
+#[test]
+fn instants_that_time_cannot_hold_are_none() {
+    assert_eq!(
+        Time::from_nanos(-1),
+        Some(Time {
+            sec: -1,
+            nanosec: 999_999_999
+        })
+    );
+    assert_eq!(Time::from_nanos(i64::MAX), None);
+    assert_eq!(
+        Time {
+            sec: 0,
+            nanosec: 1_000_000_000
+        }
+        .to_nanos(),
+        None
+    );
+}

@@ -1,0 +1,55 @@
+//! The messages are what `msg/` and `srv/` say, on the wire and in recordings.
+
+mod bounded_reading;
+mod conversions;
+mod definitions;
+mod golden_bytes;
+mod ros2_itself;
+
+use column_twin::messages::{
+    Message, builtin_interfaces, column_twin as ours, diagnostic_msgs, geometry_msgs,
+    rosgraph_msgs, sensor_msgs, std_msgs, std_srvs, visualization_msgs,
+};
+
+/// What a test does with one type.
+trait ForEachType {
+    fn visit<M: Message + PartialEq + std::fmt::Debug>(&mut self);
+}
+
+/// Shows every type of the table to `visitor`; that none is left out is tested in `definitions`.
+fn for_each_type(visitor: &mut impl ForEachType) {
+    macro_rules! visit {
+        ($($type:ty),* $(,)?) => { $(visitor.visit::<$type>();)* };
+    }
+    visit!(
+        ours::ColumnParameters,
+        ours::ColumnState,
+        ours::HingeForces,
+        ours::ImpactEvent,
+        ours::ImpactReport,
+        ours::TwinStatus,
+        ours::PredictImpactRequest,
+        ours::PredictImpactResponse,
+        builtin_interfaces::Duration,
+        builtin_interfaces::Time,
+        diagnostic_msgs::DiagnosticArray,
+        diagnostic_msgs::DiagnosticStatus,
+        diagnostic_msgs::KeyValue,
+        geometry_msgs::Point,
+        geometry_msgs::Pose,
+        geometry_msgs::Quaternion,
+        geometry_msgs::Vector3,
+        rosgraph_msgs::Clock,
+        sensor_msgs::CompressedImage,
+        sensor_msgs::JointState,
+        std_msgs::ColorRGBA,
+        std_msgs::Header,
+        std_msgs::String,
+        std_srvs::TriggerRequest,
+        std_srvs::TriggerResponse,
+        visualization_msgs::Marker,
+        visualization_msgs::MarkerArray,
+        visualization_msgs::MeshFile,
+        visualization_msgs::UVCoordinate,
+    );
+}

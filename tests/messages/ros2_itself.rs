@@ -1,0 +1,30 @@
+//! The definitions and the golden data agree with an installed ROS 2. Slow the first time (a minute or two, and
+//! network), and only where Python 3.11 is: `cargo test --test messages -- --ignored`.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn rosidl_rclpy_and_rosbags_agree_with_the_golden_data() {
+    let interop = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interop");
+    let environment = Command::new(interop.join("environment.sh"))
+        .stderr(Stdio::inherit())
+        .output()
+        .unwrap();
+    assert!(
+        environment.status.success(),
+        "environment.sh: {}",
+        environment.status
+    );
+    let environment = String::from_utf8(environment.stdout).unwrap();
+    let check = Command::new(Path::new(environment.trim()).join("bin/python"))
+        .arg(interop.join("check_messages.py"))
+        .output()
+        .unwrap();
+    assert!(
+        check.status.success(),
+        "{}",
+        String::from_utf8_lossy(&check.stderr)
+    );
+}

@@ -1,0 +1,476 @@
+//! Parameters as a user meets them: the shipped files, wrong files, overrides, round trips.
+
+use std::path::{Path, PathBuf};
+
+use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
+use column_twin::parameters::{
+    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Place,
+    Problem, STEEL_GRADES, Settings, Value, catalogue, markdown, parse_override,
+};
+use proptest::prelude::*;
+
+fn in_repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn written(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("a temporary file can be written");
+    path
+}
+
+#[test]
+fn the_paper_as_printed() {
+    let parameters = Parameters::load(&[in_repository("config/heb220_paper.yaml")], &[])
+        .expect("the shipped file");
+    let column = parameters.column_properties();
+    assert_eq!((column.length_below, column.length_above), (1.0, 3.0));
+    assert!((column.axial_rigidity - 210e9 * 91e-4).abs() < 1.0);
+    assert!((column.bending_stiffness - 210e9 * 8091e-8).abs() < 1e-3);
+    assert_eq!(column.mass_per_length, 70.1);
+    assert_eq!(
+        (column.resistance_moment, column.resistance_axial),
+        (0.307e6, 3.23e6)
+    );
+    assert_eq!(
+        column.yield_surface,
+        YieldExponents {
+            alpha: 2.0,
+            beta: 2.0,
+            gamma: 2.0
+        }
+    );
+    assert_eq!(column.elastic_law, ElasticLaw::Uncoupled);
+    assert_eq!(
+        (column.base, column.top),
+        (Support::BuiltIn, Support::BuiltIn)
+    );
+    assert_eq!(column.hinge_stiffness, [None; 4]);
+    assert_eq!(
+        (
+            column.top_spring_stiffness,
+            column.top_mass,
+            column.top_load
+        ),
+        (1e7, 0.0, 0.5e6)
+    );
+    assert_eq!(
+        (column.damping_ratio, column.scheme, column.step_nanos),
+        (0.0, Scheme::Energy, 20_000)
+    );
+    let impact = parameters.impact();
+    assert_eq!(
+        (impact.mass, impact.velocity, impact.gap, impact.restitution),
+        (1500.0, 10.0, 0.0, 0.0)
+    );
+    assert_eq!(
+        (
+            parameters.section().name,
+            parameters.section().plastic_modulus
+        ),
+        (None, None)
+    );
+}
+
+#[test]
+fn the_same_column_computed_is_the_default() {
+    let parameters = Parameters::load(&[in_repository("config/heb220_s355.yaml")], &[])
+        .expect("the shipped file");
+    assert_eq!(
+        parameters.column_properties(),
+        Parameters::default().column_properties()
+    );
+    assert_eq!(parameters.impact(), Parameters::default().impact());
+    let (section, steel) = (parameters.section(), parameters.steel());
+    assert_eq!((section.name, steel.grade), (Some("HEB220"), Some("S355")));
+    assert_eq!(format!("{:.2}", section.area * 1e4), "91.04");
+    assert_eq!(format!("{:.0}", section.second_moment * 1e8), "8091");
+    assert_eq!(
+        format!("{:.1}", section.plastic_modulus.expect("named") * 1e6),
+        "827.0"
+    );
+    assert_eq!(format!("{:.1}", section.mass_per_length), "71.5");
+    let column = parameters.column_properties();
+    assert_eq!(format!("{:.4}", column.resistance_moment / 1e6), "0.2936");
+    assert_eq!(format!("{:.3}", column.resistance_axial / 1e6), "3.232");
+    assert_eq!(
+        column.yield_surface,
+        YieldExponents {
+            alpha: 1.0,
+            beta: 1.3,
+            gamma: 1.0
+        }
+    );
+    assert_eq!(column.elastic_law, ElasticLaw::Coupled);
+}
+
+/// `docs/parameters.md` is the table; `UPDATE_DOCS=1 cargo test --test parameters` writes it anew.
+#[test]
+fn the_reference_is_up_to_date() {
+    let path = in_repository("docs/parameters.md");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(&path, markdown()).expect("docs/parameters.md can be written");
+    }
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        kept == markdown(),
+        "docs/parameters.md differs from the table of parameters; write it anew with\n    UPDATE_DOCS=1 cargo test --test parameters"
+    );
+}
+
+const WRONG: &str = r#"# Stütze A3
+column_twin:
+  ros__parameters:
+    geometry:
+      length_below: -1.0
+      length_above: 3,5
+    section.name: HEB 225
+    steel.grade: 355
+    hinge:
+      elastic_law: coupled
+      stiffness_1a: 1.0e+6
+    support: {base: semi-rigid, top: semi_rigid}
+    top:
+      load: .nan
+      load: 1.0e+6
+    impact:
+      velocty: 10.0
+      mass: 1500 kg
+      gap:
+    solver.dt: 1.00005e-5
+    colour: red
+    record: off
+    yield_surface.alpha: [1, 2]
+    viewer.port: 98765
+"#;
+
+/// The message that a person reads, kept whole so that a change of it is looked at.
+#[test]
+fn a_wrong_file_has_all_its_faults_listed() {
+    let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");
+    let overrides = [
+        parse_override("impact.velocity:=61"),
+        parse_override("support.tpo:=pinned"),
+    ];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = written(&folder, "wrong.yaml", WRONG);
+    let with_overrides = Parameters::load(&[path], &overrides);
+    let with_overrides = with_overrides.expect_err("a wrong file").to_string();
+
+    assert_eq!(faults.to_string(), WRONG_LISTED);
+    assert_eq!(
+        with_overrides.lines().count(),
+        WRONG_LISTED.lines().count() + 2
+    );
+    assert!(with_overrides.contains(
+        "-p impact.velocity:=61: impact.velocity: `61` is out of range; allowed: 1e-6 to 60 m/s"
+    ));
+    assert!(with_overrides.contains(
+        "-p support.tpo:=pinned: support.tpo is not a parameter (did you mean support.top?)"
+    ));
+}
+
+const WRONG_LISTED: &str = r#"17 faults in the parameters
+  wrong.yaml:5:21: geometry.length_below: `-1.0` is out of range; allowed: 0.01 to 100 m (L_a: height of the impact point above the base)
+  wrong.yaml:6:21: geometry.length_above: `3,5` is a text, not a number; the decimal sign is a point; allowed: 0.01 to 100 m
+  wrong.yaml:7:19: section.name: `HEB 225` is not known (did you mean HEB220?); allowed: HEA, HEB or HEM 100 to 1000, IPE 80 to 600, or "" and numbers
+  wrong.yaml:8:18: steel.grade: `355` is not known (did you mean S355?); allowed: S235, S275, S355, S420 or S460, or "" and numbers
+  wrong.yaml:11:21: hinge.stiffness_1a does not go with the coupled law; write hinge.elastic_law: uncoupled, or leave the stiffness out
+  wrong.yaml:12:21: support.base: `semi-rigid` is not known (did you mean semi_rigid?); allowed: built_in, pinned or semi_rigid
+  wrong.yaml:12:38: support.top_stiffness is needed, because support.top is semi_rigid; give it in N m/rad
+  wrong.yaml:14:13: top.load: `.nan` is not a finite number; allowed: 0 to 1e9 N
+  wrong.yaml:15:7: top.load is given a second time, first in line 14; remove one of the two
+  wrong.yaml:17:7: impact.velocty is not a parameter (did you mean impact.velocity?)
+  wrong.yaml:18:13: impact.mass: `1500 kg` is a text, not a number; leave the unit out; allowed: 0.001 to 1e6 kg
+  wrong.yaml:19:7: impact.gap has no value; allowed: 0 to 100 m
+  wrong.yaml:20:16: solver.dt: `1.00005e-5` is not a whole number of nanoseconds; the nearest is 1.0001e-5
+  wrong.yaml:21:5: colour is not a parameter; all of them stand in docs/parameters.md
+  wrong.yaml:22:5: record is a group of parameters, not one of them; it has record.mode, record.directory, record.max_file_size, record.max_files, record.max_age, record.compression
+  wrong.yaml:23:5: yield_surface.alpha is a list; allowed: 1 to 50
+  wrong.yaml:24:18: viewer.port: `98765` is out of range; allowed: a whole number from 1 to 65535 (TCP port to serve on or to connect to)"#;
+
+/// The same faults in the text of the file.
+#[test]
+fn a_report_shows_the_lines() {
+    let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");
+    let mut shown = String::new();
+    miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::unicode_nocolor())
+        .with_width(120)
+        .render_report(&mut shown, faults.report().as_ref())
+        .expect("a report can be written");
+    println!("{shown}");
+    for fault in faults.faults() {
+        assert!(
+            shown.contains(&fault.problem.to_string()),
+            "{fault}\n{shown}"
+        );
+    }
+    assert!(shown.contains("wrong.yaml:5:21"));
+}
+
+#[test]
+fn faults_can_be_used_by_a_program() {
+    let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");
+    let fault = faults
+        .faults()
+        .iter()
+        .find(|fault| fault.name.as_deref() == Some("impact.velocty"))
+        .expect("the misspelt name is listed");
+    assert_eq!(
+        fault.problem,
+        Problem::UnknownName {
+            nearest: vec!["impact.velocity".to_owned()]
+        }
+    );
+    let Place::File { path, position, .. } = &fault.place else {
+        panic!("{fault:?}")
+    };
+    assert_eq!(
+        (path.as_path(), *position),
+        (Path::new("wrong.yaml"), Some((17, 7)))
+    );
+}
+
+#[test]
+fn later_files_and_overrides_win() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let head = "/**:\n  ros__parameters:\n";
+    let first = written(
+        &folder,
+        "first.yaml",
+        &format!("{head}    top: {{load: 1.0e+5, mass: 7}}\n"),
+    );
+    let second = written(
+        &folder,
+        "second.yaml",
+        &format!("{head}    top.load: 2.0e+5\n"),
+    );
+    let overrides = ["top.load:=3.0e5", "top.load:=4e5"].map(parse_override);
+    let load = |files: &[PathBuf], overrides| {
+        let parameters = Parameters::load(files, overrides).expect("right");
+        (
+            parameters.settings().top.load,
+            parameters.settings().top.mass,
+        )
+    };
+    assert_eq!(load(&[first.clone(), second.clone()], &[]), (2e5, 7.0));
+    assert_eq!(load(&[second.clone(), first.clone()], &[]), (1e5, 7.0));
+    assert_eq!(load(&[first, second], &overrides), (4e5, 7.0));
+}
+
+#[test]
+fn a_node_in_a_namespace_reads_its_own_section() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = "/garage/a3/column_twin:\n  ros__parameters: {top.load: 1.0e+5}\n\
+                /garage/a4/column_twin:\n  ros__parameters: {top.load: 2.0e+5}\n";
+    let files = [written(&folder, "garage.yaml", text)];
+    for (namespace, load) in [("/garage/a3", 1e5), ("garage/a4", 2e5)] {
+        let node = NodeName::new(namespace, "column_twin");
+        assert_eq!(
+            Parameters::load_for(&node, &files, &[])
+                .expect("right")
+                .settings()
+                .top
+                .load,
+            load
+        );
+    }
+    let elsewhere = Parameters::load(&files, &[])
+        .expect_err("nothing for this node")
+        .to_string();
+    assert!(
+        elsewhere.contains("only for /garage/a3/column_twin, /garage/a4/column_twin"),
+        "{elsewhere}"
+    );
+}
+
+#[test]
+fn changes_are_made_as_a_whole_or_not_at_all() {
+    let before = Parameters::default();
+    let pinned = before
+        .with_changes([
+            ("support.base", "pinned".into()),
+            ("impact.gap", 1_i64.into()),
+        ])
+        .expect("right");
+    let changed: Vec<_> = pinned
+        .changed_from(&before)
+        .iter()
+        .map(|parameter| parameter.name)
+        .collect();
+    assert_eq!(changed, ["support.base", "impact.gap"]);
+    assert_eq!(pinned.get("impact.gap"), Some(Value::Double(1.0)));
+    assert_eq!(pinned.get("impact.gaps"), None);
+    assert_eq!(pinned.column_properties().base, Support::Pinned);
+
+    let semi_rigid = ("support.base", Value::from("semi_rigid"));
+    let stiffness = ("support.base_stiffness", Value::from(5e6));
+    assert!(pinned.with_changes([semi_rigid.clone()]).is_err());
+    let both = pinned
+        .with_changes([semi_rigid, stiffness])
+        .expect("right together");
+    assert_eq!(
+        both.column_properties().base,
+        Support::SemiRigid { stiffness: 5e6 }
+    );
+
+    // A number overrides one property of the section that is already named.
+    let heavier = before
+        .with_changes([("section.mass_per_length", 100.0.into())])
+        .expect("right");
+    assert_eq!(heavier.section().name, Some("HEB220"));
+    assert_eq!(heavier.column_properties().mass_per_length, 100.0);
+    assert_eq!(
+        heavier.column_properties().resistance_moment,
+        before.column_properties().resistance_moment
+    );
+}
+
+#[test]
+fn what_would_need_a_restart_is_read_only() {
+    let read_only: Vec<_> = PARAMETERS
+        .iter()
+        .filter(|parameter| parameter.read_only())
+        .collect();
+    assert!(
+        read_only
+            .iter()
+            .all(|parameter| parameter.applies == Applies::Restart)
+    );
+    assert!(Parameter::named("column_id").is_some_and(Parameter::read_only));
+    assert!(!Parameter::named("top.load").is_some_and(Parameter::read_only));
+}
+
+#[test]
+fn json_is_checked_too() {
+    let parameters = Parameters::load(&[in_repository("config/heb220_paper.yaml")], &[])
+        .expect("the shipped file");
+    let json = serde_json::to_string(&parameters).expect("serializes");
+    assert_eq!(
+        serde_json::from_str::<Parameters>(&json).expect("round trip"),
+        parameters
+    );
+    let wrong = json.replace("\"alpha\":2.0", "\"alpha\":0.5");
+    let error = serde_json::from_str::<Parameters>(&wrong)
+        .expect_err("out of range")
+        .to_string();
+    assert!(
+        error.contains("yield_surface.alpha: `0.5` is out of range; allowed: 1 to 50"),
+        "{error}"
+    );
+    let mut settings: Settings = parameters.into();
+    settings.impact.velocity = f64::NAN;
+    assert!(Parameters::try_from(settings).is_err());
+}
+
+/// Any admissible value of a parameter.
+fn admissible(parameter: &'static Parameter) -> BoxedStrategy<Value> {
+    let real = |min: f64, max: f64| (min..=max).prop_map(Value::Double);
+    match parameter.admissible {
+        Admissible::Switch => any::<bool>().prop_map(Value::Bool).boxed(),
+        Admissible::Integer { min, max } => (min..=max).prop_map(Value::Integer).boxed(),
+        Admissible::Real { min, max } => prop_oneof![
+            real(min, max),
+            Just(Value::Double(min)),
+            Just(Value::Double(max))
+        ]
+        .boxed(),
+        Admissible::RealOrZero { min, max, .. } => {
+            prop_oneof![real(min, max), Just(Value::Double(0.0))].boxed()
+        }
+        Admissible::WholeNanoseconds { min, max } => ((min * 1e9) as u64..=(max * 1e9) as u64)
+            .prop_map(|nanos| Value::Double(nanos as f64 / 1e9))
+            .boxed(),
+        Admissible::Choice(words) => prop::sample::select(words).prop_map(Value::from).boxed(),
+        Admissible::Text { min_chars, .. } => {
+            prop::collection::vec(any::<char>(), min_chars.max(1)..20)
+                .prop_map(|chars| {
+                    chars
+                        .into_iter()
+                        .filter(|c| !c.is_control())
+                        .collect::<String>()
+                })
+                .prop_filter("not empty", |text| !text.is_empty())
+                .prop_map(Value::from)
+                .boxed()
+        }
+        Admissible::SectionName => {
+            let names: Vec<_> = catalogue()
+                .iter()
+                .map(|section| section.name.clone())
+                .chain([String::new()])
+                .collect();
+            prop::sample::select(names).prop_map(Value::from).boxed()
+        }
+        Admissible::SteelGrade => prop::sample::select(STEEL_GRADES)
+            .prop_map(|grade| Value::from(grade.name))
+            .boxed(),
+    }
+}
+
+/// Parameters with admissible values, which need not go together.
+fn changes() -> impl Strategy<Value = Vec<(&'static str, Value)>> {
+    let one = (0..PARAMETERS.len()).prop_flat_map(|index| {
+        let parameter = &PARAMETERS[index];
+        admissible(parameter).prop_map(move |value| (parameter.name, value))
+    });
+    prop::collection::vec(one, 0..60)
+}
+
+/// Admissible values are refused only where they do not go with the others.
+fn only_inconsistent(faults: &ParameterFaults) -> bool {
+    let mut faults = faults.faults().iter();
+    faults.all(|fault| matches!(fault.problem, Problem::Inconsistent(_)))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn admissible_values_survive_a_file(changes in changes()) {
+        let mut parameters = Parameters::default();
+        for change in changes {
+            match parameters.with_changes([change.clone()]) {
+                Ok(changed) => {
+                    prop_assert_eq!(changed.get(change.0), Some(change.1));
+                    parameters = changed;
+                }
+                Err(faults) => prop_assert!(only_inconsistent(&faults), "{}", faults),
+            }
+        }
+        let read = Parameters::from_yaml(Path::new("written.yaml"), &parameters.to_yaml());
+        prop_assert_eq!(read.map_err(|faults| faults.to_string()), Ok(parameters.clone()));
+        let column = parameters.column_properties();
+        for number in [column.axial_rigidity, column.bending_stiffness, column.mass_per_length,
+            column.resistance_moment, column.resistance_axial] {
+            prop_assert!(number.is_finite() && number > 0.0, "{:?}", column);
+        }
+        prop_assert!((100..=1_000_000).contains(&column.step_nanos));
+    }
+
+    #[test]
+    fn no_file_panics(bytes in prop::collection::vec(any::<u8>(), 0..300), cut in 0..WRONG.len(), at in 0..WRONG.len()) {
+        let garbage = String::from_utf8_lossy(&bytes);
+        let cut_off = String::from_utf8_lossy(&WRONG.as_bytes()[..cut]);
+        let mut spliced = WRONG.as_bytes().to_vec();
+        spliced.splice(at..at, bytes.iter().take(5).copied());
+        let spliced = String::from_utf8_lossy(&spliced);
+        for text in [garbage, cut_off, spliced] {
+            if let Err(faults) = Parameters::from_yaml(Path::new("garbage.yaml"), &text) {
+                prop_assert!(!faults.faults().is_empty());
+                prop_assert_eq!(faults.to_string().lines().count(), faults.faults().len() + 1);
+                let _ = format!("{:?}", faults.report());
+            }
+            let _ = parse_override(&text);
+        }
+    }
+
+    #[test]
+    fn no_value_panics(number in any::<f64>(), whole in any::<i64>(), text in any::<String>()) {
+        for parameter in PARAMETERS {
+            for value in [Value::Double(number), Value::Integer(whole), Value::from(text.as_str())] {
+                let _ = Parameters::from_values([(parameter.name, value)]).map(|it| it.column_properties());
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Properties that hold for every column that validation accepts, over random ones (mechanics.md, section 6).
+
+use column_twin::column::{
+    ColumnProperties, ElasticLaw, Impact, Model, Phase, Progress, Response, Scheme, State,
+    StepError, Support, YieldExponents,
+};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+
+/// Random columns per scheme; the promise is 10 000 together at the least.
+const CASES: u32 = 6_000;
+
+/// Steps that one random response is followed for.
+const STEPS: u32 = 300;
+
+fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+fn exponent() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(1.0), Just(1.3), Just(2.0), Just(50.0), 1.0..3.0, log_uniform(1.0, 50.0)]
+}
+
+fn support() -> impl Strategy<Value = Support> {
+    prop_oneof![
+        Just(Support::BuiltIn),
+        Just(Support::Pinned),
+        log_uniform(1e3, 1e10).prop_map(|stiffness| Support::SemiRigid { stiffness }),
+    ]
+}
+
+fn or_zero(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 2 => log_uniform(low, high)]
+}
+
+prop_compose! {
+    /// A column of real proportions, its load from nothing to its squash load.
+    fn column(scheme: Scheme)(
+        height in 0.5..12.0_f64,
+        impact_at in prop_oneof![Just(0.02), Just(0.98), 0.02..0.98_f64],
+        area in log_uniform(5e-4, 0.1),
+        slenderness in log_uniform(0.02, 0.3),
+        steel in 1e8..7e8_f64,
+        plastic_modulus in 0.6..1.3_f64,
+        exponents in (exponent(), exponent(), log_uniform(0.1, 10.0)),
+        coupled in any::<bool>(),
+        base in support(),
+        top in support(),
+        given in prop_oneof![3 => Just(None), 1 => log_uniform(1e4, 1e9).prop_map(Some)],
+        spring in or_zero(1e3, 1e12),
+        mass in or_zero(1.0, 1e7),
+        load in prop_oneof![Just(0.0), 0.0..0.99_f64],
+        damping in prop_oneof![Just(0.0), 0.0..0.3_f64],
+        step_nanos in log_uniform(1e3, 2e5),
+    ) -> ColumnProperties {
+        // Radius of gyration from 2 % to 30 % of a half metre of depth.
+        let radius = slenderness * 0.5;
+        let resistance_axial = area * steel;
+        ColumnProperties {
+            length_below: height * impact_at,
+            length_above: height * (1.0 - impact_at),
+            axial_rigidity: 2.1e11 * area,
+            bending_stiffness: 2.1e11 * area * radius * radius,
+            mass_per_length: 7850.0 * area,
+            resistance_moment: resistance_axial * radius * plastic_modulus,
+            resistance_axial,
+            yield_surface: YieldExponents { alpha: exponents.0, beta: exponents.1, gamma: exponents.2 },
+            elastic_law: if coupled { ElasticLaw::Coupled } else { ElasticLaw::Uncoupled },
+            base,
+            top,
+            hinge_stiffness: [if coupled { None } else { given }, None, None, None],
+            top_spring_stiffness: spring,
+            top_mass: mass,
+            top_load: load * resistance_axial,
+            damping_ratio: damping,
+            scheme,
+            step_nanos: step_nanos as u64,
+        }
+    }
+}
+
+prop_compose! {
+    fn impact()(
+        mass in log_uniform(1.0, 1e5),
+        velocity in log_uniform(1e-6, 60.0),
+        gap in or_zero(1e-6, 5.0),
+        restitution in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
+    ) -> Impact {
+        Impact { mass, velocity, gap, restitution }
+    }
+}
+
+/// Follows a response and checks every step of it.
+fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCaseError> {
+    let Ok(model) = Model::new(properties) else {
+        return Err(TestCaseError::reject("squashed or buckled by its load alone"));
+    };
+    let mut state = State::at_rest(&model);
+    let mut response = Response::begin(&model, &mut state, *impact, 1e3)
+        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let start = state.sample(&model);
+    // What the round-off of the ledger is measured by: the energies that it sums up.
+    let scale = impact.mass * impact.velocity * impact.velocity / 2.0
+        + start.elastic_energy
+        + start.load_work;
+    let energy_scheme = properties.scheme == Scheme::Energy;
+    let mut dissipated = 0.0;
+    for _ in 0..STEPS {
+        let progress = match response.advance(&model, &mut state, u64::MAX) {
+            Ok(progress) => progress,
+            Err(error @ StepError::NotConverged { .. }) => {
+                return Err(TestCaseError::fail(error.to_string()));
+            }
+            Err(StepError::Collapsed(_)) => unreachable!("a collapse ends the response"),
+        };
+        let sample = state.sample(&model);
+        let scale = scale + sample.elastic_energy + sample.load_work.abs() + sample.kinetic_energy;
+        for number in [
+            sample.v1, sample.u1, sample.beta1, sample.u2, sample.v1_rate, sample.u1_rate, sample.u2_rate,
+            sample.impactor_position, sample.impactor_velocity, sample.contact_force, sample.impulse,
+            sample.kinetic_energy, sample.elastic_energy, sample.plastic_work, sample.ledger_residual,
+        ] {
+            prop_assert!(number.is_finite(), "{sample:?}");
+        }
+        prop_assert!(sample.plastic_work >= dissipated - 1e-12 * scale, "{} {}", sample.plastic_work, dissipated);
+        dissipated = sample.plastic_work;
+        prop_assert!(sample.contact_force >= 0.0 && sample.percussion >= 0.0);
+        prop_assert!(sample.impact_loss >= 0.0 && sample.damping_work >= 0.0);
+        if energy_scheme {
+            for hinge in &sample.hinges {
+                // The surface itself: gamma would only rescale the excess.
+                let excess = hinge.utilisation.powf(properties.yield_surface.gamma) - 1.0;
+                prop_assert!(excess <= 1e-9, "{hinge:?}");
+            }
+            prop_assert!(
+                sample.ledger_residual.abs() <= 1e-10 * scale,
+                "ledger {} of {scale}", sample.ledger_residual
+            );
+            match sample.phase {
+                Phase::Contact => prop_assert!(sample.gap.abs() <= 1e-10, "gap {}", sample.gap),
+                _ => {
+                    prop_assert!(sample.gap >= -1e-10, "gap {}", sample.gap);
+                    prop_assert_eq!(sample.contact_force, 0.0);
+                }
+            }
+        }
+        if let Progress::Over(end) = progress {
+            let report = response.report(&model, &state, end);
+            prop_assert!(report.max_v1.is_finite() && report.ledger_residual.is_finite());
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn run(scheme: Scheme) {
+    let config = Config {
+        cases: CASES,
+        max_global_rejects: 20 * CASES,
+        ..Config::default()
+    };
+    TestRunner::new(config)
+        .run(&(column(scheme), impact()), |(properties, impact)| {
+            follow(&properties, &impact)
+        })
+        .unwrap_or_else(|failure| panic!("{failure}"));
+}
+
+#[test]
+fn energy_scheme_keeps_its_promises_on_random_columns() {
+    run(Scheme::Energy);
+}
+
+#[test]
+fn midpoint_scheme_keeps_its_promises_on_random_columns() {
+    run(Scheme::Midpoint);
+}
