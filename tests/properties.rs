@@ -162,7 +162,14 @@ fn run(scheme: Scheme) {
     };
     TestRunner::new(config)
         .run(&(column(scheme), impact()), |(properties, impact)| {
-            follow(&properties, &impact)
+            follow(&properties, &impact).map_err(|failure| match failure {
+                TestCaseError::Fail(reason) => {
+                    // What a rerun needs, to the last bit.
+                    let case = serde_json::json!({ "column": properties, "impact": impact });
+                    TestCaseError::fail(format!("{reason}\n{case}"))
+                }
+                rejected => rejected,
+            })
         })
         .unwrap_or_else(|failure| panic!("{failure}"));
 }

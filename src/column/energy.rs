@@ -15,7 +15,7 @@ use super::motion::Motion;
 use super::newton::{self, Stage};
 use super::state::State;
 use super::statics;
-use super::stepping::{Part};
+use super::stepping::{NEGLIGIBLE_PART, Part};
 
 /// Most closings and releases in one step; past them contact is held to the step's end.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
@@ -163,7 +163,7 @@ fn closed_part(
     let (mut state, secs) = if from.contact_force <= 0.0 {
         (*from, 0.0)
     } else {
-        locate(from.contact_force, end.contact_force, &end, secs, |secs| {
+        locate(from, from.contact_force, (&end, end.contact_force), secs, |secs| {
             let state = advance(model, from, offset_secs, secs)?;
             Some((state, state.contact_force))
         })?
@@ -203,7 +203,7 @@ fn open_part(
         }
     };
     let at_start = if touching { parting } else { start };
-    let (state, secs) = locate(at_start, measure(&end, secs), &end, secs, |secs| {
+    let (state, secs) = locate(from, at_start, (&end, measure(&end, secs)), secs, |secs| {
         let state = advance(model, from, offset_secs, secs)?;
         Some((state, measure(&state, secs)))
     })?;
@@ -219,12 +219,12 @@ fn strike(model: &Model, mut state: State, offset_secs: f64, secs: f64, events: 
     Part { state, secs }
 }
 
-/// The instant in `(0, secs]` at which a quantity that is positive at the start and negative at the end passes zero,
+/// The instant in `[0, secs]` at which a quantity that is positive at the start and negative at the end passes zero,
 /// and the state there: false position with the Illinois correction.
 fn locate(
+    from: &State,
     at_start: f64,
-    at_end: f64,
-    end: &State,
+    (end, at_end): (&State, f64),
     secs: f64,
     mut at: impl FnMut(f64) -> Option<(State, f64)>,
 ) -> Option<(State, f64)> {
@@ -235,6 +235,9 @@ fn locate(
     for _ in 0..MAX_EVENT_ITERATIONS {
         let share = low_value / (low_value - high_value);
         let middle = low + share * (high - low);
+        if middle <= NEGLIGIBLE_PART * secs {
+            return Some((*from, 0.0));
+        }
         if !(middle > low && middle < high) {
             break;
         }

@@ -129,6 +129,14 @@ impl Chord {
         }
     }
 
+    /// Whether the turn from `self` to `next` is less than a right angle and its sine less than `sine`.
+    pub fn turns_less(&self, next: &Self, sine: f64) -> bool {
+        let area = self.length * next.length;
+        let across = self.x * next.v - self.v * next.x;
+        let along = self.x * next.x + self.v * next.v;
+        along > 0.0 && across.abs() < sine * area
+    }
+
     /// Second derivatives `(xx, xv, vv)` of `axial * length + bending * angle`: the geometric stiffness of a bar
     /// with normal force `axial` \[N\] and sum of end moments `bending` \[N m\].
     pub fn hessian(&self, axial: f64, bending: f64) -> [f64; 3] {

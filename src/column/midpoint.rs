@@ -226,14 +226,16 @@ fn advance(
     Some(state)
 }
 
-/// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`.
+/// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`; in a
+/// part of a step they hardly go anywhere.
 fn first_guess(model: &Model, from: &State, secs: f64) -> Displacement {
     let mut guess = from.predictor.increment(&from.velocity, secs);
-    if let Some(middle) = from.predictor.stage() {
-        guess.beta1 = 2.0 * (middle.beta1 - from.displacement.beta1);
-        if model.top_is_massless() {
-            guess.u2 = 2.0 * (middle.u2 - from.displacement.u2);
-        }
+    let now = &from.displacement;
+    let expected = from.predictor.stage().filter(|_| secs == model.step_secs);
+    let middle = expected.unwrap_or(*now);
+    guess.beta1 = 2.0 * (middle.beta1 - now.beta1);
+    if model.top_is_massless() {
+        guess.u2 = 2.0 * (middle.u2 - now.u2);
     }
     guess
 }

@@ -33,7 +33,7 @@ pub use report::{End, HingeReport, Outcome, Report};
 pub use response::{Progress, Response, SimulationError, simulate};
 pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};
 pub use state::{State, Velocity};
-pub use statics::residual_state;
+pub use statics::{residual_state, debug_curve};
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, step};
 pub use yield_surface::YieldSurface;
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};

@@ -63,7 +63,8 @@ pub(crate) struct Solved<P> {
 /// Solves a stage from a first guess; `None` if the iteration does not converge.
 ///
 /// The residual is, but for terms of the order of the step, the gradient of a convex potential with kinks in its
-/// second derivative. Where a full correction does not lower the residual, the potential is minimised along it.
+/// second derivative. Where a full correction does not halve the residual, the potential is minimised along it: the
+/// masses' rows would hide a massless unknown that is thrown to and fro between two kinks.
 pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S::Point>> {
     let inverse_scale = stage.scale().map(|s| 1.0 / s);
     let size_of = |residual: &Vector4<f64>| residual.component_mul(&inverse_scale).amax();
@@ -80,6 +81,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
             });
         }
         enough = CONVERGED;
+        if std::env::var_os("DBG").is_some() {eprintln!("{corrections} size {size:e} x {increment:?} r {:?}",residual.as_slice());}
         let correction =
             condensed_solve(&stage.jacobian(&point), &residual, stage.elastic_scale())?;
         let correction = limited(correction, stage.length_scale());
@@ -103,7 +105,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
                 }
             });
         }
-        (increment, point, residual) = if full_size < size {
+        (increment, point, residual) = if !stagnates {
             (full, full_point, full_residual)
         } else {
             search_line(stage, increment, correction, &residual, &full_residual)

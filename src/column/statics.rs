@@ -19,8 +19,9 @@ const MAX_MASSLESS_ITERATIONS: u32 = 30;
 /// builds on it: the scheme's own equations hold at `n + 1/2`.
 const MASSLESS_TOLERANCE: f64 = 1e-11;
 
-/// How far around its last position a massless top is looked for, relative to the shorter bar.
-const SUPPORT_REACH: f64 = 0.01;
+/// How far around its last position a massless top is looked for, relative to the shorter bar: to go further within the
+/// smallest part of a step is to leap.
+const SUPPORT_REACH: f64 = 1e-3;
 
 /// At how many positions there.
 const SUPPORT_SAMPLES: u32 = 200;
@@ -189,4 +190,21 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     collapse_of(model, &displacement)
         .is_none()
         .then(|| State::settled(model, displacement, state.plastic))
+}
+
+/// debug
+pub fn debug_curve(model: &Model, state: &State, secs: f64) {
+    let mut u = state.displacement;
+    u.v1 += secs * state.velocity.v1;
+    u.u1 += secs * state.velocity.u1;
+    let load = model.properties.top_load;
+    let target = match model.scheme() {
+        Scheme::Midpoint => load,
+        Scheme::Energy => 2.0 * load - force_on_top(model, &state.displacement, &state.forces),
+    };
+    println!("load {load} target {target} u2 {} reach {} rates {:?}", u.u2, SUPPORT_REACH * model.shorter_bar(), state.velocity);
+    for e in [-1e-2, -3e-3,-1e-3,-1e-4,-1e-5,-1e-6,0.0,1e-6,1e-5,3e-5,1e-4,3e-4,1e-3,3e-3,1e-2f64] {
+        let u2 = u.u2 + e * model.shorter_bar();
+        println!("{e:e}: {}", carried_by_top(model, Displacement { u2, ..u }, &state.plastic) - target);
+    }
 }

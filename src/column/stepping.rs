@@ -1,7 +1,8 @@
 //! One time step of either scheme: parts of a step, halved where they do not converge, a bounded number of times.
 
-use super::midpoint;
+use super::assembly;
 use super::energy;
+use super::midpoint;
 use super::model::Model;
 use super::motion::{Collapse, StepError, collapse_of};
 use super::properties::Scheme;
@@ -13,6 +14,9 @@ pub const MAX_HALVINGS: u32 = 12;
 
 /// Most parts of one step: every halving and every contact event makes one.
 pub const MAX_PARTS: u32 = 8192;
+
+/// Most that a bar may turn in one part, as the sine of the angle.
+pub const MOST_TURN: f64 = 0.3;
 
 /// A rest of a step below this fraction of it is round-off.
 pub(crate) const NEGLIGIBLE_PART: f64 = 1e-9;
@@ -42,6 +46,14 @@ pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
     }
 }
 
+/// Whether both bars turn by less than [`MOST_TURN`].
+fn turns_little(model: &Model, from: &State, to: &State) -> bool {
+    let before = assembly::chords(model, &from.displacement);
+    let after = assembly::chords(model, &to.displacement);
+    before.below.turns_less(&after.below, MOST_TURN)
+        && before.above.turns_less(&after.above, MOST_TURN)
+}
+
 fn in_parts(
     model: &Model,
     state: &mut State,
@@ -57,6 +69,8 @@ fn in_parts(
     let mut collapse = None;
     for _ in 0..MAX_PARTS {
         let made = part(state, offset, secs);
+        // A part in which a bar turns far is a leap to another equilibrium: too long, whatever it led to.
+        let made = made.filter(|made| turns_little(model, state, &made.state));
         let shapeless = made
             .as_ref()
             .and_then(|made| collapse_of(model, &made.state.displacement));
