@@ -17,7 +17,7 @@ use super::state::State;
 use super::statics;
 use super::stepping::{NEGLIGIBLE_PART, Part};
 
-/// Most closings and releases in one step; past them contact is held to the step's end.
+/// Most closings and releases in one step; past them contact stays as it is to the step's end.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
 
 /// Bound of the search for the instant of an event.
@@ -185,7 +185,7 @@ fn open_part(
     events: &mut Events,
 ) -> Option<Part> {
     let end = advance(model, from, offset_secs, secs)?;
-    if end.gap() >= -GAP_TOLERANCE {
+    if end.gap() >= -GAP_TOLERANCE || events.exhausted() {
         return Some(Part { state: end, secs });
     }
     let start = from.gap();

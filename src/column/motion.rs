@@ -23,8 +23,8 @@ const FORCE_FLOOR: f64 = 1e-9;
 /// Floor of the size of moments, relative to `M^p`.
 const MOMENT_FLOOR: f64 = 1e-6;
 
-/// Share of (stiffness x plastic deformation) that counts as a force: its round-off is 1e-16 of it, a residual 1e-13 of
-/// the forces is converged.
+/// Share of (stiffness x displacement) that counts as a force: its round-off is 1e-16 of it, a residual 1e-13 of the
+/// forces is converged.
 const ROUND_OFF_SHARE: f64 = 1e-2;
 
 /// How a column loses its shape or its equilibrium.
@@ -145,23 +145,23 @@ impl Motion {
     }
 }
 
-/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, what the round-off of plastic
-/// deformations is worth in stress, and a floor for a column that has no forces yet.
+/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, what the round-off of the
+/// displacements is worth in stress, and a floor for a column that has no forces yet.
 fn force_scale(model: &Model, from: &State) -> [f64; 2] {
     let p = &model.properties;
-    let sum_of = |pair: [f64; 2]| pair[0].abs() + pair[1].abs();
+    let Displacement { v1, u1, beta1, u2 } = from.displacement;
+    let moved = v1.abs() + u1.abs() + u2.abs();
     let mut force = p.top_load + FORCE_FLOOR * p.resistance_axial;
     let mut moment = MOMENT_FLOOR * p.resistance_moment;
-    for (bar, forces, plastic) in [
-        (&model.below, &from.forces.below, &from.plastic.below),
-        (&model.above, &from.forces.above, &from.plastic.above),
+    for (bar, forces) in [
+        (&model.below, &from.forces.below),
+        (&model.above, &from.forces.above),
     ] {
-        let bending = sum_of(forces.moment);
-        moment += bending
-            + ROUND_OFF_SHARE * bar.rotational[0][0] * sum_of(plastic.rotation);
-        force += forces.normal.abs()
-            + bending / bar.length
-            + ROUND_OFF_SHARE * bar.axial * sum_of(plastic.elongation);
+        let bending = forces.moment[0].abs() + forces.moment[1].abs();
+        let turned = v1.abs() / bar.length + beta1.abs();
+        moment += bending + ROUND_OFF_SHARE * bar.rotational[0][0] * turned;
+        force +=
+            forces.normal.abs() + bending / bar.length + ROUND_OFF_SHARE * bar.axial * moved;
     }
     [force, moment]
 }

@@ -14,8 +14,9 @@ const BALANCED: f64 = 1e-15;
 /// Relative residual at which the iteration ends.
 const CONVERGED: f64 = 1e-13;
 
-/// Relative residual that is accepted once corrections no longer lower it: round-off of a stiff column.
-const STAGNATED: f64 = 1e-10;
+/// Relative residual or relative correction that is accepted once corrections no longer lower the residual: round-off of
+/// a stiff column.
+const STAGNATED: f64 = 2e-12;
 
 /// Floor of the pivots of `beta1` and `u2`, relative to their elastic stiffness: with both hinges of the joint flowing,
 /// or with the normal force held at a corner of the yield surface, a massless unknown's tangent vanishes and its value
@@ -27,6 +28,12 @@ const MAX_LINE_SEARCH: u32 = 40;
 
 /// A line search ends where the slope along the correction has fallen to this share.
 const SLOPE_SHARE: f64 = 0.1;
+
+/// Bound of the search for `beta1`, for its bracket and within it: all the bits of a double.
+const MAX_ROTATION_SEARCH: u32 = 60;
+
+/// Row of `beta1`.
+const BETA1: usize = 2;
 
 /// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar: a massless unknown that
 /// has lost its stiffness would leap to an equilibrium with the column turned inside out.
@@ -89,7 +96,9 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
         let (full_point, full_residual) = stage.evaluate(&full);
         let full_size = size_of(&full_residual);
         let stagnates = full_size > 0.5 * size;
-        if stagnates && size.min(full_size) <= STAGNATED {
+        if stagnates
+            && (size.min(full_size) <= STAGNATED || is_round_off(&correction, &increment))
+        {
             // Round-off of a stiff column: corrections no longer help.
             return Some(if full_size < size {
                 Solved {
@@ -108,7 +117,9 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
         (increment, point, residual) = if !stagnates {
             (full, full_point, full_residual)
         } else {
-            search_line(stage, increment, correction, &residual, &full_residual)
+            let (searched, _, residual) =
+                search_line(stage, increment, correction, &residual, &full_residual);
+            balance_rotation(stage, searched, residual[BETA1])
         };
         size = size_of(&residual);
         if !size.is_finite() {
@@ -116,6 +127,13 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
         }
     }
     None
+}
+
+/// Whether a correction is round-off of the increment.
+fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
+    let moved = |u: &Displacement| u.v1.abs().max(u.u1.abs()).max(u.u2.abs());
+    moved(correction) <= STAGNATED * moved(increment)
+        && correction.beta1.abs() <= STAGNATED * increment.beta1.abs()
 }
 
 /// A correction scaled down to [`MAX_CORRECTION`].
@@ -167,6 +185,47 @@ fn search_line<S: Stage>(
     (increment, point, residual)
 }
 
+/// Solves the equation of `beta1` alone, the rest held: `M_1b - M_1a` never falls with `beta1`, so a bracket always
+/// finds where it vanishes. Where both hinges of the joint flow and their moments differ, one has to unload, and no
+/// tangent tells how far that is.
+fn balance_rotation<S: Stage>(
+    stage: &S,
+    from: Displacement,
+    unbalanced: f64,
+) -> (Displacement, S::Point, Vector4<f64>) {
+    let turned = |turn: f64| Displacement {
+        beta1: from.beta1 + turn,
+        ..from
+    };
+    let unbalanced_at = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
+    let mut turn = -unbalanced / stage.elastic_scale()[0];
+    let mut near = 0.0;
+    for _ in 0..MAX_ROTATION_SEARCH {
+        let here = unbalanced_at(turn);
+        if here * unbalanced <= 0.0 || !turn.is_finite() {
+            break;
+        }
+        near = turn;
+        turn *= 2.0;
+    }
+    let mut far = turn;
+    for _ in 0..MAX_ROTATION_SEARCH {
+        turn = 0.5 * (near + far);
+        let here = unbalanced_at(turn);
+        if here == 0.0 || turn == near || turn == far {
+            break;
+        }
+        if here * unbalanced > 0.0 {
+            near = turn;
+        } else {
+            far = turn;
+        }
+    }
+    let increment = turned(turn);
+    let (point, residual) = stage.evaluate(&increment);
+    (increment, point, residual)
+}
+
 /// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
 /// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
 fn condensed_solve(
@@ -174,7 +233,6 @@ fn condensed_solve(
     residual: &Vector4<f64>,
     elastic_scale: [f64; 2],
 ) -> Option<Displacement> {
-    const BETA1: usize = 2;
     const U2: usize = 3;
     const ORDER: [usize; 4] = [BETA1, U2, 1, 0];
     let (mut a, mut r) = (*jacobian, *residual);

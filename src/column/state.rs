@@ -237,11 +237,12 @@ impl State {
             self.ledger.impact_loss += hit.loss;
             self.predictor.forget();
         }
-        if restitution == 0.0 {
+        if restitution > 0.0 || speed < 0.0 {
+            // Rebound, or a graze: at the end of a part the two may touch and part already.
+            impactor.release(model, self.step, offset_secs);
+        } else {
             impactor.closed = true;
             impactor.velocity = self.velocity.v1;
-        } else {
-            impactor.release(model, self.step, offset_secs);
         }
         self.impactor = Some(impactor);
     }
