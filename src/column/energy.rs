@@ -163,10 +163,16 @@ fn closed_part(
     let (mut state, secs) = if from.contact_force <= 0.0 {
         (*from, 0.0)
     } else {
-        locate(from, from.contact_force, (&end, end.contact_force), secs, |secs| {
-            let state = advance(model, from, offset_secs, secs)?;
-            Some((state, state.contact_force))
-        })?
+        locate(
+            from,
+            from.contact_force,
+            (&end, end.contact_force),
+            secs,
+            |secs| {
+                let state = advance(model, from, offset_secs, secs)?;
+                Some((state, state.contact_force))
+            },
+        )?
     };
     events.count += 1;
     state.contact_force = 0.0;
@@ -211,7 +217,13 @@ fn open_part(
 }
 
 /// Newton's impact law at the end of a part.
-fn strike(model: &Model, mut state: State, offset_secs: f64, secs: f64, events: &mut Events) -> Part {
+fn strike(
+    model: &Model,
+    mut state: State,
+    offset_secs: f64,
+    secs: f64,
+    events: &mut Events,
+) -> Part {
     events.count += 1;
     state.strike(model, offset_secs + secs, !events.exhausted());
     let chords = assembly::chords(model, &state.displacement);

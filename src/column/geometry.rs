@@ -170,7 +170,9 @@ mod tests {
     fn elongation_and_angle_are_those_of_the_paper() {
         let (length, u, v) = (3.0_f64, 0.02, 0.31);
         let chord = Chord::new(length, u, v);
-        assert!((chord.elongation - ((v * v + (length - u).powi(2)).sqrt() - length)).abs() < 1e-15);
+        assert!(
+            (chord.elongation - ((v * v + (length - u).powi(2)).sqrt() - length)).abs() < 1e-15
+        );
         assert!((chord.angle() - (v / (length - u)).atan()).abs() < 1e-16);
     }
 
@@ -233,7 +235,9 @@ mod tests {
             let (a, b) = (Chord::new(2.0, 2.0 - x0, v0), Chord::new(2.0, 2.0 - x1, v1));
             let g = a.discrete_gradient(&b);
             let (dx, dv) = (b.x - a.x, b.v - a.v);
-            assert!((g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15);
+            assert!(
+                (g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15
+            );
             assert!((g.angle_x * dx + g.angle_v * dv - (b.angle() - a.angle())).abs() < 1e-15);
         }
     }

@@ -102,11 +102,14 @@ struct Contact {
 
 /// One part of a step, `offset_secs` into it.
 pub(crate) fn part(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<Part> {
-    let contact = from.impactor.filter(|_| from.gap() <= 0.0).map(|i| Contact {
-        mass: i.impact.mass,
-        closing_speed: i.closing_speed(from.velocity.v1),
-        restitution: i.impact.restitution,
-    });
+    let contact = from
+        .impactor
+        .filter(|_| from.gap() <= 0.0)
+        .map(|i| Contact {
+            mass: i.impact.mass,
+            closing_speed: i.closing_speed(from.velocity.v1),
+            restitution: i.impact.restitution,
+        });
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so whichever is consistent is the one.
     let state = match contact {
@@ -147,7 +150,13 @@ fn free(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<Stat
 }
 
 /// With the contact force that makes `gamma^{n+1} + eps gamma^n = 0` (Eqs 45-46).
-fn pressed(model: &Model, from: &State, contact: &Contact, offset_secs: f64, secs: f64) -> Option<State> {
+fn pressed(
+    model: &Model,
+    from: &State,
+    contact: &Contact,
+    offset_secs: f64,
+    secs: f64,
+) -> Option<State> {
     let Contact {
         mass,
         closing_speed,
@@ -179,13 +188,7 @@ fn pressed(model: &Model, from: &State, contact: &Contact, offset_secs: f64, sec
 }
 
 /// Moves the column.
-fn advance(
-    model: &Model,
-    from: &State,
-    added_mass: f64,
-    push: f64,
-    secs: f64,
-) -> Option<State> {
+fn advance(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Option<State> {
     let motion = Motion::new(model, from, added_mass, push, secs);
     let stage = Midpoint {
         model,

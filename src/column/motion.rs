@@ -86,7 +86,11 @@ impl Motion {
             p.top_mass,
         );
         // The rate of a massless u2 is no state: it must not enter.
-        let top = if model.top_is_massless() { 0.0 } else { velocity.u2 };
+        let top = if model.top_is_massless() {
+            0.0
+        } else {
+            velocity.u2
+        };
         let velocity = Vector4::new(velocity.v1, velocity.u1, 0.0, top);
         let inertia = masses * (2.0 / secs);
         let mut scale = inertia.component_mul(&velocity.abs());
@@ -134,7 +138,11 @@ impl Motion {
         Velocity {
             v1: end[0],
             u1: end[1],
-            u2: if model.top_is_massless() { rate[3] } else { end[3] },
+            u2: if model.top_is_massless() {
+                rate[3]
+            } else {
+                end[3]
+            },
         }
     }
 
@@ -160,8 +168,7 @@ fn force_scale(model: &Model, from: &State) -> [f64; 2] {
         let bending = forces.moment[0].abs() + forces.moment[1].abs();
         let turned = v1.abs() / bar.length + beta1.abs();
         moment += bending + ROUND_OFF_SHARE * bar.rotational[0][0] * turned;
-        force +=
-            forces.normal.abs() + bending / bar.length + ROUND_OFF_SHARE * bar.axial * moved;
+        force += forces.normal.abs() + bending / bar.length + ROUND_OFF_SHARE * bar.axial * moved;
     }
     [force, moment]
 }

@@ -88,7 +88,6 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
             });
         }
         enough = CONVERGED;
-        if std::env::var_os("DBG").is_some() {eprintln!("{corrections} size {size:e} x {increment:?} r {:?}",residual.as_slice());}
         let correction =
             condensed_solve(&stage.jacobian(&point), &residual, stage.elastic_scale())?;
         let correction = limited(correction, stage.length_scale());
@@ -96,8 +95,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
         let (full_point, full_residual) = stage.evaluate(&full);
         let full_size = size_of(&full_residual);
         let stagnates = full_size > 0.5 * size;
-        if stagnates
-            && (size.min(full_size) <= STAGNATED || is_round_off(&correction, &increment))
+        if stagnates && (size.min(full_size) <= STAGNATED || is_round_off(&correction, &increment))
         {
             // Round-off of a stiff column: corrections no longer help.
             return Some(if full_size < size {

@@ -106,8 +106,7 @@ pub(crate) fn settle_massless(
             return Some((u, PerBar { below, above }));
         }
         let k = assembly::bar_stiffness(&gradient, &chord, &above, &tangent, 1.0);
-        let stiffness =
-            properties.top_spring_stiffness + k[(0, 0)] - k[(0, 2)] * k[(2, 0)] / joint;
+        let stiffness = properties.top_spring_stiffness + k[(0, 0)] - k[(0, 2)] * k[(2, 0)] / joint;
         if !(stiffness > 0.0) {
             return None;
         }
@@ -190,21 +189,4 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     collapse_of(model, &displacement)
         .is_none()
         .then(|| State::settled(model, displacement, state.plastic))
-}
-
-/// debug
-pub fn debug_curve(model: &Model, state: &State, secs: f64) {
-    let mut u = state.displacement;
-    u.v1 += secs * state.velocity.v1;
-    u.u1 += secs * state.velocity.u1;
-    let load = model.properties.top_load;
-    let target = match model.scheme() {
-        Scheme::Midpoint => load,
-        Scheme::Energy => 2.0 * load - force_on_top(model, &state.displacement, &state.forces),
-    };
-    println!("load {load} target {target} u2 {} reach {} rates {:?}", u.u2, SUPPORT_REACH * model.shorter_bar(), state.velocity);
-    for e in [-1e-2, -3e-3,-1e-3,-1e-4,-1e-5,-1e-6,0.0,1e-6,1e-5,3e-5,1e-4,3e-4,1e-3,3e-3,1e-2f64] {
-        let u2 = u.u2 + e * model.shorter_bar();
-        println!("{e:e}: {}", carried_by_top(model, Displacement { u2, ..u }, &state.plastic) - target);
-    }
 }

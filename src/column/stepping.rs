@@ -83,9 +83,8 @@ fn in_parts(
                 continue;
             }
             let part_secs = 2.0 * secs;
-            let load_is_lost = || {
-                model.top_is_massless() && !statics::top_is_carried(model, state, part_secs)
-            };
+            let load_is_lost =
+                || model.top_is_massless() && !statics::top_is_carried(model, state, part_secs);
             let collapse = collapse.or_else(|| load_is_lost().then_some(Collapse::LoadNotCarried));
             return Err(match collapse {
                 Some(collapse) => {
@@ -109,7 +108,11 @@ fn in_parts(
             }
             return Ok(());
         }
-        secs = if made.secs < secs { left } else { left.min(2.0 * secs) };
+        secs = if made.secs < secs {
+            left
+        } else {
+            left.min(2.0 * secs)
+        };
     }
     Err(StepError::NotConverged {
         step: state.step,
