@@ -14,7 +14,7 @@ const CASES: u32 = 6_000;
 const STEPS: u32 = 300;
 
 /// The parameter table's least length of a bar \[m\].
-const SHORTEST_BAR: f64 = 0.05;
+const SHORTEST_BAR: f64 = 0.02;
 
 fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     (low.ln()..high.ln()).prop_map(f64::exp)

@@ -167,7 +167,7 @@ impl Model {
     fn add_modes(&mut self) -> Result<(), ModelError> {
         let rest = self.rest_displacement();
         let stiffness = modes::condensed_stiffness(self, &rest, &PerBar::default())[(0, 0)];
-        if !(stiffness > 0.0) {
+        if stiffness.is_nan() || stiffness <= 0.0 {
             return Err(ModelError::Buckled { stiffness });
         }
         self.slowest_period = modes::slowest_period(self, &rest, &PerBar::default())

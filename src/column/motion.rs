@@ -192,11 +192,11 @@ fn damping(model: &Model) -> Matrix4<f64> {
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
     let chords = super::assembly::chords(model, u);
     for (bar, chord) in [(&model.below, chords.below), (&model.above, chords.above)] {
-        if !(chord.x >= LEAST_EXTENT * bar.length) {
+        if chord.x.is_nan() || chord.x < LEAST_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
         let [least, most] = LENGTH_RANGE;
-        if !(chord.length >= least * bar.length && chord.length <= most * bar.length) {
+        if !(least * bar.length..=most * bar.length).contains(&chord.length) {
             return Some(Collapse::BarLength);
         }
     }

@@ -238,7 +238,7 @@ fn condensed_solve(
         if done < 2 {
             a[(pivot, pivot)] = a[(pivot, pivot)].max(PIVOT_FLOOR * elastic_scale[done]);
         }
-        if !(a[(pivot, pivot)] > 0.0) {
+        if a[(pivot, pivot)].is_nan() || a[(pivot, pivot)] <= 0.0 {
             return None;
         }
         for &row in &ORDER[done + 1..] {

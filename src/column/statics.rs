@@ -107,7 +107,7 @@ pub(crate) fn settle_massless(
         }
         let k = assembly::bar_stiffness(&gradient, &chord, &above, &tangent, 1.0);
         let stiffness = properties.top_spring_stiffness + k[(0, 0)] - k[(0, 2)] * k[(2, 0)] / joint;
-        if !(stiffness > 0.0) {
+        if stiffness.is_nan() || stiffness <= 0.0 {
             return None;
         }
         u.u2 -= residual / stiffness;
