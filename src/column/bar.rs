@@ -17,12 +17,16 @@ use serde::{Deserialize, Serialize};
 
 use super::yield_surface::{Branch, YieldSurface};
 
-/// Bound of the scalar root search: bisection alone needs 60.
-const MAX_RETURN_ITERATIONS: usize = 80;
+/// Bound of the scalar root search: bisection alone needs 105 down to the square of the machine's epsilon.
+const MAX_RETURN_ITERATIONS: usize = 120;
 
-/// The root search stops at a step of this size, relative to the trial stress. Newton's error after such a step is of
-/// the order of its square; the stress lies on the surface and the energy balance holds whatever the error is.
+/// The root search stops at a Newton step of this size, relative to the trial stress: the error after it is of the order
+/// of its square. (The stress lies on the surface and the energy balance holds whatever the error is.) A bisection step
+/// tells nothing of the kind and goes on to the last bit.
 const RETURN_TOLERANCE: f64 = 1e-12;
+
+/// Flow below this, in stress relative to the resistances, is round-off.
+const FLOW_ROUND_OFF: f64 = 1e-12;
 
 /// Forces of one bar.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -77,11 +81,6 @@ impl PlasticFlow {
             elongation: add(self.elongation, flow.elongation),
             rotation: add(self.rotation, flow.rotation),
         }
-    }
-
-    /// Whether hinge `k` flows.
-    pub(crate) fn flows(&self, k: usize) -> bool {
-        self.rotation[k] != 0.0 || self.elongation[k] != 0.0
     }
 }
 
@@ -159,6 +158,15 @@ impl Bar {
         0.5 * (forces.normal * strain.elongation
             + forces.moment[0] * strain.rotation[0]
             + forces.moment[1] * strain.rotation[1])
+    }
+
+    /// Whether a flow of hinge `k` is more than the round-off that a stress on the yield surface is returned by in every
+    /// step.
+    pub(crate) fn flows(&self, flow: &PlasticFlow, k: usize) -> bool {
+        let moment = flow.rotation[k].abs() * self.rotational[k][k];
+        let normal = flow.elongation[k].abs() * self.axial;
+        moment > FLOW_ROUND_OFF * self.surface.resistance_moment
+            || normal > FLOW_ROUND_OFF * self.surface.resistance_axial
     }
 
     /// Tangent of the elastic law; rows and columns: elongation, two rotations.
@@ -509,7 +517,6 @@ impl Search<'_> {
             0.5 * (low + high)
         };
         let mut last_step = high - low;
-        let tolerance = RETURN_TOLERANCE * (1.0 + self.trial);
         for _ in 0..MAX_RETURN_ITERATIONS {
             let (value, slope) = self.derivative(branch, t);
             if value > 0.0 {
@@ -521,14 +528,20 @@ impl Search<'_> {
             }
             let newton = value / slope;
             let inside = t - newton >= low && t - newton <= high;
-            let next = if inside && newton.abs() <= 0.5 * last_step {
+            let converges = inside && newton.abs() <= 0.5 * last_step;
+            let next = if converges {
                 t - newton
             } else {
                 0.5 * (low + high)
             };
             last_step = (next - t).abs();
             t = next;
-            if last_step <= tolerance || high - low <= tolerance {
+            let enough = if converges {
+                RETURN_TOLERANCE * (1.0 + self.trial)
+            } else {
+                f64::EPSILON * f64::EPSILON
+            };
+            if last_step <= enough {
                 return t;
             }
         }

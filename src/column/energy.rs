@@ -120,6 +120,10 @@ impl Stage for Conserving<'_> {
     fn length_scale(&self) -> f64 {
         self.model.shorter_bar()
     }
+
+    fn top_is_massless(&self) -> bool {
+        self.model.top_is_massless()
+    }
 }
 
 /// One part of a step, `offset_secs` into it: to its end, or to the first contact event.
@@ -295,8 +299,8 @@ fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<S
     state.plastic.below = state.plastic.below.plus(1.0, &below.flow);
     state.plastic.above = state.plastic.above.plus(1.0, &above.flow);
     for k in 0..2 {
-        state.flowing.below[k] |= below.flow.flows(k);
-        state.flowing.above[k] |= above.flow.flows(k);
+        state.flowing.below[k] |= model.below.flows(&below.flow, k);
+        state.flowing.above[k] |= model.above.flows(&above.flow, k);
     }
     state.forces = PerBar {
         below: below.forces,

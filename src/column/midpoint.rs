@@ -83,6 +83,10 @@ impl Stage for Midpoint<'_> {
     fn length_scale(&self) -> f64 {
         self.model.shorter_bar()
     }
+
+    fn top_is_massless(&self) -> bool {
+        self.model.top_is_massless()
+    }
 }
 
 fn forces_of(returned: &PerBar<Returned>) -> PerBar<super::bar::BarForces> {
@@ -204,8 +208,8 @@ fn advance(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -
     state.plastic.below = state.plastic.below.plus(2.0, &below.flow);
     state.plastic.above = state.plastic.above.plus(2.0, &above.flow);
     for k in 0..2 {
-        state.flowing.below[k] |= below.flow.flows(k);
-        state.flowing.above[k] |= above.flow.flows(k);
+        state.flowing.below[k] |= model.below.flows(&below.flow, k);
+        state.flowing.above[k] |= model.above.flows(&above.flow, k);
     }
     state.ledger.plastic_work +=
         2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));

@@ -29,11 +29,20 @@ const MAX_LINE_SEARCH: u32 = 40;
 /// A line search ends where the slope along the correction has fallen to this share.
 const SLOPE_SHARE: f64 = 0.1;
 
-/// Bound of the search for `beta1`, for its bracket and within it: all the bits of a double.
-const MAX_ROTATION_SEARCH: u32 = 60;
+/// Bound of the search for a massless unknown, for its bracket and within it: all the bits of a double.
+const MAX_BISECTIONS: u32 = 60;
+
+/// How often the massless unknowns are solved for on their own in one stage; each time costs thousands of evaluations.
+const MAX_BALANCES: u32 = 3;
+
+/// How far `beta1` is looked for \[rad\].
+const MOST_ROTATION: f64 = 1.0;
 
 /// Row of `beta1`.
 const BETA1: usize = 2;
+
+/// Row of `u2`.
+const U2: usize = 3;
 
 /// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar: a massless unknown that
 /// has lost its stiffness would leap to an equilibrium with the column turned inside out.
@@ -58,6 +67,9 @@ pub(crate) trait Stage {
 
     /// Length of the shorter bar \[m\].
     fn length_scale(&self) -> f64;
+
+    /// Whether `u2` is an algebraic unknown.
+    fn top_is_massless(&self) -> bool;
 }
 
 /// A solved stage.
@@ -79,6 +91,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
     let (mut point, mut residual) = stage.evaluate(&increment);
     let mut size = size_of(&residual);
     let mut enough = BALANCED;
+    let mut balances = 0;
     for corrections in 0..MAX_NEWTON_ITERATIONS {
         if size <= enough {
             return Some(Solved {
@@ -115,9 +128,13 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
         (increment, point, residual) = if !stagnates {
             (full, full_point, full_residual)
         } else {
-            let (searched, _, residual) =
-                search_line(stage, increment, correction, &residual, &full_residual);
-            balance_rotation(stage, searched, residual[BETA1])
+            let searched = search_line(stage, increment, correction, &residual, &full_residual);
+            if balances < MAX_BALANCES {
+                balances += 1;
+                balance_massless(stage, searched.0)
+            } else {
+                searched
+            }
         };
         size = size_of(&residual);
         if !size.is_finite() {
@@ -183,45 +200,69 @@ fn search_line<S: Stage>(
     (increment, point, residual)
 }
 
-/// Solves the equation of `beta1` alone, the rest held: `M_1b - M_1a` never falls with `beta1`, so a bracket always
-/// finds where it vanishes. Where both hinges of the joint flow and their moments differ, one has to unload, and no
-/// tangent tells how far that is.
-fn balance_rotation<S: Stage>(
+/// Solves the equations of the massless unknowns, the others held. `M_1b - M_1a` never falls with `beta1`, nor does the
+/// force on the top with `u2` while the column carries the load: brackets find where they vanish. Where both hinges of
+/// the joint flow and their moments differ, one has to unload, and no tangent tells how far that is.
+fn balance_massless<S: Stage>(
     stage: &S,
     from: Displacement,
-    unbalanced: f64,
 ) -> (Displacement, S::Point, Vector4<f64>) {
-    let turned = |turn: f64| Displacement {
-        beta1: from.beta1 + turn,
-        ..from
+    let [joint, top] = stage.elastic_scale();
+    let joint_balanced = |u: Displacement| {
+        let turned = |turn: f64| Displacement {
+            beta1: u.beta1 + turn,
+            ..u
+        };
+        let unbalanced = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
+        turned(zero_near(unbalanced, joint, MOST_ROTATION))
     };
-    let unbalanced_at = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
-    let mut turn = -unbalanced / stage.elastic_scale()[0];
-    let mut near = 0.0;
-    for _ in 0..MAX_ROTATION_SEARCH {
-        let here = unbalanced_at(turn);
-        if here * unbalanced <= 0.0 || !turn.is_finite() {
-            break;
-        }
-        near = turn;
-        turn *= 2.0;
-    }
-    let mut far = turn;
-    for _ in 0..MAX_ROTATION_SEARCH {
-        turn = 0.5 * (near + far);
-        let here = unbalanced_at(turn);
-        if here == 0.0 || turn == near || turn == far {
-            break;
-        }
-        if here * unbalanced > 0.0 {
-            near = turn;
-        } else {
-            far = turn;
-        }
-    }
-    let increment = turned(turn);
+    let increment = if stage.top_is_massless() {
+        let lowered = |fall: f64| {
+            joint_balanced(Displacement {
+                u2: from.u2 + fall,
+                ..from
+            })
+        };
+        let unbalanced = |fall: f64| stage.evaluate(&lowered(fall)).1[U2];
+        let reach = MAX_CORRECTION * stage.length_scale();
+        lowered(zero_near(unbalanced, top, reach))
+    } else {
+        joint_balanced(from)
+    };
     let (point, residual) = stage.evaluate(&increment);
     (increment, point, residual)
+}
+
+/// Where a force that does not fall with `x` vanishes, looked for from 0 with a first step for its elastic stiffness, up
+/// to `reach`; 0 if it does not vanish there.
+fn zero_near(force: impl Fn(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
+    let start = force(0.0);
+    let (mut near, mut far) = (0.0, -start / stiffness);
+    if far == 0.0 || !far.is_finite() {
+        return 0.0;
+    }
+    let mut doublings = 0;
+    while force(far) * start > 0.0 {
+        near = far;
+        far *= 2.0;
+        doublings += 1;
+        if far.abs() > reach || doublings > MAX_BISECTIONS {
+            return 0.0;
+        }
+    }
+    for _ in 0..MAX_BISECTIONS {
+        let middle = 0.5 * (near + far);
+        let here = force(middle);
+        if here == 0.0 || middle == near || middle == far {
+            return middle;
+        }
+        if here * start > 0.0 {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    0.5 * (near + far)
 }
 
 /// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
@@ -231,7 +272,6 @@ fn condensed_solve(
     residual: &Vector4<f64>,
     elastic_scale: [f64; 2],
 ) -> Option<Displacement> {
-    const U2: usize = 3;
     const ORDER: [usize; 4] = [BETA1, U2, 1, 0];
     let (mut a, mut r) = (*jacobian, *residual);
     for (done, &pivot) in ORDER.iter().enumerate() {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{self, PerBar};
-use super::bar::{BarForces, BarStrain, PlasticFlow};
+use super::bar::{Bar, BarForces, BarStrain, PlasticFlow};
 use super::contact::{Impact, ImpactError, Impactor, percussion};
 use super::geometry::Displacement;
 use super::ledger::{self, Ledger};
@@ -354,8 +354,8 @@ impl State {
         let chords = assembly::chords(model, &self.displacement);
         let total = assembly::strains(&chords, self.displacement.beta1);
         let elastic = assembly::elastic_strains(&chords, &self.displacement, &self.plastic);
-        let surface = &model.below.surface;
-        let hinge = |forces: &BarForces,
+        let hinge = |bar: &Bar,
+                     forces: &BarForces,
                      plastic: &PlasticFlow,
                      total: &BarStrain,
                      elastic: &BarStrain,
@@ -367,8 +367,8 @@ impl State {
             elongation: 0.5 * elastic.elongation + plastic.elongation[k],
             plastic_rotation: plastic.rotation[k],
             plastic_elongation: plastic.elongation[k],
-            utilisation: surface.utilisation(forces.moment[k], forces.normal),
-            state: hinge_state(flowing[k], plastic.flows(k)),
+            utilisation: bar.surface.utilisation(forces.moment[k], forces.normal),
+            state: hinge_state(flowing[k], bar.flows(plastic, k)),
         };
         let Self {
             forces: f,
@@ -378,6 +378,7 @@ impl State {
         } = self;
         let below = |k| {
             hinge(
+                &model.below,
                 &f.below,
                 &p.below,
                 &total.below,
@@ -388,6 +389,7 @@ impl State {
         };
         let above = |k| {
             hinge(
+                &model.above,
                 &f.above,
                 &p.above,
                 &total.above,

@@ -61,6 +61,10 @@ impl Stage for Frozen<'_> {
     fn length_scale(&self) -> f64 {
         self.model.shorter_bar()
     }
+
+    fn top_is_massless(&self) -> bool {
+        self.model.top_is_massless()
+    }
 }
 
 /// Elastic stiffness of `beta1` \[N m/rad\] and `u2` \[N/m\].

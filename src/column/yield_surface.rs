@@ -2,9 +2,9 @@
 
 use super::properties::YieldExponents;
 
-/// A trial stress counts as outside the surface when `|m|^alpha + |n|^beta` exceeds 1 by more than this: three
-/// orders above the round-off of the sum, so that a stress just returned to the surface does not flow again.
-pub(crate) const YIELD_TOLERANCE: f64 = 1e-12;
+/// A trial stress counts as outside the surface when `|m|^alpha + |n|^beta` exceeds 1 by more than the round-off of the
+/// sum.
+const YIELD_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// `Phi(M, N) = (|M/M^p|^alpha + |N/N^p|^beta)^(1/gamma) - 1` (Eq 28), symmetric and convex for
 /// `alpha, beta >= 1`.
