@@ -114,6 +114,24 @@ fn cost(scheme: &str, exponents: &[&str]) -> (f64, f64) {
     )
 }
 
+/// Least time of a whole response at 20 us over some runs \[ms\], model, observer and report included.
+fn whole_response(scheme: &str, exponents: &[&str]) -> f64 {
+    const RUNS: usize = 50;
+    let scheme = format!("solver.scheme:={scheme}");
+    let (properties, impact) =
+        example(&[&[scheme.as_str(), "solver.dt:=2.0e-5"], exponents].concat());
+    let once = || {
+        let began = Instant::now();
+        let report = simulate(black_box(&properties), &impact, 0.06, &mut |sample| {
+            black_box(sample);
+        });
+        black_box(report).expect("a response");
+        began.elapsed()
+    };
+    let least = (0..RUNS).map(|_| once()).min().unwrap_or_default();
+    least.as_secs_f64() * 1e3
+}
+
 fn print_ratios() {
     println!("\nns per step of 10 us (corrections per step), least of 50 runs in slices");
     println!(
@@ -128,6 +146,14 @@ fn print_ratios() {
             shown(midpoint),
             shown(energy),
             energy.0 / midpoint.0
+        );
+    }
+    println!("\nms per response of 60 ms with steps of 20 us, least of 50 runs");
+    for (name, exponents) in EXPONENTS {
+        let [midpoint, energy] = SCHEMES.map(|scheme| whole_response(scheme, &exponents));
+        println!(
+            "{name:<12}{midpoint:>18.2}{energy:>18.2}{:>18.2}",
+            energy / midpoint
         );
     }
 }
