@@ -1,0 +1,283 @@
+//! Equal runs are equal bit for bit, a saved run continues as if it had not been interrupted, mirrored runs are
+//! mirrored, and a step does not allocate.
+
+mod example;
+
+use column_twin::column::{
+    BarForces, Impact, Model, PlasticFlow, Progress, Response, Sample, State, StepError, simulate,
+    step,
+};
+use example::example;
+use serde::Serialize;
+use serde_json::Value;
+
+const SCHEMES: [&str; 2] = ["solver.scheme:=midpoint", "solver.scheme:=energy"];
+
+const DUAN_CHEN: [&str; 3] = [
+    "yield_surface.alpha:=1.0",
+    "yield_surface.beta:=1.3",
+    "yield_surface.gamma:=1.0",
+];
+
+/// The bits of every number of some data, in the order of its fields.
+fn bits(data: &impl Serialize) -> Vec<u64> {
+    fn collect(value: &Value, into: &mut Vec<u64>) {
+        match value {
+            Value::Number(number) => {
+                into.push(number.as_f64().expect("a number").to_bits());
+            }
+            Value::Array(values) => values.iter().for_each(|value| collect(value, into)),
+            Value::Object(fields) => fields.values().for_each(|value| collect(value, into)),
+            Value::Bool(flag) => into.push(u64::from(*flag)),
+            Value::Null => into.push(u64::MAX),
+            Value::String(_) => {}
+        }
+    }
+    let mut all = Vec::new();
+    collect(&serde_json::to_value(data).expect("plain data"), &mut all);
+    all
+}
+
+#[test]
+fn two_runs_are_equal_bit_for_bit() {
+    for scheme in SCHEMES {
+        for exponents in [&[][..], &DUAN_CHEN[..]] {
+            let overrides = [
+                &[scheme, "impact.restitution:=0.5", "impact.gap:=0.01"],
+                exponents,
+            ]
+            .concat();
+            let run = || {
+                let (properties, impact) = example(&overrides);
+                let mut samples: Vec<Vec<u64>> = Vec::new();
+                let report = simulate(&properties, &impact, 0.06, &mut |sample: &Sample| {
+                    samples.push(bits(sample));
+                })
+                .expect("a response");
+                (bits(&report), samples)
+            };
+            let (first, second) = (run(), run());
+            assert!(first.1.len() > 1_000);
+            assert!(first == second, "{scheme}");
+        }
+    }
+}
+
+#[test]
+fn equal_runs_have_equal_hashes_and_others_do_not() {
+    let hashes = |velocity: f64| {
+        let (properties, impact) = example(&[]);
+        let model = Model::new(&properties).expect("a column");
+        let mut state = State::at_rest(&model);
+        state
+            .begin_impact(&model, Impact { velocity, ..impact })
+            .expect("an impact");
+        (0..1_000)
+            .map(|_| {
+                step(&model, &mut state).expect("a step");
+                state.hash()
+            })
+            .collect::<Vec<_>>()
+    };
+    let (first, second) = (hashes(10.0), hashes(10.0));
+    assert_eq!(first, second);
+    let next = hashes(10.0_f64.next_up());
+    assert!(first.iter().zip(&next).all(|(one, other)| one != other));
+}
+
+/// Saved to text and read back at many instants: in the approach, in contact, after release.
+#[test]
+fn a_continued_run_equals_the_uninterrupted_one() {
+    for scheme in SCHEMES {
+        let (properties, impact) = example(&[
+            scheme,
+            "impact.gap:=0.001",
+            "impact.restitution:=0.3",
+            "damping.ratio:=0.01",
+            "top.mass:=500.0",
+        ]);
+        let model = Model::new(&properties).expect("a column");
+        let mut state = State::at_rest(&model);
+        let mut response = Response::begin(&model, &mut state, impact, 0.06).expect("an impact");
+        let (mut other_state, mut other_response) = (state, response);
+        let mut saves = 0;
+        loop {
+            if state.step.is_multiple_of(7) {
+                let saved = serde_json::to_string(&(&other_state, &other_response)).expect("saved");
+                let read: (State, Response) = serde_json::from_str(&saved).expect("read");
+                assert_eq!(
+                    bits(&read),
+                    bits(&(&state, &response)),
+                    "step {}",
+                    state.step
+                );
+                (other_state, other_response) = read;
+                saves += 1;
+            }
+            let progress = response.advance(&model, &mut state, 1).expect("a step");
+            let other = other_response
+                .advance(&model, &mut other_state, 1)
+                .expect("a step");
+            assert_eq!(progress, other);
+            assert_eq!(bits(&state), bits(&other_state), "step {}", state.step);
+            assert_eq!(state.hash(), other_state.hash());
+            if let Progress::Over(end) = progress {
+                assert_eq!(
+                    bits(&response.report(&model, &state, end)),
+                    bits(&other_response.report(&model, &other_state, end))
+                );
+                break;
+            }
+        }
+        assert!(saves > 100);
+    }
+}
+
+/// The approach in one stride and in single steps leads to the same.
+#[test]
+fn coasting_in_one_stride_or_in_steps_is_the_same() {
+    for scheme in SCHEMES {
+        let (properties, impact) = example(&[scheme, "impact.gap:=0.1"]);
+        let model = Model::new(&properties).expect("a column");
+        let run = |stride: u64| {
+            let mut state = State::at_rest(&model);
+            let mut response =
+                Response::begin(&model, &mut state, impact, 0.03).expect("an impact");
+            while let Progress::Running = response
+                .advance(&model, &mut state, stride)
+                .expect("a step")
+            {}
+            (bits(&state), bits(&response))
+        };
+        assert_eq!(run(1), run(u64::MAX), "{scheme}");
+    }
+}
+
+/// The bits of a state with every transverse quantity multiplied by `sign`; adding zero makes -0 and 0 the same.
+fn mirrored(state: &State, sign: f64) -> Vec<u64> {
+    let u = &state.displacement;
+    let mut numbers = vec![
+        sign * u.v1,
+        u.u1,
+        sign * u.beta1,
+        u.u2,
+        sign * state.velocity.v1,
+        state.velocity.u1,
+        state.velocity.u2,
+        state.ledger.plastic_work,
+        state.ledger.damping_work,
+    ];
+    let bar = |forces: &BarForces, plastic: &PlasticFlow| {
+        [
+            forces.normal,
+            sign * forces.moment[0],
+            sign * forces.moment[1],
+            plastic.elongation[0],
+            plastic.elongation[1],
+            sign * plastic.rotation[0],
+            sign * plastic.rotation[1],
+        ]
+    };
+    numbers.extend(bar(&state.forces.below, &state.plastic.below));
+    numbers.extend(bar(&state.forces.above, &state.plastic.above));
+    numbers.into_iter().map(|x| (x + 0.0).to_bits()).collect()
+}
+
+#[test]
+fn mirrored_motions_are_mirrored_bit_for_bit() {
+    let columns: [&[&str]; 4] = [
+        &[],
+        &DUAN_CHEN,
+        &[
+            "yield_surface.alpha:=1.0",
+            "yield_surface.beta:=1.0",
+            "top.mass:=200.0",
+        ],
+        &[
+            "hinge.elastic_law:=coupled",
+            "damping.ratio:=0.02",
+            "support.top:=pinned",
+        ],
+    ];
+    for scheme in SCHEMES {
+        for column in columns {
+            let (properties, _) = example(&[&[scheme], column].concat());
+            let model = Model::new(&properties).expect("a column");
+            let start = |speed: f64| {
+                let mut state = State::at_rest(&model);
+                state.velocity.v1 = speed;
+                state
+            };
+            let (mut one, mut other) = (start(20.0), start(-20.0));
+            for number in 0..2_000 {
+                step(&model, &mut one).expect("a step");
+                step(&model, &mut other).expect("a step");
+                assert_eq!(
+                    mirrored(&one, 1.0),
+                    mirrored(&other, -1.0),
+                    "{scheme} {column:?} step {number}"
+                );
+            }
+            assert!(one.ledger.plastic_work > 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_step_does_not_allocate() {
+    let columns: [&[&str]; 4] = [
+        &[],
+        &DUAN_CHEN,
+        &[
+            "impact.restitution:=0.9",
+            "impact.gap:=0.02",
+            "top.mass:=100.0",
+            "damping.ratio:=0.05",
+        ],
+        // Corners of the surface and a load near the squash load: line search, halvings, collapse.
+        &[
+            "yield_surface.alpha:=1.0",
+            "yield_surface.beta:=1.0",
+            "top.spring_stiffness:=0.0",
+            "top.load:=3.0e+6",
+            "impact.mass:=20000.0",
+            "solver.dt:=1.0e-3",
+        ],
+    ];
+    for scheme in SCHEMES {
+        for column in columns {
+            let (properties, impact) = example(&[&[scheme, "solver.dt:=5.0e-5"], column].concat());
+            let model = Model::new(&properties).expect("a column");
+            let mut state = State::at_rest(&model);
+            let mut response = Response::begin(&model, &mut state, impact, 1.0).expect("an impact");
+            let (initial, mut steps) = (state, 0);
+            let followed = allocation_counter::measure(|| {
+                while steps < 1_000 {
+                    steps += 1;
+                    if response.advance(&model, &mut state, 1) != Ok(Progress::Running) {
+                        break;
+                    }
+                }
+            });
+            assert_eq!(followed.count_total, 0, "{scheme} {column:?}");
+            let mut state = initial;
+            let mut last = Ok(());
+            let stepped = allocation_counter::measure(|| {
+                for _ in 0..1_000 {
+                    last = step(&model, &mut state);
+                    if last.is_err() {
+                        break;
+                    }
+                }
+            });
+            assert_eq!(stepped.count_total, 0, "{scheme} {column:?}");
+            assert!(
+                matches!(last, Ok(()) | Err(StepError::Collapsed(_))),
+                "{last:?}"
+            );
+            let parted = state.impactor.expect("an impactor").released_at.is_some();
+            println!("{scheme} {column:?}: {steps} steps, {last:?}, parted {parted}");
+            assert!(parted || last.is_err(), "{scheme} {column:?}");
+        }
+    }
+}
