@@ -1,0 +1,55 @@
+//! The example of the README, word for word; the README's copy is compared with this one.
+
+use std::path::Path;
+
+// README begins
+use column_twin::column::{Outcome, simulate};
+use column_twin::parameters::{Parameters, parse_override};
+
+fn example() -> Result<(), Box<dyn std::error::Error>> {
+    let files = ["config/heb220_s355.yaml".into()];
+    let parameters = Parameters::load(&files, &[parse_override("impact.velocity:=5.0")])?;
+    let event = parameters.impact();
+    let impact = column_twin::column::Impact {
+        mass: event.mass,
+        velocity: event.velocity,
+        gap: event.gap,
+        restitution: event.restitution,
+    };
+    let mut peak_moment: f64 = 0.0;
+    let report = simulate(
+        &parameters.column_properties(),
+        &impact,
+        parameters.response_duration(),
+        &mut |sample| peak_moment = peak_moment.max(sample.hinges[3].moment.abs()),
+    )?;
+    println!(
+        "max v1 {:.1} mm, peak moment at the base {:.0} kNm",
+        1e3 * report.max_v1,
+        1e-3 * peak_moment
+    );
+    assert_eq!(report.outcome, Outcome::Plastic);
+    Ok(())
+}
+// README ends
+
+#[test]
+fn the_example_of_the_readme_runs() {
+    example().unwrap();
+}
+
+#[test]
+fn the_readme_shows_this_example() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let source = std::fs::read_to_string(root.join("tests/readme.rs")).unwrap();
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let example = source
+        .split_once("// README begins\n")
+        .and_then(|(_, rest)| rest.split_once("// README ends\n"))
+        .map(|(example, _)| example)
+        .unwrap();
+    assert!(
+        readme.contains(&format!("```rust\n{example}```\n")),
+        "README.md must show:\n{example}"
+    );
+}

@@ -1,0 +1,282 @@
+//! Promises about the text of the repository: the documents name what exists, the core stays pure, files stay short.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Most lines of a source file, its unit tests not counted.
+const LONGEST_FILE: usize = 700;
+
+/// Documents whose paths must exist.
+const DOCUMENTS: [&str; 5] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "launch_notes.md",
+    "docs/theory.md",
+];
+
+/// What the core must not contain, with the reason.
+const ABSENT_FROM_CORE: [(&str, &str); 35] = [
+    ("std::fs", "files"),
+    ("std::io", "input and output"),
+    ("std::net", "network"),
+    ("std::env", "environment"),
+    ("std::process", "processes"),
+    ("std::time", "clock"),
+    ("std::thread", "threads"),
+    ("std::sync", "threads"),
+    (
+        "std::{",
+        "hides what is imported; name each module on its own line",
+    ),
+    ("Instant", "clock"),
+    ("SystemTime", "clock"),
+    ("println!", "output"),
+    ("print!", "output"),
+    ("eprintln!", "output"),
+    ("eprint!", "output"),
+    ("dbg!", "output"),
+    ("tracing", "logging"),
+    ("log::", "logging"),
+    ("Vec<", "heap"),
+    ("Vec::", "heap"),
+    ("vec!", "heap"),
+    ("VecDeque", "heap"),
+    ("Box<", "heap"),
+    ("Box::", "heap"),
+    ("Rc", "heap"),
+    ("Arc", "heap"),
+    ("String", "heap"),
+    ("format!", "heap"),
+    (".to_string", "heap"),
+    (".to_owned", "heap"),
+    (".to_vec", "heap"),
+    (".collect", "heap"),
+    ("HashMap", "heap and an order that differs from run to run"),
+    ("BTreeMap", "heap"),
+    ("unsafe", "needs none"),
+];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|fault| panic!("{}: {fault}", path.display()))
+}
+
+/// All files below a folder of the repository, by their paths from its root.
+fn files_below(folder: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![root().join(folder)];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                if path.file_name().is_none_or(|name| name != "__pycache__") {
+                    open.push(path);
+                }
+            } else {
+                found.push(path.strip_prefix(root()).unwrap().to_path_buf());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn rust_files_below(folder: &str) -> Vec<PathBuf> {
+    let mut files = files_below(folder);
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    assert!(!files.is_empty(), "no source file below {folder}");
+    files
+}
+
+/// A document's lines outside of fenced code.
+fn prose(text: &str) -> String {
+    let mut fenced = false;
+    text.lines()
+        .filter(|line| {
+            let fence = line.trim_start().starts_with("```");
+            fenced ^= fence;
+            !fenced && !fence
+        })
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
+/// Paths that prose names: in backticks or as the target of a link. Wildcards, commands, names of things in the code
+/// and addresses elsewhere are not paths.
+fn named_paths(prose: &str) -> Vec<String> {
+    const EXTENSIONS: [&str; 13] = [
+        ".rs", ".md", ".toml", ".lock", ".yaml", ".csv", ".json", ".sh", ".py", ".xml", ".txt",
+        ".msg", ".srv",
+    ];
+    let in_backticks = prose.split('`').skip(1).step_by(2);
+    let targets = prose
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split(')').next())
+        .filter(|target| !target.contains("://") && !target.starts_with('#'));
+    let looks_like_path = |text: &&str| {
+        let plain = !text.contains(|c: char| c.is_whitespace() || "*<>{}()=$:".contains(c));
+        let first = text.split('/').next().unwrap_or_default();
+        plain
+            && (text.ends_with('/') && text.len() > 1
+                || text.contains('/') && !first.is_empty() && root().join(first).exists()
+                || EXTENSIONS.iter().any(|end| text.ends_with(end)))
+    };
+    in_backticks
+        .filter(looks_like_path)
+        .chain(targets)
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Source text without comments and without what follows `#[cfg(test)]` at the left margin, which ends a file here.
+fn code_of(source: &str) -> String {
+    source
+        .lines()
+        .take_while(|line| *line != "#[cfg(test)]")
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
+/// Whether `code` contains `word` as a word of its own.
+fn contains_word(code: &str, word: &str) -> bool {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let starts_as_name = word.starts_with(is_name);
+    let ends_as_name = word.ends_with(is_name);
+    code.match_indices(word).any(|(at, _)| {
+        let before = code[..at].chars().next_back();
+        let after = code[at + word.len()..].chars().next();
+        !(starts_as_name && before.is_some_and(is_name)
+            || ends_as_name && after.is_some_and(is_name))
+    })
+}
+
+#[test]
+fn paths_in_documents_exist() {
+    let mut missing = Vec::new();
+    for document in DOCUMENTS {
+        let folder = Path::new(document).parent().unwrap_or(Path::new(""));
+        for path in named_paths(&prose(&read(document))) {
+            // A link is relative to its document, a name in backticks to the repository.
+            if !root().join(&path).exists() && !root().join(folder).join(&path).exists() {
+                missing.push(format!("{document} names {path}, which does not exist"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
+#[test]
+fn architecture_names_every_part_of_the_source() {
+    let map = read("ARCHITECTURE.md");
+    let mut parts: Vec<String> = files_below("src/column")
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    for entry in fs::read_dir(root().join("src")).unwrap() {
+        let path = entry.unwrap().path();
+        let end = if path.is_dir() { "/" } else { "" };
+        parts.push(format!("src/{}{end}", path.file_name().unwrap().display()));
+    }
+    parts.retain(|part| !map.contains(&format!("`{part}`")));
+    assert!(parts.is_empty(), "ARCHITECTURE.md does not name {parts:?}");
+}
+
+#[test]
+fn the_core_has_no_io_clock_thread_log_or_heap() {
+    let mut found = Vec::new();
+    for path in rust_files_below("src/column") {
+        if path.to_string_lossy().ends_with("tests.rs") {
+            continue;
+        }
+        let code = code_of(&read(&path));
+        for (word, reason) in ABSENT_FROM_CORE {
+            if contains_word(&code, word) {
+                found.push(format!("{}: {word} ({reason})", path.display()));
+            }
+        }
+        // The arrows point one way: everything else knows the core, the core knows nothing else.
+        if code.replace("crate::column", "").contains("crate::") {
+            found.push(format!("{}: another part of this crate", path.display()));
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn files_are_short() {
+    for path in rust_files_below("src") {
+        let lines = read(&path)
+            .lines()
+            .take_while(|line| *line != "#[cfg(test)]")
+            .count();
+        assert!(
+            lines <= LONGEST_FILE,
+            "{}: {lines} lines; divide it at {LONGEST_FILE}",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn nothing_is_left_to_do() {
+    // In two halves, or this file would find itself.
+    let marks = [
+        concat!("TO", "DO"),
+        concat!("FIX", "ME"),
+        concat!("to", "do!"),
+        concat!("unimple", "mented!"),
+    ];
+    let mut files: Vec<PathBuf> = ["src", "tests", "docs", "config", "msg", "srv"]
+        .iter()
+        .flat_map(|folder| files_below(folder))
+        .collect();
+    files.extend(DOCUMENTS.map(PathBuf::from));
+    files.push(".ci/run".into());
+    for path in files {
+        // Pictures are no text.
+        let Ok(text) = fs::read_to_string(root().join(&path)) else {
+            continue;
+        };
+        for mark in marks {
+            assert!(!contains_word(&text, mark), "{}: {mark}", path.display());
+        }
+    }
+}
+
+#[test]
+fn ci_runs_the_test_command_of_the_readme() {
+    let ci = read(".ci/run");
+    let command = ci
+        .lines()
+        .find_map(|line| line.strip_prefix("step 'tests' "))
+        .expect("a line in .ci/run that begins with: step 'tests'");
+    let readme = read("README.md");
+    let code: Vec<&str> = readme.split("```").skip(1).step_by(2).collect();
+    assert!(
+        code.iter()
+            .any(|block| block.lines().any(|line| line == command)),
+        "README.md does not give the command of .ci/run: {command}"
+    );
+}
+
+#[test]
+fn these_tests_find_what_they_look_for() {
+    assert!(contains_word("let x = vec![1];", "vec!"));
+    assert!(contains_word("fn f() -> Vec<f64>", "Vec<"));
+    assert!(!contains_word("Matrix4 and MyVec::new()", "Vec::"));
+    assert!(!contains_word("struct Arch; StringLike", "Arc"));
+    assert!(!contains_word("StringLike", "String"));
+    assert_eq!(code_of("a // Vec::new\nb\n#[cfg(test)]\nc"), "a \nb\n");
+    let text = "See `src/lib.rs`, `nowhere.rs`, `cargo test`, `a/b`, `src/*.rs` and [it](docs/x.md), [web](https://x.y).\n```\n`fenced.rs`\n```\n";
+    assert_eq!(
+        named_paths(&prose(text)),
+        ["src/lib.rs", "nowhere.rs", "docs/x.md"]
+    );
+}
