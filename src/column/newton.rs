@@ -32,8 +32,8 @@ const SLOPE_SHARE: f64 = 0.1;
 /// Bound of the search for a massless unknown, for its bracket and within it: all the bits of a double.
 const MAX_BISECTIONS: u32 = 60;
 
-/// How often the massless unknowns are solved for on their own in one stage; each time costs thousands of evaluations.
-const MAX_BALANCES: u32 = 3;
+/// Of so many stagnations all but the last solve for `beta1` alone: a search for `u2` around it costs tens of times more.
+const JOINT_BALANCES: u32 = 8;
 
 /// How far `beta1` is looked for \[rad\].
 const MOST_ROTATION: f64 = 1.0;
@@ -91,7 +91,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
     let (mut point, mut residual) = stage.evaluate(&increment);
     let mut size = size_of(&residual);
     let mut enough = BALANCED;
-    let mut balances = 0;
+    let mut stagnations = 0;
     for corrections in 0..MAX_NEWTON_ITERATIONS {
         if size <= enough {
             return Some(Solved {
@@ -129,12 +129,9 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
             (full, full_point, full_residual)
         } else {
             let searched = search_line(stage, increment, correction, &residual, &full_residual);
-            if balances < MAX_BALANCES {
-                balances += 1;
-                balance_massless(stage, searched.0)
-            } else {
-                searched
-            }
+            stagnations += 1;
+            let with_top = stagnations % JOINT_BALANCES == 0;
+            balance_massless(stage, searched.0, with_top)
         };
         size = size_of(&residual);
         if !size.is_finite() {
@@ -206,6 +203,7 @@ fn search_line<S: Stage>(
 fn balance_massless<S: Stage>(
     stage: &S,
     from: Displacement,
+    with_top: bool,
 ) -> (Displacement, S::Point, Vector4<f64>) {
     let [joint, top] = stage.elastic_scale();
     let joint_balanced = |u: Displacement| {
@@ -216,7 +214,7 @@ fn balance_massless<S: Stage>(
         let unbalanced = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
         turned(zero_near(unbalanced, joint, MOST_ROTATION))
     };
-    let increment = if stage.top_is_massless() {
+    let increment = if with_top && stage.top_is_massless() {
         let lowered = |fall: f64| {
             joint_balanced(Displacement {
                 u2: from.u2 + fall,
@@ -234,7 +232,7 @@ fn balance_massless<S: Stage>(
 }
 
 /// Where a force that does not fall with `x` vanishes, looked for from 0 with a first step for its elastic stiffness, up
-/// to `reach`; 0 if it does not vanish there.
+/// to `reach`; 0 if it does not vanish there. Bisection: next to a corner of the yield surface the force is a staircase.
 fn zero_near(force: impl Fn(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
     let start = force(0.0);
     let (mut near, mut far) = (0.0, -start / stiffness);
