@@ -5,7 +5,7 @@ use column_twin::column::{
     StepError, Support, YieldExponents,
 };
 use proptest::prelude::*;
-use proptest::test_runner::{Config, TestRunner};
+use proptest::test_runner::{Config, TestRng, TestRunner};
 
 /// Random columns per scheme; the promise is 10 000 together at the least.
 const CASES: u32 = 6_000;
@@ -190,7 +190,14 @@ fn run(scheme: Scheme) {
         max_global_rejects: 20 * CASES,
         ..Config::default()
     };
-    TestRunner::new(config)
+    // The same columns in every run; COLUMN_TWIN_EXPLORE=1 draws new ones.
+    let mut runner = if std::env::var_os("COLUMN_TWIN_EXPLORE").is_some() {
+        TestRunner::new(config)
+    } else {
+        let seed = TestRng::deterministic_rng(config.rng_algorithm);
+        TestRunner::new_with_rng(config, seed)
+    };
+    runner
         .run(&(column(scheme), impact()), |(properties, impact)| {
             follow(&properties, &impact).map_err(|failure| match failure {
                 TestCaseError::Fail(reason) => {

@@ -23,7 +23,7 @@ const MAX_RETURN_ITERATIONS: usize = 120;
 /// The root search stops at a Newton step of this size, relative to the trial stress: the error after it is of the order
 /// of its square. (The stress lies on the surface and the energy balance holds whatever the error is.) A bisection step
 /// tells nothing of the kind and goes on to the last bit.
-const RETURN_TOLERANCE: f64 = 1e-12;
+const RETURN_TOLERANCE: f64 = 1e-9;
 
 /// Flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;

@@ -121,6 +121,11 @@ impl Stage for Conserving<'_> {
         self.model.shorter_bar()
     }
 
+    fn tolerance(&self) -> f64 {
+        // The energy balance is as exact as the equations are solved.
+        1e-13
+    }
+
     fn top_is_massless(&self) -> bool {
         self.model.top_is_massless()
     }

@@ -84,6 +84,11 @@ impl Stage for Midpoint<'_> {
         self.model.shorter_bar()
     }
 
+    fn tolerance(&self) -> f64 {
+        // Four orders below the energy that the scheme itself loses.
+        1e-11
+    }
+
     fn top_is_massless(&self) -> bool {
         self.model.top_is_massless()
     }

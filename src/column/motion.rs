@@ -67,7 +67,8 @@ pub(crate) struct Motion {
     velocity: Vector4<f64>,
     /// `2 m / h` of every displacement \[kg/s\].
     inertia: Vector4<f64>,
-    damping: Matrix4<f64>,
+    /// `None` for a column without damping.
+    damping: Option<Matrix4<f64>>,
     /// Forces besides those of the column: the load, the push of contact \[N\].
     applied: Vector4<f64>,
     scale: Vector4<f64>,
@@ -104,7 +105,7 @@ impl Motion {
             secs,
             velocity,
             inertia,
-            damping: damping(model),
+            damping: (p.damping_ratio > 0.0).then(|| damping(model)),
             applied: Vector4::new(push, 0.0, 0.0, p.top_load),
             scale,
         }
@@ -114,12 +115,18 @@ impl Motion {
     pub fn residual(&self, increment: &Displacement) -> Vector4<f64> {
         let rate = mean_rate(increment, self.secs);
         let inertial = (rate - self.velocity).component_mul(&self.inertia);
-        inertial + self.damping * rate - self.applied
+        let undamped = inertial - self.applied;
+        match &self.damping {
+            Some(damping) => undamped + damping * rate,
+            None => undamped,
+        }
     }
 
     /// Derivative of [`Motion::residual`].
     pub fn jacobian(&self) -> Matrix4<f64> {
-        let mut j = self.damping / self.secs;
+        let mut j = self
+            .damping
+            .map_or_else(Matrix4::zeros, |damping| damping / self.secs);
         for row in 0..4 {
             j[(row, row)] += self.inertia[row] / self.secs;
         }
@@ -149,7 +156,8 @@ impl Motion {
     /// Work of the damping over an increment \[J\], >= 0.
     pub fn damping_work(&self, increment: &Displacement) -> f64 {
         let rate = mean_rate(increment, self.secs);
-        rate.dot(&(self.damping * rate)) * self.secs
+        self.damping
+            .map_or(0.0, |damping| rate.dot(&(damping * rate)) * self.secs)
     }
 }
 
@@ -190,13 +198,14 @@ fn damping(model: &Model) -> Matrix4<f64> {
 
 /// Whether a state has lost its shape.
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
-    let chords = super::assembly::chords(model, u);
-    for (bar, chord) in [(&model.below, chords.below), (&model.above, chords.above)] {
-        if chord.x.is_nan() || chord.x < LEAST_EXTENT * bar.length {
+    for (bar, shortening) in [(&model.below, u.u1), (&model.above, u.u2 - u.u1)] {
+        let x = bar.length - shortening;
+        if x.is_nan() || x < LEAST_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
+        let relative = (x * x + u.v1 * u.v1) / (bar.length * bar.length);
         let [least, most] = LENGTH_RANGE;
-        if !(least * bar.length..=most * bar.length).contains(&chord.length) {
+        if !(least * least..=most * most).contains(&relative) {
             return Some(Collapse::BarLength);
         }
     }

@@ -11,9 +11,6 @@ pub(crate) const MAX_NEWTON_ITERATIONS: u32 = 40;
 /// at rest bit for bit.
 const BALANCED: f64 = 1e-15;
 
-/// Relative residual at which the iteration ends.
-const CONVERGED: f64 = 1e-13;
-
 /// Relative residual or relative correction that is accepted once corrections no longer lower the residual: round-off of
 /// a stiff column.
 const STAGNATED: f64 = 2e-12;
@@ -68,6 +65,9 @@ pub(crate) trait Stage {
     /// Length of the shorter bar \[m\].
     fn length_scale(&self) -> f64;
 
+    /// Relative residual at which the iteration ends.
+    fn tolerance(&self) -> f64;
+
     /// Whether `u2` is an algebraic unknown.
     fn top_is_massless(&self) -> bool;
 }
@@ -100,7 +100,7 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
                 corrections,
             });
         }
-        enough = CONVERGED;
+        enough = stage.tolerance();
         let correction =
             condensed_solve(&stage.jacobian(&point), &residual, stage.elastic_scale())?;
         let correction = limited(correction, stage.length_scale());

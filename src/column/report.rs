@@ -20,7 +20,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// The impactor has left or rests, and no hinge has flowed during one period of the slowest mode.
+    /// The impactor has left or rests, and no hinge has flowed for some periods of the slowest mode.
     AtRest,
     /// The longest allowed response has passed.
     DurationReached,

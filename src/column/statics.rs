@@ -17,7 +17,7 @@ const MAX_MASSLESS_ITERATIONS: u32 = 30;
 
 /// Force that a massless top may be out of balance by at the end of a midpoint step, relative to `N^p + P`. Nothing
 /// builds on it: the scheme's own equations hold at `n + 1/2`.
-const MASSLESS_TOLERANCE: f64 = 1e-11;
+const MASSLESS_TOLERANCE: f64 = 1e-9;
 
 /// How far around its last position a massless top is looked for, relative to the shorter bar: to go further within the
 /// smallest part of a step is to leap.
@@ -60,6 +60,10 @@ impl Stage for Frozen<'_> {
 
     fn length_scale(&self) -> f64 {
         self.model.shorter_bar()
+    }
+
+    fn tolerance(&self) -> f64 {
+        1e-13
     }
 
     fn top_is_massless(&self) -> bool {

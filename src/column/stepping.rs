@@ -4,7 +4,7 @@ use super::assembly;
 use super::energy;
 use super::midpoint;
 use super::model::Model;
-use super::motion::{Collapse, StepError, collapse_of};
+use super::motion::{Collapse, LENGTH_RANGE, StepError, collapse_of};
 use super::properties::Scheme;
 use super::state::State;
 use super::statics;
@@ -48,6 +48,14 @@ pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
 
 /// Whether both bars turn by less than [`MOST_TURN`].
 fn turns_little(model: &Model, from: &State, to: &State) -> bool {
+    let moved = to.displacement.minus(from.displacement);
+    let [least_length, _] = LENGTH_RANGE;
+    if moved.v1.abs() + moved.u1.abs() + moved.u2.abs()
+        < MOST_TURN * least_length * model.shorter_bar()
+    {
+        // No bar that has kept its shape is short enough to turn far by this.
+        return true;
+    }
     let before = assembly::chords(model, &from.displacement);
     let after = assembly::chords(model, &to.displacement);
     before.below.turns_less(&after.below, MOST_TURN)
