@@ -2,3 +2,5 @@
 pub mod column;
 pub mod messages;
 pub mod parameters;
+#[cfg(feature = "ros")]
+pub mod ros;

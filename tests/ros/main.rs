@@ -1,0 +1,6 @@
+//! The node on the wire: against itself here, against ROS 2 and a DDS program in `real_peers`.
+#![cfg(feature = "ros")]
+
+mod domain;
+mod loopback;
+mod scripted_twin;
