@@ -19,7 +19,8 @@ use super::bridge::{ParameterChange, Twin};
 use super::diagnostics::NodeCounters;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
-use super::qos;
+use super::qos::{self, Endpoint};
+use super::replies::{Reply, fitting};
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
@@ -152,39 +153,55 @@ impl Services {
                     set_column(twin, &message);
                 }
             ),
-            answer(&self.reset, counters, |_| trigger(twin.reset())),
-            answer(&self.predict, counters, |request| predicted(twin, &request)),
-            answer(&get, counters, |request| parameters::get(
-                &twin.parameters(),
-                &request
+            answer(&qos::RESET, &self.reset, counters, |_| trigger(
+                twin.reset()
             )),
-            answer(&types, counters, |request| parameters::types(&request)),
-            answer(&list, counters, |request| parameters::list(&request)),
-            answer(&describe, counters, |request| parameters::describe(
-                &request
+            answer(&qos::PREDICT, &self.predict, counters, |request| predicted(
+                twin, &request
             )),
-            answer(&set, counters, |request| parameters::set(twin, request)),
-            answer(&set_atomically, counters, |request| {
-                parameters::set_atomically(twin, request)
+            answer(&qos::GET_PARAMETERS, &get, counters, |request| {
+                parameters::get(&twin.parameters(), &request)
             }),
+            answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
+                parameters::types(&request)
+            }),
+            answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
+                parameters::list(&request)
+            }),
+            answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
+                parameters::describe(&request)
+            }),
+            answer(&qos::SET_PARAMETERS, &set, counters, |request| {
+                parameters::set(twin, request)
+            }),
+            answer(
+                &qos::SET_PARAMETERS_ATOMICALLY,
+                &set_atomically,
+                counters,
+                |request| { parameters::set_atomically(twin, request) }
+            ),
         );
     }
 }
 
 /// Answers every request with what `reply` makes of it.
 async fn answer<Request, Response>(
+    endpoint: &Endpoint,
     server: &Server<Request, Response>,
     counters: &NodeCounters,
     mut reply: impl FnMut(Request) -> Response,
 ) where
     Request: ros2_client::Message + Clone + 'static,
-    Response: ros2_client::Message + 'static,
+    Response: ros2_client::Message + Reply + 'static,
 {
     let mut requests = server.receive_request_stream();
     while let Some(request) = requests.next().await {
         match request {
             Ok((id, request)) => {
-                if let Err(error) = server.async_send_response(id, reply(request)).await {
+                if let Err(error) = server
+                    .async_send_response(id, fitting(reply(request), endpoint.name))
+                    .await
+                {
                     NodeCounters::count(&counters.unpublished);
                     tracing::warn!("a reply cannot be sent: {error:?}");
                 }

@@ -22,6 +22,7 @@ mod parameter_services;
 mod participant;
 mod publishing;
 pub mod qos;
+mod replies;
 mod rosout;
 mod run;
 mod signals;

@@ -3,4 +3,5 @@
 
 mod domain;
 mod loopback;
+mod real_peers;
 mod scripted_twin;
