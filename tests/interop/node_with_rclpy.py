@@ -207,7 +207,7 @@ def impact(peer, expected):
     check("number of states", (len(states), len(forces)), (len(samples), len(samples)))
     for index, (state, force, sample) in enumerate(zip(states, forces, samples)):
         stamp = state.header.stamp.sec * 10**9 + state.header.stamp.nanosec
-        check(f"stamp {index}", stamp, expected["stamp"] + index * 10**6)
+        check(f"stamp {index}", stamp, expected["stamp"] + index * expected["period"])
         check(f"state {index}", [getattr(state, field) for field in expected["fields"]], sample["state"])
         check(f"forces {index}", list(force.moment) + list(force.normal_force), sample["forces"])
         check(f"event {index}", (state.event_id, state.column_id, state.header.frame_id), ("e1", "column", "column"))

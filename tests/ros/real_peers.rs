@@ -17,10 +17,10 @@ use tracing_subscriber::Registry;
 use tracing_subscriber::layer::SubscriberExt;
 
 use super::domain::Domain;
-use super::scripted_twin::{ScriptedTwin, response};
+use super::scripted_twin::{SAMPLE_PERIOD, ScriptedTwin, response};
 
 const MASS: f64 = 1500.0;
-const VELOCITY: f64 = 10.0;
+const VELOCITY: f64 = 1.0;
 const STAMP: i64 = 1_700_000_000_250_000_000;
 
 fn interop(file: &str) -> PathBuf {
@@ -100,7 +100,7 @@ fn expectation(folder: &Path) -> PathBuf {
         })
         .collect();
     let expected = serde_json::json!({
-        "mass": MASS, "velocity": VELOCITY, "stamp": STAMP, "fields": FIELDS, "samples": samples,
+        "mass": MASS, "velocity": VELOCITY, "stamp": STAMP, "period": SAMPLE_PERIOD, "fields": FIELDS, "samples": samples,
         "max_v1": report.max_v1, "residual_v1": report.residual_v1,
     });
     let path = folder.join("expected.json");

@@ -14,8 +14,8 @@ use column_twin::parameters::Parameters;
 use column_twin::ros::bridge::{Health, Output, ParameterChange, ReportOutput, Severity, Twin};
 
 /// Time between two samples that go out \[ns\], and in steps of the default 20 microseconds.
-pub const SAMPLE_PERIOD: i64 = 1_000_000;
-const STEPS_PER_SAMPLE: usize = 50;
+pub const SAMPLE_PERIOD: i64 = 100_000;
+const STEPS_PER_SAMPLE: usize = 5;
 
 pub struct ScriptedTwin {
     parameters: Mutex<Arc<Parameters>>,
@@ -68,7 +68,7 @@ impl ScriptedTwin {
     }
 }
 
-/// Every 50th sample of the response, and the report.
+/// Every 5th sample of the response, and the report.
 pub fn response(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Sample>, Report) {
     let impact = Impact {
         mass,
