@@ -1,6 +1,6 @@
 //! The twin's terminal: send an impact, watch what comes of it, without any ROS installed.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use futures::{StreamExt, join, pin_mut};
@@ -153,7 +153,7 @@ pub fn send_impact(
         wait_until(&signals, options.match_timeout, |until| {
             matches.wait_for(publisher.guid(), 1, until).then_some(())
         })?
-        .ok_or_else(|| ClientError::NoTwin {
+        .ok_or(ClientError::NoTwin {
             topic,
             domain_id: environment.domain_id,
             waited: options.match_timeout,
@@ -262,10 +262,8 @@ async fn pass<M: serde::de::DeserializeOwned + 'static>(
 }
 
 fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
-    match seen.recv_timeout(until.saturating_duration_since(Instant::now())) {
-        Ok(seen) => Some(seen),
-        Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-    }
+    let rest = until.saturating_duration_since(Instant::now());
+    seen.recv_timeout(rest).ok()
 }
 
 /// Tries again and again, giving `attempt` a while each time; `None` after `timeout`.
