@@ -2,3 +2,4 @@
 pub mod column;
 pub mod messages;
 pub mod parameters;
+pub mod twin;
