@@ -20,6 +20,7 @@ pub(super) struct LookAhead {
 
 /// How far a look ahead has come.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // lives for one call
 pub(super) enum Outlook {
     /// Not to the end.
     Running,

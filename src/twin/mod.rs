@@ -16,7 +16,9 @@
 //! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. Where it
 //!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. An
 //!   impact that lies before the one that the column responds to is refused.
-//! - An impact that ends the response to another one takes its place: the other one has no report, which is said.
+//!   That holds for a response that is over, too, until the next one begins or a parameter of the column changes.
+//! - An impact that ends the response to another one takes its place: the other one has no report, or one that no
+//!   longer holds, which is said.
 //! - Of the parameters, those that say so wait for the end of a response, and with them all others of the same request.
 //!   What the column is made of cannot change while it is damaged.
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
@@ -54,7 +56,7 @@ use crate::column::{
 use crate::parameters::{Parameters, Value};
 use look_ahead::{LookAhead, Outlook};
 use parameter_change::{AtRest, Waiting};
-use present::{Met, is_damaged};
+use present::{Met, equilibrium, is_damaged};
 use run::{Advanced, History, Run};
 use seen_ids::SeenIds;
 
@@ -76,6 +78,9 @@ pub const MAX_REASON_CHARS: usize = 2_000;
 
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
+/// What becomes of the report of an impact whose response another impact ends.
+const NO_REPORT: &str = "will not come";
+
 /// Tells monotonic nanoseconds: what computing takes is measured with it, nothing else.
 pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
 
@@ -90,8 +95,8 @@ pub struct Twin {
     run: Option<Run>,
     ahead: Option<LookAhead>,
     impacts_ahead: Vec<Arriving>,
-    /// Memory of the last run, for the next one.
-    history: History,
+    /// The last response that is over.
+    last: Option<Last>,
     seen: SeenIds,
     life: Life,
     counts: Counts,
@@ -110,6 +115,14 @@ struct Life {
     refused: u64,
     plastic_work: f64,
     last_event_id: Arc<str>,
+}
+
+/// A response that is over.
+#[derive(Debug)]
+struct Last {
+    run: Run,
+    /// Work dissipated before it, while it can still be taken back to where a late impact belongs \[J\].
+    resumable: Option<f64>,
 }
 
 /// The last status.
@@ -160,7 +173,7 @@ impl Twin {
             run: None,
             ahead: None,
             impacts_ahead: Vec::with_capacity(MAX_IMPACTS_AHEAD),
-            history: History::default(),
+            last: None,
             seen: SeenIds::of(saved.map_or(&[], |it| &it.seen_ids)),
             life: Life::default(),
             counts: Counts::default(),
@@ -341,9 +354,12 @@ impl Twin {
         let arriving = Arriving { event_id: event.event_id.as_str().into(), stamp: event.stamp, impact };
         let event_id = Arc::clone(&arriving.event_id);
         match self.run.as_ref().map(|run| (run.stamp, run.step_at(event.stamp), run.state.step)) {
-            None => self.begin(arriving.event_id, arriving.stamp, met, now, out),
+            None => match self.resume(arriving.stamp, &met.model) {
+                Some(step) => self.hit_moving_column(arriving, step, "no longer holds", now, out),
+                None => self.begin(arriving.event_id, arriving.stamp, met, now, out),
+            },
             Some((_, Some(step), reached)) if step <= reached => {
-                self.hit_moving_column(arriving, step, now, out);
+                self.hit_moving_column(arriving, step, NO_REPORT, now, out);
             }
             Some((_, Some(_), _)) => self.keep_for_later(arriving)?,
             Some((first, None, _)) => {
@@ -411,11 +427,27 @@ impl Twin {
         Ok(())
     }
 
-    /// The response to another impact ends, where the column was at `step`.
+    /// Takes up the last response again where an impact is so late that it belongs into it: the step where it does.
+    fn resume(&mut self, stamp: Nanos, model: &Model) -> Option<u64> {
+        let last = self.last.as_ref()?;
+        let plastic_work = last.resumable?;
+        let step = last.run.step_at(stamp).filter(|&step| step < last.run.state.step)?;
+        if last.run.model != *model {
+            return None;
+        }
+        let run = self.last.take()?.run;
+        self.life.plastic_work = plastic_work;
+        self.corrections -= run.state.corrections;
+        self.run = Some(run);
+        Some(step)
+    }
+
+    /// The response to another impact ends where the column was at `step`; `becomes` says what becomes of its report.
     fn hit_moving_column(
         &mut self,
         arriving: Arriving,
         step: u64,
+        becomes: &str,
         now: Nanos,
         out: &mut impl Outputs,
     ) {
@@ -427,14 +459,14 @@ impl Twin {
         self.life.plastic_work += run.state.ledger.plastic_work;
         self.corrections += run.state.corrections;
         let text = format!(
-            "impact \"{}\" hits the column {} s after impact \"{}\", whose response ends without a report",
+            "impact \"{}\" hits the column {} s after impact \"{}\", whose report {becomes}",
             arriving.event_id,
             seconds(arriving.stamp.abs_diff(run.stamp)),
             run.event_id,
         );
         self.notice(Severity::Info, text, now, out);
         let present = Present { model: run.model, state: run.state, ..self.present() };
-        self.history = run.into_history();
+        self.last = Some(Last { run, resumable: None });
         self.begin_arriving(&present, arriving, now, out);
     }
 
@@ -465,7 +497,7 @@ impl Twin {
         self.life.last_event_id = Arc::clone(&event_id);
         self.ahead = Some(LookAhead::new(met.clone()));
         let steps = self.steps_per_sample(&met.model);
-        let history = std::mem::take(&mut self.history);
+        let history = self.last.take().map_or_else(History::default, |it| it.run.into_history());
         self.run = Some(Run::new(event_id, stamp, met, steps, history));
         self.reported.due = true;
     }
@@ -526,7 +558,7 @@ impl Twin {
                     return;
                 }
                 let next = self.impacts_ahead.remove(0);
-                self.hit_moving_column(next, target, now, out);
+                self.hit_moving_column(next, target, NO_REPORT, now, out);
                 continue;
             }
             let before = run.state.step;
@@ -572,6 +604,7 @@ impl Twin {
 
     /// Back to rest after a response; what has waited for it comes to its turn.
     fn settle(&mut self, run: Run, residual: Option<State>, now: Nanos, out: &mut impl Outputs) {
+        let plastic_work = self.life.plastic_work;
         self.life.plastic_work += run.state.ledger.plastic_work;
         self.corrections += run.state.corrections;
         let state = match residual {
@@ -582,7 +615,7 @@ impl Twin {
             None => run.state,
         };
         self.at_rest = AtRest { model: run.model, state };
-        self.history = run.into_history();
+        self.last = Some(Last { run, resumable: Some(plastic_work) });
         self.reported.due = true;
         self.apply_waiting_parameters(now, out);
         self.save(now, out);
@@ -667,8 +700,15 @@ impl Twin {
         }
         if self.run.is_none() {
             self.at_rest = column;
+            self.forbid_resuming();
         }
         Ok(())
+    }
+
+    fn forbid_resuming(&mut self) {
+        if let Some(last) = &mut self.last {
+            last.resumable = None;
+        }
     }
 
     fn apply_waiting_parameters(&mut self, now: Nanos, out: &mut impl Outputs) {
@@ -679,6 +719,7 @@ impl Twin {
             Ok(column) => {
                 let names = parameters.changed_from(&self.parameters);
                 self.at_rest = column;
+                self.forbid_resuming();
                 self.parameters = Arc::clone(&parameters);
                 self.reported.due = true;
                 out.put(Output::ParametersChanged(ParametersChanged {
@@ -713,8 +754,9 @@ impl Twin {
             let text = format!("the response to impact \"{}\" is broken off by a reset", run.event_id);
             self.notice(Severity::Warning, text, now, out);
             self.corrections += run.state.corrections;
-            self.history = run.into_history();
+            self.last = Some(Last { run, resumable: None });
         }
+        self.forbid_resuming();
         self.ahead = None;
         self.impacts_ahead.clear();
         self.condition = Condition::Standing;
@@ -744,9 +786,11 @@ impl Twin {
             SavedCondition::Faulted(reason) => Condition::Faulted(Arc::clone(reason)),
         };
         if self.condition == Condition::Standing {
-            match residual_state(&model, &state) {
-                Some(now) if !is_same_place(&now, &state) => state = now,
-                Some(_) => {}
+            let is_as_saved =
+                residual_state(&model, &state).is_some_and(|now| is_same_place(&now, &state));
+            match equilibrium(&model, &state) {
+                _ if is_as_saved => {}
+                Some(now) => state = now,
                 None => self.condition = no_equilibrium(),
             }
         }

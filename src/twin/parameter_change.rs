@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::present::{is_damaged, same_height};
-use crate::column::{ColumnProperties, Model, Scheme, State, residual_state};
+use super::present::{equilibrium, is_damaged, same_height};
+use crate::column::{ColumnProperties, Model, Scheme, State};
 use crate::parameters::{Applies, Parameter, Parameters, Value};
 
 /// What became of a change of parameters that was not refused.
@@ -88,7 +88,7 @@ pub(super) fn changed_column(
     if same_statics(&model.properties, &present.model.properties) {
         return Ok(AtRest { model, state: present.state });
     }
-    match residual_state(&model, &present.state) {
+    match equilibrium(&model, &present.state) {
         Some(state) => Ok(AtRest { model, state }),
         None => Err("with these values the damaged column does not stand".to_owned()),
     }

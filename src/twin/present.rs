@@ -171,7 +171,7 @@ impl Present {
         let mut state = State::at_rest(&model);
         if is_damaged(&self.state) {
             state.plastic = self.state.plastic;
-            match residual_state(&model, &state) {
+            match equilibrium(&model, &state) {
                 Some(residual) => state = residual,
                 None => return refused("and with them moved the damaged column does not stand"),
             }
@@ -211,6 +211,15 @@ fn is_joint_damaged(state: &State) -> bool {
 /// Whether any hinge has flowed.
 pub(super) fn is_damaged(state: &State) -> bool {
     is_joint_damaged(state) || state.plastic.below.flows(1) || state.plastic.above.flows(1)
+}
+
+/// The equilibrium of a damaged column under another load, or with its joint elsewhere, if it can stand there without
+/// yielding any further.
+pub(super) fn equilibrium(model: &Model, state: &State) -> Option<State> {
+    const ROUND_OFF: f64 = 1e-9;
+    let residual = residual_state(model, state)?;
+    let hinges = residual.sample(model).hinges;
+    hinges.iter().all(|hinge| hinge.utilisation <= 1.0 + ROUND_OFF).then_some(residual)
 }
 
 /// What is wrong with a number that has the range of the parameter `name`.
