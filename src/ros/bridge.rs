@@ -147,6 +147,14 @@ pub struct Health {
     pub overruns: u64,
     /// Largest lateness of the solver after its deadline \[s\].
     pub worst_lateness: f64,
+    /// Events and parameters that found their queue full.
+    pub dropped_inputs: u64,
+    /// Samples that were not published.
+    pub dropped_states: u64,
+    /// Messages that are missing in the recording.
+    pub dropped_recording: u64,
+    /// Frames that the viewer did not show.
+    pub dropped_viewer: u64,
     /// All queues.
     pub queues: Vec<QueueHealth>,
     /// Statistics of the solver, for people.
@@ -159,7 +167,7 @@ pub struct Health {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QueueHealth {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// Most entries.
     pub capacity: usize,
     /// Entries now.

@@ -120,7 +120,7 @@ fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
     let losing: Vec<_> = queues
         .iter()
         .filter(|it| it.dropped > 0)
-        .map(|it| it.name)
+        .map(|it| it.name.as_str())
         .collect();
     let (level, message) = match losing[..] {
         [] => (DiagnosticStatus::OK, "nothing lost".to_owned()),
@@ -141,7 +141,7 @@ fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
         let value = format!(
             "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {policy}"
         );
-        ((*name).to_owned(), value)
+        (name.clone(), value)
     });
     entry("queues", level, message, values)
 }
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn each_loss_is_a_warning_where_it_belongs_and_an_end_is_an_error() {
         let queue = QueueHealth {
-            name: "states to ROS",
+            name: "states to ROS".to_owned(),
             capacity: 4096,
             len: 0,
             policy: "oldest dropped",

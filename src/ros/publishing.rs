@@ -208,6 +208,10 @@ impl Publishing {
             column_id: self.column_id.clone(),
             overruns: health.overruns,
             worst_lateness: health.worst_lateness,
+            dropped_inputs: health.dropped_inputs,
+            dropped_states: health.dropped_states,
+            dropped_recording: health.dropped_recording,
+            dropped_viewer: health.dropped_viewer,
             ..status
         };
         self.send(|it| &it.twin_status, self.status.clone());

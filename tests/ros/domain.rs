@@ -1,6 +1,7 @@
 //! A DDS domain for one test alone, on loopback.
 
 use std::net::{Ipv4Addr, UdpSocket};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use column_twin::ros::{DiscoveryRange, Environment};
 
@@ -21,7 +22,11 @@ pub struct Domain {
 impl Domain {
     /// Any free one; tests that run at the same time, in this process or another one, get others.
     pub fn fresh() -> Self {
-        let first = u16::try_from(std::process::id() % u32::from(LAST)).expect("below 101");
+        // Another one for each test: nodes of a test that failed may still be there.
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let first = (std::process::id() + count) % u32::from(LAST);
+        let first = u16::try_from(first).expect("below 101");
         (0..LAST)
             .map(|step| 1 + (first + step) % LAST)
             .find_map(|domain_id| {

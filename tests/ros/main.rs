@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod domain;
+mod live_twin;
 mod loopback;
 mod real_peers;
 mod scripted_twin;
