@@ -4,7 +4,11 @@ pub mod cli;
 pub mod column;
 #[cfg(feature = "cli")]
 pub mod figures;
+pub mod live;
 pub mod messages;
 pub mod parameters;
+#[cfg(feature = "ros")]
+pub mod ros;
+pub mod twin;
 #[cfg(feature = "cli")]
 pub mod whole_file;

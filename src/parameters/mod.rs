@@ -47,8 +47,9 @@ pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use reference::markdown;
 pub use settings::{
-    Compression, Damping, Geometry, Hinge, Impact, Record, RecordMode, Resistance, Response,
-    Section, Settings, Solver, Steel, SupportKind, Supports, Top, Viewer, ViewerMode, YieldSurface,
+    Compression, Damping, Event, Geometry, Hinge, Impact, Record, RecordMode, Resistance, Response,
+    Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer, ViewerMode,
+    YieldSurface,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};

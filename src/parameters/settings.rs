@@ -23,9 +23,11 @@ pub struct Settings {
     pub support: Supports,
     pub top: Top,
     pub impact: Impact,
+    pub event: Event,
     pub solver: Solver,
     pub damping: Damping,
     pub response: Response,
+    pub state: StateFile,
     pub publish_rate: f64,
     pub use_sim_time: bool,
     pub record: Record,
@@ -61,12 +63,16 @@ groups! {
     Top { spring_stiffness: f64, mass: f64, load: f64 }
     /// What an impact event leaves open.
     Impact { mass: f64, velocity: f64, gap: f64, restitution: f64 }
+    /// Which stamps of impact events are taken.
+    Event { max_age: f64, max_ahead: f64 }
     /// Time stepping.
     Solver { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.
     Damping { ratio: f64 }
     /// End of a response.
     Response { duration: f64 }
+    /// The file that carries the damage over a restart.
+    StateFile { directory: String }
     /// Recordings.
     Record {
         mode: RecordMode,

@@ -236,7 +236,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10_000.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "how often state and hinge forces are published during a response; at most once per step",
+        meaning: "how often state and hinge forces are published during a response; at most once per step, the period \
+                  rounded to whole steps",
     },
     Parameter {
         name: "use_sim_time",
@@ -533,6 +534,29 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "epsilon: coefficient of restitution of Newton's impact law, 0 = inelastic, 1 = elastic",
     },
     Parameter {
+        name: "event.max_age",
+        unit: "s",
+        default: DefaultValue::Double(5.0),
+        admissible: Admissible::Real {
+            min: 1e-3,
+            max: 3600.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "how far the stamp of an impact event may lie in the past; an older event is refused, a younger one caught \
+                  up",
+    },
+    Parameter {
+        name: "event.max_ahead",
+        unit: "s",
+        default: DefaultValue::Double(1.0),
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 60.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "how far the stamp of an impact event may lie in the future; one further ahead is refused",
+    },
+    Parameter {
         name: "solver.scheme",
         unit: "",
         default: DefaultValue::Text("energy"),
@@ -569,6 +593,18 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "longest response that is computed, if it is not over before",
+    },
+    Parameter {
+        name: "state.directory",
+        unit: "",
+        default: DefaultValue::Text("state"),
+        admissible: Admissible::Text {
+            min_chars: 0,
+            max_chars: 4096,
+        },
+        applies: Applies::Restart,
+        meaning: "where the file stands that carries the damage over a restart, named after the column; empty = the damage \
+                  ends with the program",
     },
     Parameter {
         name: "record.mode",

@@ -1,0 +1,155 @@
+//! Clocks that a twin can live by.
+
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec, clock_gettime};
+
+use super::bell::Bell;
+use crate::twin::Nanos;
+
+const NANOS_PER_SECOND: i64 = 1_000_000_000;
+
+/// A wait that is longer than this is one at the bell, so that an input ends it \[ns\].
+const LONGEST_SLEEP: Nanos = 2_000_000;
+
+/// Tells the time and waits for it.
+pub trait Clock: Send + Sync {
+    /// Nanoseconds since the epoch.
+    fn now(&self) -> Nanos;
+
+    /// Waits until `deadline`, or shorter: until the bell rings where the wait is a long one.
+    fn wait_until(&self, deadline: Nanos, bell: &Bell);
+
+    /// Told the bell of the thread that lives by this clock, before it waits for the first time.
+    fn serve(&self, _bell: &Arc<Bell>) {}
+
+    /// Called while nothing depends on it that time goes on evenly: a clock that has been set may jump now.
+    fn resynchronise(&self) {}
+}
+
+/// The time of day, which goes on evenly while a response runs: it is set only in between.
+#[derive(Debug)]
+pub struct SystemClock {
+    /// From monotonic time to time since the epoch \[ns\].
+    offset: AtomicI64,
+}
+
+impl SystemClock {
+    /// The time of day.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { offset: AtomicI64::new(offset()) }
+    }
+}
+
+impl Default for SystemClock {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Clock for SystemClock {
+    fn now(&self) -> Nanos {
+        read(ClockId::Monotonic).saturating_add(self.offset.load(Ordering::Relaxed))
+    }
+
+    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
+        let left = deadline.saturating_sub(self.now());
+        if left > LONGEST_SLEEP {
+            bell.wait(Duration::from_nanos(left.unsigned_abs()));
+        } else if left > 0 {
+            let monotonic = deadline.saturating_sub(self.offset.load(Ordering::Relaxed));
+            let request = Timespec {
+                tv_sec: monotonic.div_euclid(NANOS_PER_SECOND),
+                tv_nsec: monotonic.rem_euclid(NANOS_PER_SECOND) as _,
+            };
+            // A signal ends it early: the caller looks at the clock anyway.
+            let _ = clock_nanosleep_absolute(ClockId::Monotonic, &request);
+        }
+    }
+
+    fn resynchronise(&self) {
+        // Reading two clocks in turn is not exact: only a clock that was set is followed.
+        const SET: u64 = 1_000_000;
+        let new = offset();
+        if new.abs_diff(self.offset.load(Ordering::Relaxed)) > SET {
+            self.offset.store(new, Ordering::Relaxed);
+        }
+    }
+}
+
+fn offset() -> i64 {
+    read(ClockId::Realtime).saturating_sub(read(ClockId::Monotonic))
+}
+
+/// Monotonic nanoseconds, for stopwatches.
+#[must_use]
+pub fn monotonic_nanos() -> u64 {
+    read(ClockId::Monotonic).unsigned_abs()
+}
+
+fn read(clock: ClockId) -> i64 {
+    let time = clock_gettime(clock);
+    time.tv_sec.saturating_mul(NANOS_PER_SECOND).saturating_add(time.tv_nsec)
+}
+
+/// A clock that somebody sets: simulated time from `/clock`, or a test.
+#[derive(Debug, Default)]
+pub struct SimClock {
+    now: AtomicI64,
+    bell: OnceLock<Arc<Bell>>,
+}
+
+impl SimClock {
+    /// A clock that stands at `now`.
+    #[must_use]
+    pub fn new(now: Nanos) -> Self {
+        Self { now: AtomicI64::new(now), bell: OnceLock::new() }
+    }
+
+    /// Sets the time, forwards or backwards.
+    pub fn set(&self, now: Nanos) {
+        self.now.store(now, Ordering::SeqCst);
+        if let Some(bell) = self.bell.get() {
+            bell.ring();
+        }
+    }
+}
+
+impl Clock for SimClock {
+    fn now(&self) -> Nanos {
+        self.now.load(Ordering::SeqCst)
+    }
+
+    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
+        if self.now() < deadline {
+            bell.wait(Duration::MAX);
+        }
+    }
+
+    fn serve(&self, bell: &Arc<Bell>) {
+        // A clock serves one twin; a second one would have to look at it in its own time.
+        let _ = self.bell.set(Arc::clone(bell));
+    }
+}
+
+impl<C: Clock> Clock for Arc<C> {
+    fn now(&self) -> Nanos {
+        (**self).now()
+    }
+
+    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
+        (**self).wait_until(deadline, bell);
+    }
+
+    fn serve(&self, bell: &Arc<Bell>) {
+        (**self).serve(bell);
+    }
+
+    fn resynchronise(&self) {
+        (**self).resynchronise();
+    }
+}

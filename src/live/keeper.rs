@@ -1,0 +1,99 @@
+//! Writes the state file, in its own thread: a disk may take long.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use super::bell::Bell;
+use super::clock::Clock;
+use super::queue::{OutputQueues, Queue, QueueStats, WhenFull};
+use crate::twin::{Notice, Output, SavedState, Severity, state_file};
+
+/// The thread's name.
+pub const KEEPER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
+
+/// How long it sleeps at a time.
+const NAP: Duration = Duration::from_secs(1);
+
+/// What is to be written: only the newest matters.
+#[derive(Debug)]
+pub(super) struct Keeper {
+    newest: Queue<Arc<SavedState>>,
+    bell: Bell,
+    stop: AtomicBool,
+    failures: AtomicU64,
+}
+
+impl Keeper {
+    pub fn start(
+        path: PathBuf,
+        outputs: Vec<Arc<OutputQueues>>,
+        clock: Arc<dyn Clock>,
+    ) -> std::io::Result<(Arc<Self>, JoinHandle<()>)> {
+        let keeper = Arc::new(Self {
+            newest: Queue::new("state file".to_owned(), 1, WhenFull::DropOldest),
+            bell: Bell::default(),
+            stop: AtomicBool::new(false),
+            failures: AtomicU64::new(0),
+        });
+        let shared = Arc::clone(&keeper);
+        let thread = thread::Builder::new()
+            .name(KEEPER_THREAD.to_owned())
+            .spawn(move || shared.run(&path, &outputs, &*clock))?;
+        Ok((keeper, thread))
+    }
+
+    pub fn keep(&self, saved: Arc<SavedState>) {
+        self.newest.push(saved);
+        self.bell.ring();
+    }
+
+    /// Writes what is left and ends.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::SeqCst);
+        self.bell.ring();
+    }
+
+    /// Files that could not be written.
+    pub fn failures(&self) -> u64 {
+        self.failures.load(Ordering::Relaxed)
+    }
+
+    pub fn stats(&self) -> QueueStats {
+        // One that is replaced by a newer one before it is written is not lost.
+        QueueStats { dropped: 0, ..self.newest.stats() }
+    }
+
+    fn run(&self, path: &std::path::Path, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
+        let mut failing = false;
+        loop {
+            let stop = self.stop.load(Ordering::SeqCst);
+            let Some(saved) = self.newest.pop() else {
+                if stop {
+                    return;
+                }
+                self.bell.wait(NAP);
+                continue;
+            };
+            let result = state_file::store(path, &saved);
+            if let Err(error) = &result {
+                self.failures.fetch_add(1, Ordering::Relaxed);
+                if !failing {
+                    say(error.to_string(), outputs, clock);
+                }
+            }
+            failing = result.is_err();
+        }
+    }
+}
+
+fn say(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
+    let text: Arc<str> = text.into();
+    for queues in outputs {
+        let text = Arc::clone(&text);
+        queues.push(Output::Notice(Notice { stamp: clock.now(), severity: Severity::Error, text }));
+        queues.ring();
+    }
+}

@@ -1,0 +1,300 @@
+//! The twin in real time: clocks, deadlines, bounded queues, the solver's thread.
+//!
+//! The solver's thread waits for absolute deadlines; when it is late it skips whole periods, counts them, and makes up
+//! for their steps, so that no sample is lost. While a response runs it takes no lock and no memory and writes no log:
+//! what leaves the twin goes into bounded queues without locks, and a slow reader loses its own samples, counted. The
+//! forecast is computed in slices between the deadlines. A what-if runs in the thread of whoever asks. The state file
+//! is written by a thread of its own.
+
+mod bell;
+mod clock;
+mod keeper;
+mod lateness;
+mod queue;
+mod real_time;
+mod solver;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use thiserror::Error;
+
+pub use bell::Bell;
+pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
+pub use keeper::KEEPER_THREAD;
+pub use lateness::{Lateness, lateness};
+pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
+pub use real_time::{Grant, RealTime, RealTimeGrants};
+pub use solver::SOLVER_THREAD;
+
+use crate::parameters::Value;
+use crate::twin::{Blow, Change, Input, Prediction, Present, Twin};
+use keeper::Keeper;
+use queue::{OutputQueues, Queue};
+use solver::{Shared, Sink, Solver};
+
+/// Most inputs that wait for the solver; more are refused.
+pub const MAX_INPUTS: usize = 64;
+
+/// How long an answer of the solver is waited for.
+const ANSWER_WITHIN: Duration = Duration::from_secs(2);
+
+/// How a twin is to live.
+#[derive(Debug, Clone)]
+pub struct LiveOptions {
+    /// What to ask the system for.
+    pub real_time: RealTime,
+    /// Where the damage is kept, see [`state_file::path`](crate::twin::state_file::path); `None`: nowhere.
+    pub state_file: Option<PathBuf>,
+    /// Who reads what leaves the twin.
+    pub outputs: Vec<OutputQueue>,
+}
+
+impl Default for LiveOptions {
+    fn default() -> Self {
+        Self {
+            real_time: RealTime::default(),
+            state_file: None,
+            outputs: vec![OutputQueue::ros()],
+        }
+    }
+}
+
+/// The queue of inputs is full: the solver has more to do than it can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("{MAX_INPUTS} inputs wait already for the solver; send fewer events and changes, or try again")]
+pub struct QueueFull;
+
+/// Why a question has no answer.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum AskError {
+    /// The queue of inputs is full.
+    #[error(transparent)]
+    QueueFull(#[from] QueueFull),
+    /// The solver does not answer.
+    #[error("the solver did not answer within {} s", ANSWER_WITHIN.as_secs())]
+    NoAnswer,
+    /// What was asked for is refused.
+    #[error("{0}")]
+    Refused(Arc<str>),
+}
+
+/// The solver's thread ended by a panic; what it left is on the standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("the thread {0} ended by a panic; please report what it wrote")]
+pub struct Panicked(&'static str);
+
+/// How the live twin does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveStatistics {
+    /// Turns of the solver's thread.
+    pub turns: u64,
+    /// Turns that began a whole period late, or more.
+    pub overruns: u64,
+    /// Periods that were skipped by then.
+    pub skipped_periods: u64,
+    /// Largest lateness of a turn after its deadline \[ns\].
+    pub worst_lateness: u64,
+    /// Steps of all responses.
+    pub steps: u64,
+    /// Newton corrections of these steps.
+    pub newton_corrections: u64,
+    /// State files that could not be written.
+    pub state_file_failures: u64,
+    /// Every queue.
+    pub queues: Vec<QueueStats>,
+    /// What the system granted.
+    pub real_time: RealTimeGrants,
+}
+
+/// Starts twins.
+pub struct Live;
+
+impl Live {
+    /// Starts the solver's thread, and the one that keeps the damage.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(
+        twin: Twin,
+        clock: impl Clock + 'static,
+        options: LiveOptions,
+    ) -> std::io::Result<LiveHandle> {
+        let clock: Arc<dyn Clock> = Arc::new(clock);
+        let queues: Vec<_> =
+            options.outputs.iter().map(|it| Arc::new(OutputQueues::new(it))).collect();
+        let shared = Arc::new(Shared {
+            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
+            bell: Arc::default(),
+            stop: AtomicBool::new(false),
+            turns: AtomicU64::new(0),
+            overruns: AtomicU64::new(0),
+            skipped_periods: AtomicU64::new(0),
+            worst_lateness: AtomicU64::new(0),
+            steps: AtomicU64::new(0),
+            corrections: AtomicU64::new(0),
+        });
+        clock.serve(&shared.bell);
+        let mut handle = LiveHandle {
+            receivers: Mutex::new(queues.iter().map(|it| Receiver::new(Arc::clone(it))).collect()),
+            queues: queues.clone(),
+            shared: Arc::clone(&shared),
+            keeper: None,
+            solver: None,
+            real_time: RealTimeGrants::default(),
+        };
+        if let Some(path) = options.state_file {
+            handle.keeper = Some(Keeper::start(path, queues.clone(), Arc::clone(&clock))?);
+        }
+        let keeper = handle.keeper.as_ref().map(|(keeper, _)| Arc::clone(keeper));
+        let sink = Sink { queues, keeper, unheard: false };
+        let solver = Solver { twin, clock, shared, sink };
+        let (told, grants) = sync_channel(1);
+        let wishes = options.real_time;
+        handle.solver = Some(thread::Builder::new().name(SOLVER_THREAD.to_owned()).spawn(
+            move || {
+                let _ = told.try_send(real_time::ask(&wishes)); // there is room for one
+                solver.run();
+            },
+        )?);
+        handle.real_time = grants.recv_timeout(ANSWER_WITHIN).unwrap_or_default();
+        Ok(handle)
+    }
+}
+
+/// A twin that lives in its own thread. Dropped, it stops.
+#[derive(Debug)]
+pub struct LiveHandle {
+    shared: Arc<Shared>,
+    queues: Vec<Arc<OutputQueues>>,
+    receivers: Mutex<Vec<Receiver>>,
+    keeper: Option<(Arc<Keeper>, JoinHandle<()>)>,
+    solver: Option<JoinHandle<()>>,
+    real_time: RealTimeGrants,
+}
+
+impl LiveHandle {
+    /// Gives the twin something to do; does not wait for it.
+    ///
+    /// # Errors
+    /// Too much waits already.
+    pub fn submit(&self, input: Input) -> Result<(), QueueFull> {
+        let taken = self.shared.inputs.push(input);
+        self.shared.bell.ring();
+        if taken { Ok(()) } else { Err(QueueFull) }
+    }
+
+    /// The outputs for the reader of this name; `None` where there is none, or it was taken before.
+    pub fn outputs(&self, name: &str) -> Option<Receiver> {
+        let mut receivers = self.receivers.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = receivers.iter().position(|it| it.name() == name)?;
+        Some(receivers.swap_remove(index))
+    }
+
+    /// Changes parameters, all or none, and waits for the answer.
+    ///
+    /// # Errors
+    /// They are refused, or there is no answer.
+    pub fn change_parameters(
+        &self,
+        changes: Vec<(String, Value)>,
+        source: &str,
+    ) -> Result<Change, AskError> {
+        let (reply, answer) = sync_channel(1);
+        self.submit(Input::Parameters { changes, source: source.into(), reply: Some(reply) })?;
+        let result = answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)?;
+        result.map_err(AskError::Refused)
+    }
+
+    /// Makes the column virgin, and waits until it is.
+    ///
+    /// # Errors
+    /// There is no answer.
+    pub fn reset(&self, source: &str) -> Result<(), AskError> {
+        let (reply, answer) = sync_channel(1);
+        self.submit(Input::Reset { source: source.into(), reply: Some(reply) })?;
+        answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)
+    }
+
+    /// A copy of the column as it is now.
+    ///
+    /// # Errors
+    /// There is no answer.
+    pub fn look(&self) -> Result<Present, AskError> {
+        let (reply, answer) = sync_channel(1);
+        self.submit(Input::Look { reply })?;
+        answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)
+    }
+
+    /// What a blow would do to the column as it is now, computed in the caller's thread. `column_id` empty means the
+    /// twin's own.
+    ///
+    /// # Errors
+    /// The blow would be refused, or there is no answer.
+    pub fn predict(&self, column_id: &str, blow: &Blow) -> Result<Prediction, AskError> {
+        let present = self.look()?;
+        present
+            .predict(column_id, blow, &monotonic_nanos)
+            .map_err(|reason| AskError::Refused(reason.into()))
+    }
+
+    /// How the twin does.
+    pub fn statistics(&self) -> LiveStatistics {
+        let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let shared = &self.shared;
+        let keeper = self.keeper.as_ref().map(|(keeper, _)| keeper);
+        let mut queues = vec![shared.inputs.stats()];
+        queues.extend(self.queues.iter().flat_map(|it| it.stats()));
+        queues.extend(keeper.map(|it| it.stats()));
+        LiveStatistics {
+            turns: read(&shared.turns),
+            overruns: read(&shared.overruns),
+            skipped_periods: read(&shared.skipped_periods),
+            worst_lateness: read(&shared.worst_lateness),
+            steps: read(&shared.steps),
+            newton_corrections: read(&shared.corrections),
+            state_file_failures: keeper.map_or(0, |it| it.failures()),
+            queues,
+            real_time: self.real_time.clone(),
+        }
+    }
+
+    /// Whether the solver's thread runs; without a stop it ends by a panic only.
+    pub fn is_running(&self) -> bool {
+        self.solver.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+
+    /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What has left the
+    /// twin can still be received.
+    ///
+    /// # Errors
+    /// A thread had ended by a panic.
+    pub fn stop(mut self) -> Result<(), Panicked> {
+        self.join()
+    }
+
+    fn join(&mut self) -> Result<(), Panicked> {
+        self.shared.stop.store(true, Ordering::SeqCst);
+        self.shared.bell.ring();
+        let solver = self.solver.take().is_none_or(|thread| thread.join().is_ok());
+        let keeper = self.keeper.take().is_none_or(|(keeper, thread)| {
+            keeper.stop();
+            thread.join().is_ok()
+        });
+        match (solver, keeper) {
+            (false, _) => Err(Panicked(SOLVER_THREAD)),
+            (_, false) => Err(Panicked(KEEPER_THREAD)),
+            (true, true) => Ok(()),
+        }
+    }
+}
+
+impl Drop for LiveHandle {
+    fn drop(&mut self) {
+        let _ = self.join(); // a panic has been written by its thread
+    }
+}

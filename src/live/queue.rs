@@ -1,0 +1,196 @@
+//! Bounded queues between the threads, each with a name, a policy for when it is full, and its counts.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use crossbeam_queue::ArrayQueue;
+
+use super::bell::Bell;
+use crate::twin::Output;
+
+/// What a full queue does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhenFull {
+    /// It refuses, and its sender is told.
+    Refuse,
+    /// It drops its oldest entry.
+    DropOldest,
+    /// It drops what comes.
+    DropNewest,
+}
+
+/// A queue as it is now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct QueueStats {
+    /// What it is called.
+    pub name: String,
+    /// Most entries.
+    pub capacity: usize,
+    /// Entries now.
+    pub len: usize,
+    /// What it does when it is full.
+    pub when_full: WhenFull,
+    /// Entries that were offered since the start.
+    pub pushed: u64,
+    /// Entries that were refused or dropped since the start.
+    pub dropped: u64,
+}
+
+/// A bounded queue without locks; its memory is taken at the start.
+#[derive(Debug)]
+pub(super) struct Queue<T> {
+    name: String,
+    entries: ArrayQueue<T>,
+    when_full: WhenFull,
+    pushed: AtomicU64,
+    dropped: AtomicU64,
+}
+
+impl<T> Queue<T> {
+    pub fn new(name: String, capacity: usize, when_full: WhenFull) -> Self {
+        Self {
+            name,
+            entries: ArrayQueue::new(capacity.max(1)),
+            when_full,
+            pushed: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+        }
+    }
+
+    /// Puts an entry in; `false` if an entry was lost, or this one refused.
+    pub fn push(&self, entry: T) -> bool {
+        self.pushed.fetch_add(1, Ordering::Relaxed);
+        let kept = match self.when_full {
+            WhenFull::Refuse | WhenFull::DropNewest => self.entries.push(entry).is_ok(),
+            WhenFull::DropOldest => self.entries.force_push(entry).is_none(),
+        };
+        if !kept {
+            self.dropped.fetch_add(1, Ordering::Relaxed);
+        }
+        kept
+    }
+
+    pub fn pop(&self) -> Option<T> {
+        self.entries.pop()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    pub fn stats(&self) -> QueueStats {
+        QueueStats {
+            name: self.name.clone(),
+            capacity: self.entries.capacity(),
+            len: self.entries.len(),
+            when_full: self.when_full,
+            pushed: self.pushed.load(Ordering::Relaxed),
+            dropped: self.dropped.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// A reader that everything is sent to which leaves the twin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OutputQueue {
+    /// Who reads it.
+    pub name: String,
+    /// Most states that wait for it.
+    pub states: usize,
+    /// Most of everything else that waits for it: forecasts, reports, refusals, status, notices.
+    pub results: usize,
+    /// What both do when they are full.
+    pub when_full: WhenFull,
+}
+
+impl OutputQueue {
+    /// States to ROS: the oldest are dropped.
+    #[must_use]
+    pub fn ros() -> Self {
+        Self { name: "ros".to_owned(), states: 4096, results: 1024, when_full: WhenFull::DropOldest }
+    }
+}
+
+/// Both ways to one reader. States have their own, so that no flood of them can drop a report.
+#[derive(Debug)]
+pub(super) struct OutputQueues {
+    pub name: String,
+    states: Queue<Numbered>,
+    results: Queue<Numbered>,
+    next_number: AtomicU64,
+    bell: Bell,
+}
+
+#[derive(Debug)]
+struct Numbered {
+    number: u64,
+    output: Output,
+}
+
+impl OutputQueues {
+    pub fn new(queue: &OutputQueue) -> Self {
+        let OutputQueue { name, states, results, when_full } = queue;
+        Self {
+            name: name.clone(),
+            states: Queue::new(format!("states to {name}"), *states, *when_full),
+            results: Queue::new(format!("results to {name}"), *results, *when_full),
+            next_number: AtomicU64::new(0),
+            bell: Bell::default(),
+        }
+    }
+
+    pub fn push(&self, output: Output) {
+        let number = self.next_number.fetch_add(1, Ordering::Relaxed);
+        let queue = if matches!(output, Output::State(_)) { &self.states } else { &self.results };
+        queue.push(Numbered { number, output });
+    }
+
+    pub fn ring(&self) {
+        self.bell.ring();
+    }
+
+    pub fn stats(&self) -> [QueueStats; 2] {
+        [self.states.stats(), self.results.stats()]
+    }
+}
+
+/// The reader's end: everything in the order in which it left the twin.
+#[derive(Debug)]
+pub struct Receiver {
+    queues: Arc<OutputQueues>,
+    /// At most one of each, taken out to be compared.
+    heads: [VecDeque<Numbered>; 2],
+}
+
+impl Receiver {
+    pub(super) fn new(queues: Arc<OutputQueues>) -> Self {
+        Self { queues, heads: [VecDeque::with_capacity(1), VecDeque::with_capacity(1)] }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.queues.name
+    }
+
+    /// The next output, if there is one.
+    pub fn try_next(&mut self) -> Option<Output> {
+        let OutputQueues { states, results, .. } = &*self.queues;
+        for (head, queue) in self.heads.iter_mut().zip([states, results]) {
+            if head.is_empty() {
+                head.extend(queue.pop());
+            }
+        }
+        let number_of = |head: &VecDeque<Numbered>| head.front().map_or(u64::MAX, |it| it.number);
+        let [state, result] = &mut self.heads;
+        let first = if number_of(state) < number_of(result) { state } else { result };
+        first.pop_front().map(|it| it.output)
+    }
+
+    /// Waits until there may be an output, for `most` at the longest. To be called by one thread.
+    pub fn wait(&self, most: Duration) {
+        if self.heads.iter().all(VecDeque::is_empty) {
+            self.queues.bell.wait(most);
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The solver's thread: inputs, steps, forecast, sleep, again.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::bell::Bell;
+use super::clock::Clock;
+use super::keeper::Keeper;
+use super::lateness::lateness;
+use super::queue::{OutputQueues, Queue};
+use crate::twin::{Input, Nanos, Output, Outputs, Twin};
+
+/// The thread's name.
+pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
+
+/// Most inputs of one turn: a flood of them must not hold the steps up.
+const MAX_INPUTS_PER_TURN: usize = 8;
+
+/// Steps of a forecast between two looks at the clock, while the response is on time.
+const SLICE: u64 = 64;
+
+/// Steps of a forecast per turn while the response catches up: the late samples are late already.
+const SLICE_WHILE_BEHIND: u64 = 1_000;
+
+/// Most steps that a stop still makes so that the forecast can be kept: within a second.
+const MAX_STEPS_AT_STOP: u64 = 200_000;
+
+/// What the solver's thread shares with all others.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub inputs: Queue<Input>,
+    pub bell: Arc<Bell>,
+    pub stop: AtomicBool,
+    pub turns: AtomicU64,
+    pub overruns: AtomicU64,
+    pub skipped_periods: AtomicU64,
+    pub worst_lateness: AtomicU64,
+    pub steps: AtomicU64,
+    pub corrections: AtomicU64,
+}
+
+/// A turn that lies ahead.
+#[derive(Debug, Clone, Copy)]
+struct Planned {
+    deadline: Nanos,
+    period: u64,
+}
+
+/// What runs in the solver's thread.
+pub(super) struct Solver {
+    pub twin: Twin,
+    pub clock: Arc<dyn Clock>,
+    pub shared: Arc<Shared>,
+    pub sink: Sink,
+}
+
+impl Solver {
+    pub fn run(mut self) {
+        let mut planned = None;
+        while !self.shared.stop.load(Ordering::SeqCst) {
+            self.note_lateness(planned);
+            let disturbed = self.take_inputs();
+            self.twin.advance_to(self.clock.now(), &mut self.sink);
+            self.sink.ring();
+            self.look_ahead();
+            self.publish_statistics();
+            planned = self.plan(planned, disturbed);
+            if self.shared.inputs.is_empty() {
+                let deadline = self.twin.next_deadline(self.clock.now());
+                self.clock.wait_until(deadline, &self.shared.bell);
+            }
+        }
+        self.finish();
+    }
+
+    /// `true` if there was an input: what was planned before says nothing about lateness any more.
+    fn take_inputs(&mut self) -> bool {
+        if !self.twin.is_responding() {
+            self.clock.resynchronise();
+        }
+        let mut any = false;
+        for _ in 0..MAX_INPUTS_PER_TURN {
+            let Some(input) = self.shared.inputs.pop() else {
+                break;
+            };
+            self.twin.handle(input, self.clock.now(), &mut self.sink);
+            any = true;
+        }
+        any
+    }
+
+    fn look_ahead(&mut self) {
+        let mut before = self.clock.now();
+        if self.twin.is_looking_ahead() && self.twin.next_deadline(before) <= before {
+            self.twin.run_ahead(SLICE_WHILE_BEHIND, before, &mut self.sink);
+            self.sink.ring();
+            return;
+        }
+        let mut slice_nanos = 0;
+        while self.twin.is_looking_ahead()
+            && before.saturating_add(slice_nanos) < self.twin.next_deadline(before)
+        {
+            self.twin.run_ahead(SLICE, before, &mut self.sink);
+            let now = self.clock.now();
+            slice_nanos = now.saturating_sub(before).max(0);
+            before = now;
+        }
+        self.sink.ring();
+    }
+
+    /// A deadline in the past counts only where the response was on time before: one that catches up with a late event
+    /// is not late by its own fault.
+    fn plan(&self, before: Option<Planned>, disturbed: bool) -> Option<Planned> {
+        if !self.twin.is_responding() {
+            return None;
+        }
+        let now = self.clock.now();
+        let deadline = self.twin.next_deadline(now);
+        let was_on_time = before.is_some() && !disturbed;
+        (deadline > now || was_on_time).then(|| Planned { deadline, period: self.twin.period() })
+    }
+
+    fn note_lateness(&self, planned: Option<Planned>) {
+        let Some(Planned { deadline, period }) = planned else {
+            return;
+        };
+        let late = lateness(deadline, period, self.clock.now());
+        let shared = &self.shared;
+        shared.worst_lateness.fetch_max(late.nanos, Ordering::Relaxed);
+        if late.skipped_periods > 0 {
+            shared.overruns.fetch_add(1, Ordering::Relaxed);
+            shared.skipped_periods.fetch_add(late.skipped_periods, Ordering::Relaxed);
+        }
+    }
+
+    fn publish_statistics(&self) {
+        let statistics = self.twin.statistics();
+        self.shared.turns.fetch_add(1, Ordering::Relaxed);
+        self.shared.steps.store(statistics.steps, Ordering::Relaxed);
+        self.shared.corrections.store(statistics.corrections, Ordering::Relaxed);
+    }
+
+    /// A response that a stop breaks off has its damage kept as it is forecast.
+    fn finish(mut self) {
+        self.twin.run_ahead(MAX_STEPS_AT_STOP, self.clock.now(), &mut self.sink);
+        if !self.twin.is_responding() {
+            let saved = self.twin.saved_state(self.clock.now());
+            self.sink.put(Output::Save(Arc::new(saved)));
+        }
+        self.sink.ring();
+    }
+}
+
+/// Sends what leaves the twin where it belongs.
+pub(super) struct Sink {
+    pub queues: Vec<Arc<OutputQueues>>,
+    pub keeper: Option<Arc<Keeper>>,
+    pub unheard: bool,
+}
+
+impl Sink {
+    fn ring(&mut self) {
+        if std::mem::take(&mut self.unheard) {
+            self.queues.iter().for_each(|queues| queues.ring());
+        }
+    }
+}
+
+impl Outputs for Sink {
+    fn put(&mut self, output: Output) {
+        if let Output::Save(saved) = &output {
+            if let Some(keeper) = &self.keeper {
+                keeper.keep(Arc::clone(saved));
+            }
+            return;
+        }
+        self.unheard = true;
+        if let Some((last, others)) = self.queues.split_last() {
+            others.iter().for_each(|queues| queues.push(output.clone()));
+            last.push(output);
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! The arguments behind `--ros-args`, as rcl reads them (<https://design.ros2.org/articles/ros_command_line_arguments.html>).
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use crate::parameters::{Override, parse_override};
+
+use super::names::{RemapRule, RemapTarget};
+
+/// Begins ROS arguments.
+const BEGIN: &str = "--ros-args";
+
+/// Ends them; behind it stand the program's own arguments again.
+const END: &str = "--";
+
+/// What stood between `--ros-args` and `--` or the end, all such parts together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RosArguments {
+    /// `-r`, `--remap`, in their order.
+    pub remap_rules: Vec<RemapRule>,
+    /// `-p`, `--param`, in their order.
+    pub overrides: Vec<Override>,
+    /// `--params-file`, in their order.
+    pub parameter_files: Vec<PathBuf>,
+    /// `--log-level`; of several the last.
+    pub log_level: Option<LogLevel>,
+    /// `--log-level name:=level`: levels of single loggers.
+    pub logger_levels: Vec<(String, LogLevel)>,
+    /// Whether log messages go to `/rosout`; unless told otherwise they do.
+    pub rosout: Option<bool>,
+    /// Whether log messages go to the terminal; unless told otherwise they do.
+    pub stdout: Option<bool>,
+    /// Arguments that ROS knows and this node can do nothing with; to be said, not to be ignored in silence.
+    pub without_effect: Vec<String>,
+}
+
+/// Severity from which on messages are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogLevel {
+    /// `debug`
+    Debug,
+    /// `info`
+    Info,
+    /// `warn`
+    Warn,
+    /// `error`
+    Error,
+    /// `fatal`
+    Fatal,
+}
+
+/// What is wrong with a ROS argument.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ArgumentError {
+    /// Nothing stands behind it.
+    #[error("{0} needs a value behind it, found nothing; see `ros2 run --help`")]
+    NoValue(String),
+    /// No ROS argument is called so.
+    #[error(
+        "{0} is not a ROS argument; known are -r, -p, --params-file, --log-level, and `--` ends them, so that the \
+         program's own arguments stand before --ros-args or behind `--`"
+    )]
+    Unknown(String),
+    /// Not a remapping rule.
+    #[error(
+        "-r {0}: expected [node:]from:=to, such as column_state:=/monitor/state or __ns:=/garage"
+    )]
+    RemapRule(String),
+    /// Not a level.
+    #[error("--log-level {0}: expected debug, info, warn, error or fatal, or logger:=level")]
+    LogLevel(String),
+    /// Not text.
+    #[error("{0:?} is not UTF-8 text")]
+    NotText(OsString),
+}
+
+impl RosArguments {
+    /// Takes the ROS arguments out of all arguments; gives back the program's own with them. Finds all faults.
+    ///
+    /// # Errors
+    /// What is wrong, argument by argument.
+    pub fn split(
+        arguments: impl IntoIterator<Item = OsString>,
+    ) -> Result<(Vec<OsString>, Self), Vec<ArgumentError>> {
+        let mut own = Vec::new();
+        let mut ros = Self::default();
+        let mut faults = Vec::new();
+        let mut arguments = arguments.into_iter();
+        while let Some(argument) = arguments.next() {
+            if argument == BEGIN {
+                ros.take_part(&mut arguments, &mut faults);
+            } else {
+                own.push(argument);
+            }
+        }
+        if faults.is_empty() {
+            Ok((own, ros))
+        } else {
+            Err(faults)
+        }
+    }
+
+    /// One part, up to `--` or the end.
+    fn take_part(
+        &mut self,
+        arguments: &mut impl Iterator<Item = OsString>,
+        faults: &mut Vec<ArgumentError>,
+    ) {
+        while let Some(argument) = arguments.next() {
+            let taken = match argument.into_string() {
+                Ok(argument) if argument == END => return,
+                // A part may begin within a part.
+                Ok(argument) if argument == BEGIN => Ok(()),
+                Ok(argument) => self.take_one(&argument, arguments),
+                Err(argument) => Err(ArgumentError::NotText(argument)),
+            };
+            faults.extend(taken.err());
+        }
+    }
+
+    fn take_one(
+        &mut self,
+        argument: &str,
+        rest: &mut impl Iterator<Item = OsString>,
+    ) -> Result<(), ArgumentError> {
+        let mut value = || match rest.next() {
+            Some(value) => value.into_string().map_err(ArgumentError::NotText),
+            None => Err(ArgumentError::NoValue(argument.to_owned())),
+        };
+        match argument {
+            "-r" | "--remap" => self.remap_rules.push(remap_rule(&value()?)?),
+            "-p" | "--param" => self.overrides.push(parse_override(&value()?)),
+            "--params-file" => self.parameter_files.push(value()?.into()),
+            "--log-level" => self.take_log_level(&value()?)?,
+            "--enable-rosout-logs" => self.rosout = Some(true),
+            "--disable-rosout-logs" => self.rosout = Some(false),
+            "--enable-stdout-logs" => self.stdout = Some(true),
+            "--disable-stdout-logs" => self.stdout = Some(false),
+            "-e" | "--enclave" | "--log-config-file" | "--log-file-name" => {
+                let value = value()?;
+                self.without_effect.push(format!("{argument} {value}"));
+            }
+            "--enable-external-lib-logs" | "--disable-external-lib-logs" => {
+                self.without_effect.push(argument.to_owned());
+            }
+            _ => return Err(ArgumentError::Unknown(argument.to_owned())),
+        }
+        Ok(())
+    }
+
+    fn take_log_level(&mut self, text: &str) -> Result<(), ArgumentError> {
+        let wrong = || ArgumentError::LogLevel(text.to_owned());
+        match text.split_once(":=") {
+            Some(("", _)) => return Err(wrong()),
+            Some((logger, level)) => {
+                let level = LogLevel::parse(level).ok_or_else(wrong)?;
+                self.logger_levels.push((logger.to_owned(), level));
+            }
+            None => self.log_level = Some(LogLevel::parse(text).ok_or_else(wrong)?),
+        }
+        Ok(())
+    }
+
+    /// The level that holds for the logger of that name: its own, else that of all.
+    #[must_use]
+    pub fn level_of(&self, logger: &str) -> LogLevel {
+        let own = self.logger_levels.iter().rev();
+        own.into_iter()
+            .find(|(name, _)| name == logger)
+            .map(|(_, level)| *level)
+            .or(self.log_level)
+            .unwrap_or(LogLevel::Info)
+    }
+}
+
+impl LogLevel {
+    /// As rcl does, in upper or lower case.
+    fn parse(text: &str) -> Option<Self> {
+        match text.to_ascii_lowercase().as_str() {
+            "debug" => Some(Self::Debug),
+            "info" => Some(Self::Info),
+            "warn" => Some(Self::Warn),
+            "error" => Some(Self::Error),
+            "fatal" => Some(Self::Fatal),
+            _ => None,
+        }
+    }
+}
+
+/// `[node:]from:=to`, where `from` may begin with `rostopic://` or `rosservice://` or be `__node`, `__name`, `__ns`.
+fn remap_rule(text: &str) -> Result<RemapRule, ArgumentError> {
+    let wrong = || ArgumentError::RemapRule(text.to_owned());
+    let (from, to) = text.split_once(":=").ok_or_else(wrong)?;
+    let (node, from) = match from.split_once(':') {
+        Some((_, rest)) if rest.starts_with("//") => (None, from),
+        Some((node, from)) => (Some(node), from),
+        None => (None, from),
+    };
+    let (target, from) = match from {
+        "__node" | "__name" => (RemapTarget::NodeName, ""),
+        "__ns" => (RemapTarget::Namespace, ""),
+        _ => match (
+            from.strip_prefix("rostopic://"),
+            from.strip_prefix("rosservice://"),
+        ) {
+            (Some(from), _) => (RemapTarget::Topic, from),
+            (_, Some(from)) => (RemapTarget::Service, from),
+            _ => (RemapTarget::TopicOrService, from),
+        },
+    };
+    let special = matches!(target, RemapTarget::NodeName | RemapTarget::Namespace);
+    if to.is_empty() || (from.is_empty() && !special) || node == Some("") {
+        return Err(wrong());
+    }
+    Ok(RemapRule {
+        node: node.map(str::to_owned),
+        target,
+        from: from.to_owned(),
+        to: to.to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Split = Result<(Vec<OsString>, RosArguments), Vec<ArgumentError>>;
+
+    fn split(line: &str) -> Split {
+        RosArguments::split(line.split_whitespace().map(OsString::from))
+    }
+
+    fn rule(text: &str) -> (Option<String>, RemapTarget, String, String) {
+        let rule = remap_rule(text).expect(text);
+        (rule.node, rule.target, rule.from, rule.to)
+    }
+
+    #[test]
+    fn what_launch_passes_is_understood() {
+        let (own, ros) = split(
+            "run --config c.yaml --ros-args -r __node:=pillar -r __ns:=/garage --params-file /tmp/p.yaml \
+             -p top.load:=2.0e6 --log-level column_twin:=debug --log-level WARN -- --record",
+        )
+        .expect("correct");
+        assert_eq!(own, ["run", "--config", "c.yaml", "--record"]);
+        assert_eq!(ros.remap_rules.len(), 2);
+        assert_eq!(ros.parameter_files, [PathBuf::from("/tmp/p.yaml")]);
+        assert_eq!(ros.overrides, [parse_override("top.load:=2.0e6")]);
+        assert_eq!(ros.level_of("column_twin"), LogLevel::Debug);
+        assert_eq!(ros.level_of("another"), LogLevel::Warn);
+    }
+
+    #[test]
+    fn several_parts_add_up() {
+        let (own, ros) =
+            split("--ros-args -r a:=b -- x --ros-args -r c:=d --ros-args").expect("correct");
+        assert_eq!(own, ["x"]);
+        assert_eq!(ros.remap_rules.len(), 2);
+        assert_eq!(split("").expect("correct").1, RosArguments::default());
+        assert_eq!(split("run -- x").expect("correct").0, ["run", "--", "x"]);
+    }
+
+    #[test]
+    fn rules_are_read_as_rcl_reads_them() {
+        let text = str::to_owned;
+        for (given, node, target, from, to) in [
+            ("a:=b", None, RemapTarget::TopicOrService, "a", "b"),
+            (
+                "~/a:=/b/c",
+                None,
+                RemapTarget::TopicOrService,
+                "~/a",
+                "/b/c",
+            ),
+            ("__node:=n", None, RemapTarget::NodeName, "", "n"),
+            ("__name:=n", None, RemapTarget::NodeName, "", "n"),
+            ("__ns:=/n", None, RemapTarget::Namespace, "", "/n"),
+            ("x:__ns:=/n", Some("x"), RemapTarget::Namespace, "", "/n"),
+            ("x:a:=b", Some("x"), RemapTarget::TopicOrService, "a", "b"),
+            ("rostopic://a:=b", None, RemapTarget::Topic, "a", "b"),
+            (
+                "rosservice://~/a:=b",
+                None,
+                RemapTarget::Service,
+                "~/a",
+                "b",
+            ),
+        ] {
+            assert_eq!(
+                rule(given),
+                (node.map(text), target, text(from), text(to)),
+                "{given}"
+            );
+        }
+        for wrong in ["a", "a=b", ":=b", "a:=", "x::=b", ":a:=b"] {
+            assert!(remap_rule(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn all_faults_are_said_at_once() {
+        let faults =
+            split("--ros-args -r a=b --log-level loud --velocity 3 -p").expect_err("four faults");
+        let words: Vec<_> = faults.iter().map(ToString::to_string).collect();
+        assert!(
+            words[0].starts_with("-r a=b: expected [node:]from:=to"),
+            "{words:?}"
+        );
+        assert!(
+            words[1].starts_with("--log-level loud: expected debug, info"),
+            "{words:?}"
+        );
+        assert!(
+            words[2].starts_with("--velocity is not a ROS argument"),
+            "{words:?}"
+        );
+        assert!(
+            words[4].starts_with("-p needs a value behind it"),
+            "{words:?}"
+        );
+    }
+
+    #[test]
+    fn what_has_no_effect_is_kept_to_be_said() {
+        let (_, ros) = split("--ros-args -e /enclave --disable-rosout-logs --log-file-name x")
+            .expect("correct");
+        assert_eq!(ros.without_effect, ["-e /enclave", "--log-file-name x"]);
+        assert_eq!(ros.rosout, Some(false));
+    }
+}

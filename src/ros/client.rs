@@ -1,0 +1,516 @@
+//! The twin's terminal: send an impact, watch what comes of it, without any ROS installed.
+
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use futures::{StreamExt, join, pin_mut};
+use ros2_client::Subscription;
+
+use crate::column::HINGE_NAMES;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use crate::messages::std_msgs::Header;
+
+use super::environment::Environment;
+use super::names::{NameError, Names, RemapRule};
+use super::node::{Node, NodeError};
+use super::qos;
+use super::signals::StopSignals;
+use super::task::Task;
+
+/// Messages that may wait to be shown; the next ones are not shown.
+const SHOWN_QUEUE: usize = 1024;
+
+/// How often a wait looks whether the program is asked to stop.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// How long to wait for the status that a twin keeps for late joiners.
+const STATUS_WAIT: Duration = Duration::from_secs(2);
+
+/// Shortest time between two lines of state.
+const STATE_LINES: Duration = Duration::from_millis(100);
+
+/// One impact to send.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactOptions {
+    /// The column.
+    pub column_id: String,
+    /// The event; `None`: one that nobody has used.
+    pub event_id: Option<String>,
+    /// Mass of the vehicle \[kg\].
+    pub mass: f64,
+    /// Closing speed \[m/s\].
+    pub velocity: f64,
+    /// Distance \[m\]; `None`: the twin's parameter.
+    pub gap: Option<f64>,
+    /// Coefficient of restitution; `None`: the twin's parameter.
+    pub restitution: Option<f64>,
+    /// Height above the base \[m\]; `None`: the twin's parameter.
+    pub height: Option<f64>,
+    /// How long to wait for a twin.
+    pub match_timeout: Duration,
+    /// How long to wait for its forecast.
+    pub answer_timeout: Duration,
+}
+
+/// What the twin made of an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ImpactOutcome {
+    /// It was accepted, and this is the forecast.
+    Forecast(Box<ImpactReport>),
+    /// It was refused, for this reason.
+    Refused(String),
+}
+
+/// Why an impact found no twin, or no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum ClientError {
+    /// A name that is none.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// No node.
+    #[error(transparent)]
+    Node(#[from] NodeError),
+    /// No handler.
+    #[error("signals cannot be handled: {0}")]
+    Signals(#[from] std::io::Error),
+    /// Nobody listens.
+    #[error(
+        "no twin listens on {topic} in domain {domain_id} (waited {waited:?}); is `column-twin run` started, with the \
+         same ROS_DOMAIN_ID, namespace and ROS_AUTOMATIC_DISCOVERY_RANGE?"
+    )]
+    NoTwin {
+        /// The topic.
+        topic: String,
+        /// The domain.
+        domain_id: u16,
+        /// How long.
+        waited: Duration,
+    },
+    /// The event cannot be written.
+    #[error("the event cannot be sent: {0}")]
+    NotSent(String),
+    /// Sent, but nothing came back.
+    #[error(
+        "the event {event_id} was sent, but neither forecast nor refusal came within {waited:?}; look at `twin_status`"
+    )]
+    NoAnswer {
+        /// The event.
+        event_id: String,
+        /// How long.
+        waited: Duration,
+    },
+    /// Interrupted.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Why watching ended before it was asked to.
+pub type WatchError = ClientError;
+
+/// What is shown.
+#[derive(Debug, Clone)]
+enum Seen {
+    State(ColumnState),
+    Forecast(ImpactReport),
+    Report(ImpactReport),
+    Status(TwinStatus),
+}
+
+/// Publishes one event and waits for what the twin makes of it; `say` is told what is going on.
+///
+/// # Errors
+/// When there is no twin, or no answer, or the program is asked to stop.
+pub fn send_impact(
+    environment: &Environment,
+    rules: &[RemapRule],
+    options: &ImpactOptions,
+    say: &mut dyn FnMut(&str),
+) -> Result<ImpactOutcome, ClientError> {
+    let signals = StopSignals::listen()?;
+    let names = Names::new(&environment.namespace, "column_twin_impact", rules)?;
+    let mut node = Node::new(environment, names)?;
+    let publisher = node.publisher(&qos::IMPACT_EVENT)?;
+    let answers = Sight {
+        state: None,
+        forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
+        report: None,
+        status: Some(node.subscription(&qos::TWIN_STATUS)?),
+    };
+    let (sender, seen) = sync_channel(SHOWN_QUEUE);
+    let (events, matches) = (node.participant_events(), node.matches());
+    let task = Task::start("column_twin/see", move || async move {
+        join!(events, answers.show(sender));
+    })?;
+    let outcome = (|| {
+        let topic = node
+            .names()
+            .resolve(qos::IMPACT_EVENT.kind(), qos::IMPACT_EVENT.name)?;
+        say(&format!(
+            "waiting for a twin on {topic} in domain {}",
+            environment.domain_id
+        ));
+        wait_until(&signals, options.match_timeout, |until| {
+            matches.wait_for(publisher.guid(), 1, until).then_some(())
+        })?
+        .ok_or(ClientError::NoTwin {
+            topic,
+            domain_id: environment.domain_id,
+            waited: options.match_timeout,
+        })?;
+        // Its counter tells this refusal from one of the same event before.
+        let before = wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
+            Some(Seen::Status(status)) => Some(status.events_refused),
+            _ => None,
+        })?;
+        let event = event(options);
+        let event_id = event.event_id.clone();
+        say(&format!("sending {event_id}"));
+        publisher
+            .publish(event)
+            .map_err(|error| ClientError::NotSent(error.to_string()))?;
+        wait_until(&signals, options.answer_timeout, |until| {
+            answer(&next(&seen, until)?, &event_id, before)
+        })?
+        .ok_or(ClientError::NoAnswer {
+            event_id,
+            waited: options.answer_timeout,
+        })
+    })();
+    task.stop();
+    outcome
+}
+
+/// Shows state, forecasts, reports and refusals, one line each, until the program is asked to stop.
+///
+/// # Errors
+/// When there is no node to be had.
+pub fn watch(
+    environment: &Environment,
+    rules: &[RemapRule],
+    show: &mut dyn FnMut(&str),
+) -> Result<(), WatchError> {
+    let signals = StopSignals::listen()?;
+    let names = Names::new(&environment.namespace, "column_twin_watch", rules)?;
+    let mut node = Node::new(environment, names)?;
+    let sight = Sight {
+        state: Some(node.subscription(&qos::COLUMN_STATE)?),
+        forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
+        report: Some(node.subscription(&qos::IMPACT_REPORT)?),
+        status: Some(node.subscription(&qos::TWIN_STATUS)?),
+    };
+    let topic = node
+        .names()
+        .resolve(qos::COLUMN_STATE.kind(), qos::COLUMN_STATE.name)?;
+    show(&format!(
+        "watching {topic} in domain {}; stop with Ctrl-C",
+        environment.domain_id
+    ));
+    let (sender, seen) = sync_channel(SHOWN_QUEUE);
+    let events = node.participant_events();
+    let task = Task::start("column_twin/see", move || async move {
+        join!(events, sight.show(sender));
+    })?;
+    let mut lines = Lines::default();
+    while !signals.asked() {
+        if let Some(seen) = next(&seen, Instant::now() + LOOK)
+            && let Some(line) = lines.line(&seen, Instant::now())
+        {
+            show(&line);
+        }
+    }
+    task.stop();
+    Ok(())
+}
+
+/// The subscriptions of a client.
+struct Sight {
+    state: Option<Subscription<ColumnState>>,
+    forecast: Option<Subscription<ImpactReport>>,
+    report: Option<Subscription<ImpactReport>>,
+    status: Option<Subscription<TwinStatus>>,
+}
+
+impl Sight {
+    /// Passes all messages on for ever.
+    async fn show(self, to: SyncSender<Seen>) {
+        join!(
+            pass(&self.state, &to, Seen::State),
+            pass(&self.forecast, &to, Seen::Forecast),
+            pass(&self.report, &to, Seen::Report),
+            pass(&self.status, &to, Seen::Status),
+        );
+    }
+}
+
+async fn pass<M: serde::de::DeserializeOwned + 'static>(
+    subscription: &Option<Subscription<M>>,
+    to: &SyncSender<Seen>,
+    seen: impl Fn(M) -> Seen,
+) {
+    let Some(subscription) = subscription else {
+        return;
+    };
+    let messages = subscription.async_stream();
+    pin_mut!(messages);
+    while let Some(message) = messages.next().await {
+        // A line too many is one that nobody reads; one that cannot be read is not for this program to repair.
+        if let Ok((message, _)) = message {
+            let _ = to.try_send(seen(message));
+        }
+    }
+}
+
+fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
+    let rest = until.saturating_duration_since(Instant::now());
+    seen.recv_timeout(rest).ok()
+}
+
+/// Tries again and again, giving `attempt` a while each time; `None` after `timeout`.
+fn wait_until<T>(
+    signals: &StopSignals,
+    timeout: Duration,
+    mut attempt: impl FnMut(Instant) -> Option<T>,
+) -> Result<Option<T>, ClientError> {
+    let deadline = Instant::now() + timeout;
+    while Instant::now() < deadline {
+        if signals.asked() {
+            return Err(ClientError::Interrupted);
+        }
+        if let Some(found) = attempt((Instant::now() + LOOK).min(deadline)) {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
+}
+
+fn event(options: &ImpactOptions) -> ImpactEvent {
+    let since = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    let stamp = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
+    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    ImpactEvent {
+        header: Header {
+            stamp: Time::from_nanos(stamp).unwrap_or_default(),
+            frame_id: String::new(),
+        },
+        column_id: options.column_id.clone(),
+        event_id: options
+            .event_id
+            .clone()
+            .unwrap_or_else(|| format!("impact-{stamp}")),
+        mass: options.mass,
+        velocity: options.velocity,
+        gap: or_nan(options.gap),
+        restitution: or_nan(options.restitution),
+        height: or_nan(options.height),
+    }
+}
+
+/// What `seen` says of the event; `before` is the number of refusals before it was sent.
+fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutcome> {
+    match seen {
+        Seen::Forecast(report) if report.event_id == event_id => {
+            Some(ImpactOutcome::Forecast(Box::new(report.clone())))
+        }
+        Seen::Status(status)
+            if status.last_refusal_event_id == event_id
+                && before.is_none_or(|before| status.events_refused > before) =>
+        {
+            Some(ImpactOutcome::Refused(status.last_refusal_reason.clone()))
+        }
+        _ => None,
+    }
+}
+
+/// Turns what is seen into lines; remembers what was said already.
+#[derive(Debug, Default)]
+struct Lines {
+    last_state: Option<(Instant, u8)>,
+    last_status: Option<(u8, u64, u64)>,
+}
+
+impl Lines {
+    fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
+        match seen {
+            Seen::State(state) => {
+                let last = self.last_state;
+                let spaced = last.is_none_or(|(at, phase)| {
+                    phase != state.phase || now.saturating_duration_since(at) >= STATE_LINES
+                });
+                spaced.then(|| {
+                    self.last_state = Some((now, state.phase));
+                    state_line(state)
+                })
+            }
+            Seen::Forecast(report) => Some(report_line("forecast", report)),
+            Seen::Report(report) => Some(report_line("result", report)),
+            Seen::Status(status) => {
+                let state = (
+                    status.phase,
+                    status.events_refused,
+                    status.parameters_refused,
+                );
+                let before = self.last_status.replace(state);
+                (before != Some(state)).then(|| status_line(status, before))
+            }
+        }
+    }
+}
+
+fn state_line(state: &ColumnState) -> String {
+    format!(
+        "{:9} t {:7.4} s  v1 {:8.2} mm  u2 {:7.2} mm  contact {:8.1} kN",
+        phase_word(state.phase),
+        state.time,
+        1e3 * state.v1,
+        1e3 * state.u2,
+        1e-3 * state.contact_force
+    )
+}
+
+fn report_line(kind: &str, report: &ImpactReport) -> String {
+    let outcome = match report.outcome {
+        ImpactReport::ELASTIC => "elastic",
+        ImpactReport::PLASTIC => "plastic",
+        ImpactReport::COLLAPSED => "COLLAPSED",
+        _ => "unknown",
+    };
+    let hinges: Vec<_> = HINGE_NAMES
+        .iter()
+        .zip(report.plastic_rotation)
+        .filter(|(_, rotation)| *rotation != 0.0)
+        .map(|(name, rotation)| format!("{name} {:.2}", 1e3 * rotation))
+        .collect();
+    let hinges = if hinges.is_empty() {
+        String::new()
+    } else {
+        format!(", plastic rotations [mrad] {}", hinges.join(" "))
+    };
+    format!(
+        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, {:.2} mm remain{hinges} (computed in {:.2} ms)",
+        report.event_id,
+        1e3 * report.max_v1,
+        report.max_v1_time,
+        1e3 * report.residual_v1,
+        1e3 * report.compute_time
+    )
+}
+
+fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
+    let refused_since = before.is_some_and(|(_, events, parameters)| {
+        status.events_refused > events || status.parameters_refused > parameters
+    });
+    if refused_since {
+        return format!("refused: {}", status.last_refusal_reason);
+    }
+    let fault = match status.fault.as_str() {
+        "" => String::new(),
+        fault => format!(": {fault}"),
+    };
+    format!(
+        "{} {}{fault}; {} impacts since the last reset, {:.2} mm remain",
+        status.column_id,
+        phase_word(status.phase),
+        status.impacts_since_reset,
+        1e3 * status.residual_v1
+    )
+}
+
+fn phase_word(phase: u8) -> &'static str {
+    match phase {
+        ColumnState::IDLE => "idle",
+        ColumnState::APPROACH => "approach",
+        ColumnState::CONTACT => "contact",
+        ColumnState::FREE => "free",
+        ColumnState::REST => "rest",
+        ColumnState::COLLAPSED => "COLLAPSED",
+        ColumnState::FAULTED => "FAULTED",
+        _ => "unknown",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(event_id: &str, count: u64) -> Seen {
+        Seen::Status(TwinStatus {
+            last_refusal_event_id: event_id.to_owned(),
+            last_refusal_reason: "too fast".to_owned(),
+            events_refused: count,
+            ..TwinStatus::default()
+        })
+    }
+
+    #[test]
+    fn an_answer_is_of_this_event_and_of_now() {
+        let forecast = Seen::Forecast(ImpactReport {
+            event_id: "a".to_owned(),
+            ..ImpactReport::default()
+        });
+        assert!(answer(&forecast, "b", None).is_none());
+        assert!(matches!(
+            answer(&forecast, "a", None),
+            Some(ImpactOutcome::Forecast(_))
+        ));
+        assert!(answer(&refused("a", 3), "a", Some(3)).is_none());
+        assert_eq!(
+            answer(&refused("a", 4), "a", Some(3)),
+            Some(ImpactOutcome::Refused("too fast".to_owned()))
+        );
+    }
+
+    #[test]
+    fn what_is_left_open_is_nan_and_events_are_told_apart() {
+        let options = ImpactOptions {
+            column_id: "column".to_owned(),
+            event_id: None,
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: None,
+            restitution: Some(0.0),
+            height: None,
+            match_timeout: LOOK,
+            answer_timeout: LOOK,
+        };
+        let event = event(&options);
+        assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);
+        assert!(event.event_id.starts_with("impact-1"));
+    }
+
+    #[test]
+    fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {
+        let mut lines = Lines::default();
+        let start = Instant::now();
+        let mut shown = |phase, millis| {
+            let state = Seen::State(ColumnState {
+                phase,
+                ..ColumnState::default()
+            });
+            lines
+                .line(&state, start + Duration::from_millis(millis))
+                .is_some()
+        };
+        let steps = [(2, 0), (2, 50), (3, 60), (3, 100), (3, 160)];
+        let seen = steps.map(|(phase, millis)| shown(phase, millis));
+        assert_eq!(seen, [true, false, true, false, true]);
+    }
+
+    #[test]
+    fn a_status_is_a_line_only_when_it_says_something_new() {
+        let mut lines = Lines::default();
+        let now = Instant::now();
+        assert!(
+            lines
+                .line(&refused("a", 1), now)
+                .is_some_and(|line| line.contains("idle"))
+        );
+        assert!(lines.line(&refused("a", 1), now).is_none());
+        assert_eq!(
+            lines.line(&refused("b", 2), now),
+            Some("refused: too fast".to_owned())
+        );
+    }
+}

@@ -1,0 +1,261 @@
+//! `/diagnostics`: the twin, its solver, its queues and the node itself, for people and for aggregators.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::messages::column_twin::TwinStatus;
+use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
+use crate::messages::std_msgs::Header;
+
+use super::bridge::{Health, QueueHealth};
+
+/// What the node itself could not do, counted since the start.
+#[derive(Debug, Default)]
+pub(super) struct NodeCounters {
+    /// Messages and requests that could not be read.
+    pub unreadable: AtomicU64,
+    /// Messages that a reader was too slow for, or that could not be written.
+    pub unpublished: AtomicU64,
+    /// Log messages that found their queue full.
+    pub unlogged: AtomicU64,
+}
+
+impl NodeCounters {
+    pub fn count(counter: &AtomicU64) {
+        counter.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// All statuses. `node` and `column_id` say whose they are.
+pub(super) fn diagnostics(
+    header: Header,
+    node: &str,
+    twin: &TwinStatus,
+    health: &Health,
+    counters: &NodeCounters,
+) -> DiagnosticArray {
+    let mut status = vec![
+        twin_status(twin),
+        solver_status(health),
+        queue_status(&health.queues),
+        node_status(counters),
+    ];
+    for one in &mut status {
+        one.name = format!("{node}: {}", one.name);
+        one.hardware_id.clone_from(&twin.column_id);
+    }
+    DiagnosticArray { header, status }
+}
+
+/// What of diagnostics makes a change that is worth being told at once: levels and messages, not values.
+pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool {
+    let state = |array: &DiagnosticArray| -> Vec<(u8, String)> {
+        let statuses = array.status.iter();
+        statuses.map(|it| (it.level, it.message.clone())).collect()
+    };
+    state(one) == state(other)
+}
+
+fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
+    let (level, message) = match twin.phase {
+        TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
+        TwinStatus::COLLAPSED => (
+            DiagnosticStatus::ERROR,
+            "the column has collapsed; ~/reset starts with a new one".to_owned(),
+        ),
+        TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
+        _ => (DiagnosticStatus::OK, "response going on".to_owned()),
+    };
+    let values = [
+        ("phase", phase_name(twin.phase).to_owned()),
+        ("event_id", twin.event_id.clone()),
+        ("events accepted", twin.events_accepted.to_string()),
+        ("events refused", twin.events_refused.to_string()),
+        (
+            "parameter changes accepted",
+            twin.parameters_accepted.to_string(),
+        ),
+        (
+            "parameter changes refused",
+            twin.parameters_refused.to_string(),
+        ),
+        ("last refusal", twin.last_refusal_reason.clone()),
+        ("impacts since reset", twin.impacts_since_reset.to_string()),
+        ("residual v1 [m]", twin.residual_v1.to_string()),
+        (
+            "plastic work since reset [J]",
+            twin.plastic_work_since_reset.to_string(),
+        ),
+    ];
+    entry(
+        "twin",
+        level,
+        message,
+        values.map(|(key, value)| (key.to_owned(), value)),
+    )
+}
+
+fn solver_status(health: &Health) -> DiagnosticStatus {
+    let (level, message) = match (health.overruns, health.hints.first()) {
+        (0, None) => (DiagnosticStatus::OK, "in time".to_owned()),
+        (0, Some(hint)) => (
+            DiagnosticStatus::OK,
+            format!("in time, without guarantee: {hint}"),
+        ),
+        _ => (DiagnosticStatus::WARN, "periods were skipped".to_owned()),
+    };
+    let mut values = vec![
+        ("deadline overruns".to_owned(), health.overruns.to_string()),
+        (
+            "worst lateness [s]".to_owned(),
+            health.worst_lateness.to_string(),
+        ),
+    ];
+    values.extend(health.statistics.iter().cloned());
+    let hints = health.hints.iter();
+    values.extend(hints.map(|hint| ("real-time set-up".to_owned(), hint.clone())));
+    entry("solver", level, message, values)
+}
+
+fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
+    let losing: Vec<_> = queues
+        .iter()
+        .filter(|it| it.dropped > 0)
+        .map(|it| it.name.as_str())
+        .collect();
+    let (level, message) = match losing[..] {
+        [] => (DiagnosticStatus::OK, "nothing lost".to_owned()),
+        _ => (
+            DiagnosticStatus::WARN,
+            format!("entries were lost: {}", losing.join(", ")),
+        ),
+    };
+    let values = queues.iter().map(|queue| {
+        let QueueHealth {
+            name,
+            capacity,
+            len,
+            policy,
+            pushed,
+            dropped,
+        } = queue;
+        let value = format!(
+            "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {policy}"
+        );
+        (name.clone(), value)
+    });
+    entry("queues", level, message, values)
+}
+
+fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
+    let values = [
+        ("unreadable messages", &counters.unreadable),
+        ("unpublished messages", &counters.unpublished),
+        ("unlogged messages", &counters.unlogged),
+    ]
+    .map(|(key, counter)| (key, counter.load(Ordering::Relaxed)));
+    let (level, message) = if values.iter().all(|(_, count)| *count == 0) {
+        (DiagnosticStatus::OK, "nothing lost")
+    } else {
+        (DiagnosticStatus::WARN, "messages were lost")
+    };
+    let values = values.map(|(key, count)| (key.to_owned(), count.to_string()));
+    entry("ros", level, message.to_owned(), values)
+}
+
+fn phase_name(phase: u8) -> &'static str {
+    match phase {
+        TwinStatus::IDLE => "IDLE",
+        TwinStatus::APPROACH => "APPROACH",
+        TwinStatus::CONTACT => "CONTACT",
+        TwinStatus::FREE => "FREE",
+        TwinStatus::REST => "REST",
+        TwinStatus::COLLAPSED => "COLLAPSED",
+        TwinStatus::FAULTED => "FAULTED",
+        _ => "unknown",
+    }
+}
+
+fn entry(
+    name: &str,
+    level: u8,
+    message: String,
+    values: impl IntoIterator<Item = (String, String)>,
+) -> DiagnosticStatus {
+    DiagnosticStatus {
+        level,
+        name: name.to_owned(),
+        message,
+        hardware_id: String::new(),
+        values: values
+            .into_iter()
+            .map(|(key, value)| KeyValue { key, value })
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
+        let array = diagnostics(Header::default(), "column_twin", twin, health, counters);
+        array.status.iter().map(|it| it.level).collect()
+    }
+
+    #[test]
+    fn all_is_well_at_the_start() {
+        let all = (
+            TwinStatus::default(),
+            Health::default(),
+            NodeCounters::default(),
+        );
+        assert_eq!(levels(&all.0, &all.1, &all.2), [0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn each_loss_is_a_warning_where_it_belongs_and_an_end_is_an_error() {
+        let queue = QueueHealth {
+            name: "states to ROS".to_owned(),
+            capacity: 4096,
+            len: 0,
+            policy: "oldest dropped",
+            pushed: 9,
+            dropped: 1,
+        };
+        let health = Health {
+            overruns: 1,
+            queues: vec![queue],
+            ..Health::default()
+        };
+        let counters = NodeCounters::default();
+        NodeCounters::count(&counters.unreadable);
+        assert_eq!(
+            levels(&TwinStatus::default(), &health, &counters),
+            [0, 1, 1, 1]
+        );
+        for phase in [TwinStatus::COLLAPSED, TwinStatus::FAULTED] {
+            let twin = TwinStatus {
+                phase,
+                ..TwinStatus::default()
+            };
+            assert_eq!(
+                levels(&twin, &health, &counters)[0],
+                DiagnosticStatus::ERROR
+            );
+        }
+    }
+
+    #[test]
+    fn a_counter_alone_is_no_change_of_state() {
+        let of = |accepted| {
+            let twin = TwinStatus {
+                events_accepted: accepted,
+                ..TwinStatus::default()
+            };
+            let counters = NodeCounters::default();
+            diagnostics(Header::default(), "n", &twin, &Health::default(), &counters)
+        };
+        assert!(same_state(&of(1), &of(2)));
+        assert_ne!(of(1), of(2));
+    }
+}

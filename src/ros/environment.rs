@@ -1,0 +1,268 @@
+//! The environment variables of ROS 2: which domain, which peers, which namespace.
+
+use std::net::Ipv4Addr;
+
+/// Highest domain whose ports exist (RTPS 9.6.1.1).
+pub const MAX_DOMAIN_ID: u16 = 232;
+
+/// Where the node looks for others, and lets itself be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DiscoveryRange {
+    /// This machine only: nothing leaves it.
+    Localhost,
+    /// By multicast on every network that the machine is in.
+    Subnet,
+}
+
+/// What the environment says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Environment {
+    /// `ROS_DOMAIN_ID`, 0 to 232.
+    pub domain_id: u16,
+    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY`.
+    pub discovery_range: DiscoveryRange,
+    /// `ROS_NAMESPACE`, with its `/`.
+    pub namespace: String,
+    /// What was asked for and cannot be done, or was asked for in a wrong way; to be said at the start.
+    pub warnings: Vec<String>,
+}
+
+/// What the environment asks for and the node must not do without.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EnvironmentError {
+    /// Not a domain.
+    #[error("ROS_DOMAIN_ID: expected a whole number from 0 to {MAX_DOMAIN_ID}, found `{0}`")]
+    DomainId(String),
+    /// Discovery off.
+    #[error(
+        "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF: RustDDS cannot switch discovery off, and would be found by others against \
+         this wish; use LOCALHOST, which keeps it on this machine"
+    )]
+    DiscoveryOff,
+    /// Security is enforced.
+    #[error(
+        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce: this node has no DDS security; unset one of the two"
+    )]
+    SecurityEnforced,
+}
+
+impl Default for Environment {
+    /// That of an environment without any of the variables.
+    fn default() -> Self {
+        Self {
+            domain_id: 0,
+            discovery_range: DiscoveryRange::Subnet,
+            namespace: "/".to_owned(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Environment {
+    /// That of this process.
+    ///
+    /// # Errors
+    /// See [`EnvironmentError`].
+    pub fn of_process() -> Result<Self, EnvironmentError> {
+        Self::from_variables(|name| std::env::var(name).ok())
+    }
+
+    /// From the variables that `get` knows; an empty one counts as unset, as in rcl.
+    ///
+    /// # Errors
+    /// See [`EnvironmentError`].
+    pub fn from_variables(get: impl Fn(&str) -> Option<String>) -> Result<Self, EnvironmentError> {
+        let get = |name: &str| get(name).filter(|value| !value.is_empty());
+        let mut warnings = Vec::new();
+        warnings.extend(security_warning(&get)?);
+        let localhost_only = get("ROS_LOCALHOST_ONLY").is_some_and(|value| value == "1");
+        let discovery_range = if localhost_only {
+            if get("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some() || get("ROS_STATIC_PEERS").is_some() {
+                warnings.push(
+                    "ROS_LOCALHOST_ONLY=1 is deprecated, and where it is set ROS_AUTOMATIC_DISCOVERY_RANGE and \
+                     ROS_STATIC_PEERS are not looked at"
+                        .to_owned(),
+                );
+            }
+            DiscoveryRange::Localhost
+        } else {
+            warnings.extend(peers_warning(get("ROS_STATIC_PEERS").as_deref()));
+            discovery_range(
+                get("ROS_AUTOMATIC_DISCOVERY_RANGE").as_deref(),
+                &mut warnings,
+            )?
+        };
+        Ok(Self {
+            domain_id: domain_id(get("ROS_DOMAIN_ID"))?,
+            discovery_range,
+            namespace: get("ROS_NAMESPACE").map_or_else(
+                || "/".to_owned(),
+                |namespace| format!("/{}", namespace.trim_matches('/')),
+            ),
+            warnings,
+        })
+    }
+}
+
+fn domain_id(value: Option<String>) -> Result<u16, EnvironmentError> {
+    let Some(value) = value else {
+        return Ok(0);
+    };
+    match value.trim().parse() {
+        Ok(id) if id <= MAX_DOMAIN_ID => Ok(id),
+        _ => Err(EnvironmentError::DomainId(value)),
+    }
+}
+
+fn discovery_range(
+    value: Option<&str>,
+    warnings: &mut Vec<String>,
+) -> Result<DiscoveryRange, EnvironmentError> {
+    match value {
+        None | Some("SUBNET" | "SYSTEM_DEFAULT") => Ok(DiscoveryRange::Subnet),
+        Some("LOCALHOST") => Ok(DiscoveryRange::Localhost),
+        Some("OFF") => Err(EnvironmentError::DiscoveryOff),
+        // As rcl does: a slip of the pen must not send more than was meant.
+        Some(other) => {
+            warnings.push(format!(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE: expected OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT, found `{other}`; \
+                 taking LOCALHOST"
+            ));
+            Ok(DiscoveryRange::Localhost)
+        }
+    }
+}
+
+/// RustDDS contacts this machine and the multicast group, and has no list of further peers.
+fn peers_warning(value: Option<&str>) -> Option<String> {
+    let far: Vec<_> = value?
+        .split(';')
+        .map(str::trim)
+        .filter(|peer| !peer.is_empty() && !is_this_machine(peer))
+        .collect();
+    (!far.is_empty()).then(|| {
+        format!(
+            "ROS_STATIC_PEERS: RustDDS has no list of peers and will not contact {}; peers on this machine and in the \
+             same subnet are found without it, others need a DDS router",
+            far.join(", ")
+        )
+    })
+}
+
+fn is_this_machine(peer: &str) -> bool {
+    peer == "localhost" || peer.parse::<Ipv4Addr>().is_ok_and(|ip| ip.is_loopback())
+}
+
+fn security_warning(
+    get: &impl Fn(&str) -> Option<String>,
+) -> Result<Option<String>, EnvironmentError> {
+    if get("ROS_SECURITY_ENABLE").as_deref() != Some("true") {
+        return Ok(None);
+    }
+    if get("ROS_SECURITY_STRATEGY").as_deref() == Some("Enforce") {
+        return Err(EnvironmentError::SecurityEnforced);
+    }
+    Ok(Some(
+        "ROS_SECURITY_ENABLE=true: this node has no DDS security, its messages are neither signed nor encrypted"
+            .to_owned(),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(variables: &[(&str, &str)]) -> Result<Environment, EnvironmentError> {
+        Environment::from_variables(|name| {
+            let found = variables.iter().find(|(known, _)| *known == name);
+            found.map(|(_, value)| (*value).to_owned())
+        })
+    }
+
+    fn range(value: &str) -> Result<DiscoveryRange, EnvironmentError> {
+        with(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", value)]).map(|it| it.discovery_range)
+    }
+
+    #[test]
+    fn nothing_set_is_the_default() {
+        assert_eq!(with(&[]), Ok(Environment::default()));
+        assert_eq!(
+            with(&[("ROS_DOMAIN_ID", ""), ("ROS_NAMESPACE", "")]),
+            Ok(Environment::default())
+        );
+    }
+
+    #[test]
+    fn domains() {
+        let domain = |value| with(&[("ROS_DOMAIN_ID", value)]).map(|it| it.domain_id);
+        assert_eq!(domain("42"), Ok(42));
+        assert_eq!(domain("232"), Ok(232));
+        for wrong in ["233", "-1", "a", "1.5", "99999999"] {
+            assert_eq!(
+                domain(wrong),
+                Err(EnvironmentError::DomainId(wrong.to_owned()))
+            );
+        }
+    }
+
+    #[test]
+    fn ranges() {
+        assert_eq!(range("LOCALHOST"), Ok(DiscoveryRange::Localhost));
+        assert_eq!(range("SUBNET"), Ok(DiscoveryRange::Subnet));
+        assert_eq!(range("SYSTEM_DEFAULT"), Ok(DiscoveryRange::Subnet));
+        assert_eq!(range("OFF"), Err(EnvironmentError::DiscoveryOff));
+        assert_eq!(range("localhost"), Ok(DiscoveryRange::Localhost));
+        let odd = with(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "ALL")]).expect("goes on");
+        assert!(odd.warnings[0].contains("found `ALL`; taking LOCALHOST"));
+    }
+
+    #[test]
+    fn localhost_only_is_still_honoured() {
+        let old = with(&[
+            ("ROS_LOCALHOST_ONLY", "1"),
+            ("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"),
+        ])
+        .expect("goes on");
+        assert_eq!(old.discovery_range, DiscoveryRange::Localhost);
+        assert!(old.warnings[0].contains("deprecated"));
+        let off = with(&[("ROS_LOCALHOST_ONLY", "0")]).expect("goes on");
+        assert_eq!(off, Environment::default());
+    }
+
+    #[test]
+    fn peers_that_will_not_be_contacted_are_named() {
+        let here = with(&[("ROS_STATIC_PEERS", "localhost;127.0.0.1; ")]).expect("goes on");
+        assert!(here.warnings.is_empty());
+        let far =
+            with(&[("ROS_STATIC_PEERS", "192.168.0.1;127.0.0.1;far.example")]).expect("goes on");
+        assert!(
+            far.warnings[0].contains("will not contact 192.168.0.1, far.example"),
+            "{far:?}"
+        );
+    }
+
+    #[test]
+    fn namespaces_get_their_slash() {
+        for (given, expected) in [
+            ("garage", "/garage"),
+            ("/garage/a3/", "/garage/a3"),
+            ("/", "/"),
+        ] {
+            let environment = with(&[("ROS_NAMESPACE", given)]).expect("goes on");
+            assert_eq!(environment.namespace, expected);
+        }
+    }
+
+    #[test]
+    fn missing_security_is_said() {
+        let permissive = with(&[("ROS_SECURITY_ENABLE", "true")]).expect("goes on");
+        assert!(permissive.warnings[0].contains("neither signed nor encrypted"));
+        assert_eq!(
+            with(&[
+                ("ROS_SECURITY_ENABLE", "true"),
+                ("ROS_SECURITY_STRATEGY", "Enforce")
+            ]),
+            Err(EnvironmentError::SecurityEnforced)
+        );
+    }
+}

@@ -1,0 +1,99 @@
+//! Which of the node's endpoints have found a peer.
+//!
+//! ros2-client's `Spinner` would keep this too, but it also subscribes `/clock` under a wrong type, so that the node
+//! reads the participant's events itself and runs no spinner.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use futures::StreamExt;
+use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, StatusEvented};
+
+/// What is known of the peers of the participant's endpoints.
+#[derive(Debug, Default)]
+pub struct Matches {
+    peers: Mutex<BTreeMap<GUID, BTreeSet<GUID>>>,
+    names: Mutex<BTreeMap<GUID, String>>,
+    changed: Condvar,
+}
+
+impl Matches {
+    /// Remembers under which name an endpoint is to be spoken of.
+    pub(super) fn name(&self, endpoint: GUID, name: &str) {
+        locked(&self.names).insert(endpoint, name.to_owned());
+    }
+
+    /// Number of peers of an endpoint.
+    #[must_use]
+    pub fn count(&self, endpoint: GUID) -> usize {
+        locked(&self.peers).get(&endpoint).map_or(0, BTreeSet::len)
+    }
+
+    /// Waits until an endpoint has at least `count` peers; `false` when the deadline came first.
+    #[must_use]
+    pub fn wait_for(&self, endpoint: GUID, count: usize, deadline: Instant) -> bool {
+        let mut peers = locked(&self.peers);
+        loop {
+            if peers.get(&endpoint).map_or(0, BTreeSet::len) >= count {
+                return true;
+            }
+            let Some(rest) = deadline.checked_duration_since(Instant::now()) else {
+                return false;
+            };
+            let waited = self.changed.wait_timeout(peers, rest);
+            peers = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Reads the participant's events for ever.
+    pub(super) async fn follow(self: Arc<Self>, participant: DomainParticipant) {
+        let listener = participant.status_listener();
+        let mut events = listener.as_async_status_stream();
+        while let Some(event) = events.next().await {
+            self.take(event);
+        }
+    }
+
+    fn take(&self, event: DomainParticipantStatusEvent) {
+        use DomainParticipantStatusEvent as Event;
+        match event {
+            Event::RemoteReaderMatched {
+                local_writer: own,
+                remote_reader: peer,
+            }
+            | Event::RemoteWriterMatched {
+                local_reader: own,
+                remote_writer: peer,
+            } => {
+                locked(&self.peers).entry(own).or_default().insert(peer);
+                self.changed.notify_all();
+            }
+            Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
+                for peers in locked(&self.peers).values_mut() {
+                    peers.remove(&guid);
+                }
+                self.changed.notify_all();
+            }
+            Event::RemoteReaderQosIncompatible {
+                local_writer: own, ..
+            }
+            | Event::RemoteWriterQosIncompatible {
+                local_reader: own, ..
+            } => {
+                if let Some(name) = locked(&self.names).get(&own) {
+                    tracing::warn!(
+                        "a peer on {name} asks for another quality of service than this node has, so that no messages \
+                         pass between the two; compare with `ros2 topic info -v {name}`"
+                    );
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What stands behind a mutex is whole after every statement, so that a panic elsewhere does no harm to it.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,46 @@
+//! The ROS 2 node: the twin's contract on the wire, over ros2-client and RustDDS.
+//!
+//! What ROS users expect and the client library leaves out is here: `--ros-args`, the environment variables, names and
+//! remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin itself is
+//! behind the trait [`bridge::Twin`] and knows nothing of all this.
+//!
+//! Deliberately absent: ros2-client's `Spinner` (it subscribes `/clock` as a wrong type, and its parameter services know
+//! neither descriptions nor sets), and every default of a library's quality of service.
+
+mod arguments;
+pub mod bridge;
+mod client;
+mod diagnostics;
+mod environment;
+mod inputs;
+mod joint_states;
+mod live_twin;
+mod markers;
+mod matches;
+mod names;
+mod node;
+mod parameter_services;
+mod participant;
+mod publishing;
+pub mod qos;
+mod replies;
+mod rosout;
+mod run;
+mod signals;
+mod task;
+mod twin_node;
+
+pub use arguments::{ArgumentError, LogLevel, RosArguments};
+pub use client::{ClientError, ImpactOptions, ImpactOutcome, WatchError, send_impact, watch};
+pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use live_twin::{LiveTwinError, start_live_twin};
+pub use matches::Matches;
+pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
+pub use node::{Node, NodeError};
+pub use rosout::{ROSOUT_QUEUE, RosoutLayer, RosoutQueue, rosout_layer, start_logging};
+pub use run::{RunError, RunOptions, StartedTwin, run};
+pub use signals::StopSignals;
+pub use twin_node::TwinNode;
+
+/// Name of the node where nobody gives it another one.
+pub const NODE_NAME: &str = "column_twin";

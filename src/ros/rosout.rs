@@ -1,0 +1,264 @@
+//! Log messages: to the terminal in ROS's form, and to `/rosout`.
+//!
+//! A message goes into a bounded queue and is published by a thread of its own: whoever logs never waits. Messages of the
+//! libraries that publish them (`ros2_client`, `rustdds`, `cdr_encoding`) are left out, or `/rosout` would feed itself.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use ros2_client::Log;
+use ros2_client::builtin_interfaces::Time;
+use tracing::field::{Field, Visit};
+use tracing::{Event, Level, Metadata, Subscriber};
+use tracing_subscriber::filter::EnvFilter;
+use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
+use tracing_subscriber::fmt::{FmtContext, format};
+use tracing_subscriber::layer::{Context, SubscriberExt};
+use tracing_subscriber::registry::LookupSpan;
+use tracing_subscriber::util::{SubscriberInitExt, TryInitError};
+use tracing_subscriber::{Layer, Registry};
+
+use super::arguments::{LogLevel, RosArguments};
+
+/// Messages that may wait to be published; the next ones are dropped and counted.
+pub const ROSOUT_QUEUE: usize = 256;
+
+/// Targets that would feed themselves.
+const LEFT_OUT: [&str; 3] = ["ros2_client", "rustdds", "cdr_encoding"];
+
+/// One message.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Record {
+    level: u8,
+    stamp: i64,
+    message: String,
+    file: String,
+    function: String,
+    line: u32,
+}
+
+/// Messages on their way to `/rosout`.
+#[derive(Debug)]
+pub struct RosoutQueue {
+    pub(super) records: Receiver<Record>,
+    pub(super) dropped: Arc<AtomicU64>,
+}
+
+/// Collects messages for `/rosout`.
+#[derive(Debug)]
+pub struct RosoutLayer {
+    records: SyncSender<Record>,
+    dropped: Arc<AtomicU64>,
+}
+
+/// A layer, and the queue that it fills.
+#[must_use]
+pub fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
+    let (sender, records) = sync_channel(ROSOUT_QUEUE);
+    let dropped = Arc::new(AtomicU64::new(0));
+    let layer = RosoutLayer {
+        records: sender,
+        dropped: Arc::clone(&dropped),
+    };
+    (layer, RosoutQueue { records, dropped })
+}
+
+/// Sets up logging for the whole program, as the ROS arguments say; `RUST_LOG` overrides their levels for the terminal.
+/// Gives the queue for `/rosout`.
+///
+/// # Errors
+/// When logging is set up already.
+pub fn start_logging(
+    arguments: &RosArguments,
+    logger: &str,
+) -> Result<Option<RosoutQueue>, TryInitError> {
+    let level = arguments.level_of(logger);
+    let own = format!("off,column_twin={}", directive(level));
+    let terminal = arguments.stdout.unwrap_or(true).then(|| {
+        let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(&own));
+        let form = RosFormat {
+            logger: logger.to_owned(),
+        };
+        tracing_subscriber::fmt::layer()
+            .event_format(form)
+            .with_writer(std::io::stderr)
+            .with_filter(filter)
+    });
+    let (layer, queue) = rosout_layer();
+    let rosout = arguments
+        .rosout
+        .unwrap_or(true)
+        .then(|| layer.with_filter(EnvFilter::new(&own)));
+    let queue = rosout.is_some().then_some(queue);
+    Registry::default().with(terminal).with(rosout).try_init()?;
+    Ok(queue)
+}
+
+/// `tracing` has no level above error.
+fn directive(level: LogLevel) -> &'static str {
+    match level {
+        LogLevel::Debug => "debug",
+        LogLevel::Info => "info",
+        LogLevel::Warn => "warn",
+        LogLevel::Error | LogLevel::Fatal => "error",
+    }
+}
+
+impl Record {
+    fn new(event: &Event<'_>) -> Self {
+        let mut text = Text::default();
+        event.record(&mut text);
+        let metadata = event.metadata();
+        Self {
+            level: level_code(metadata.level()),
+            stamp: now(),
+            message: text.0,
+            file: metadata.file().unwrap_or_default().to_owned(),
+            function: metadata.module_path().unwrap_or_default().to_owned(),
+            line: metadata.line().unwrap_or_default(),
+        }
+    }
+
+    /// As `/rosout` carries it.
+    pub fn into_log(self, logger: &str) -> Log {
+        Log {
+            stamp: Time::from_nanos(self.stamp),
+            level: self.level,
+            name: logger.to_owned(),
+            msg: self.message,
+            file: self.file,
+            function: self.function,
+            line: self.line,
+        }
+    }
+}
+
+impl<S: Subscriber> Layer<S> for RosoutLayer {
+    fn enabled(&self, metadata: &Metadata<'_>, _: Context<'_, S>) -> bool {
+        is_wanted(metadata)
+    }
+
+    fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+        if is_wanted(event.metadata()) && self.records.try_send(Record::new(event)).is_err() {
+            self.dropped.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+fn is_wanted(metadata: &Metadata<'_>) -> bool {
+    let root = metadata.target().split("::").next().unwrap_or_default();
+    !LEFT_OUT.contains(&root)
+}
+
+fn level_code(level: &Level) -> u8 {
+    match *level {
+        Level::ERROR => Log::ERROR,
+        Level::WARN => Log::WARN,
+        Level::INFO => Log::INFO,
+        Level::DEBUG | Level::TRACE => Log::DEBUG,
+    }
+}
+
+fn now() -> i64 {
+    let since = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
+}
+
+/// The message, and behind it the fields as `name=value`.
+#[derive(Default)]
+struct Text(String);
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
+        use fmt::Write;
+        // Writing to a string does not fail.
+        let _ = match field.name() {
+            "message" => write!(self.0, "{value:?}"),
+            name => write!(self.0, " {name}={value:?}"),
+        };
+    }
+}
+
+/// `[INFO] [1700000000.123456789] [column_twin]: text`, as rcl writes it.
+struct RosFormat {
+    logger: String,
+}
+
+impl<S, N> FormatEvent<S, N> for RosFormat
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+    N: for<'a> FormatFields<'a> + 'static,
+{
+    fn format_event(
+        &self,
+        context: &FmtContext<'_, S, N>,
+        mut writer: Writer<'_>,
+        event: &Event<'_>,
+    ) -> fmt::Result {
+        let (stamp, level) = (now(), event.metadata().level());
+        write!(
+            writer,
+            "[{level}] [{}.{:09}] [{}]: ",
+            stamp / 1_000_000_000,
+            stamp % 1_000_000_000,
+            self.logger
+        )?;
+        context
+            .field_format()
+            .format_fields(format::Writer::new(&mut writer), event)?;
+        writeln!(writer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn logged(say: impl FnOnce()) -> (Vec<Record>, u64) {
+        let (layer, queue) = rosout_layer();
+        tracing::subscriber::with_default(Registry::default().with(layer), say);
+        (
+            queue.records.iter().collect(),
+            queue.dropped.load(Ordering::Relaxed),
+        )
+    }
+
+    #[test]
+    fn messages_carry_level_text_and_place() {
+        let (records, _) = logged(|| {
+            tracing::warn!(mass = 3, "refused {}", "it");
+            tracing::error!("worse");
+        });
+        let log = records[0].clone().into_log("garage.column_twin");
+        assert_eq!((log.level, log.msg.as_str()), (30, "refused it mass=3"));
+        assert_eq!(log.name, "garage.column_twin");
+        assert!(log.file.ends_with("rosout.rs") && log.line > 0);
+        assert_eq!(records[1].level, 40);
+    }
+
+    #[test]
+    fn the_libraries_below_are_not_forwarded() {
+        let (records, _) = logged(|| {
+            tracing::warn!(target: "rustdds::network::udp_sender", "large datagram");
+            tracing::error!(target: "ros2_client::node", "not known to node");
+            tracing::info!(target: "cdr_encoding", "x");
+            tracing::info!(target: "rustdds_monitor", "another program");
+        });
+        assert_eq!(records.len(), 1);
+    }
+
+    #[test]
+    fn a_full_queue_drops_and_counts() {
+        let (records, dropped) = logged(|| {
+            for _ in 0..ROSOUT_QUEUE + 5 {
+                tracing::info!("again");
+            }
+        });
+        assert_eq!((records.len(), dropped), (ROSOUT_QUEUE, 5));
+    }
+}

@@ -1,0 +1,124 @@
+//! `column-twin run`: the node from its arguments to its clean end.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
+
+use crate::parameters::{Override, ParameterFaults, Parameters};
+
+use super::NODE_NAME;
+use super::arguments::RosArguments;
+use super::bridge::{Output, Outputs, Twin};
+use super::environment::{DiscoveryRange, Environment};
+use super::names::{NameError, Names};
+use super::node::NodeError;
+use super::rosout::start_logging;
+use super::signals::StopSignals;
+use super::twin_node::TwinNode;
+
+/// What the command line and the environment ask for.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// What stood behind `--ros-args`.
+    pub ros: RosArguments,
+    /// What the environment says.
+    pub environment: Environment,
+    /// Parameter files of the program's own flags, read before those of `--params-file`.
+    pub parameter_files: Vec<PathBuf>,
+    /// Parameters by flags of their own, applied after those of `-p`.
+    pub overrides: Vec<Override>,
+}
+
+/// A twin that runs.
+pub struct StartedTwin {
+    /// The twin.
+    pub twin: Arc<dyn Twin>,
+    /// What leaves it.
+    pub outputs: Box<dyn Outputs>,
+    /// Ends its threads.
+    pub stop: Box<dyn FnOnce()>,
+}
+
+/// Why the node did not start.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A name that is none.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// Wrong parameters.
+    #[error(transparent)]
+    Parameters(#[from] ParameterFaults),
+    /// No node.
+    #[error(transparent)]
+    Node(#[from] NodeError),
+    /// No twin.
+    #[error("the twin cannot start: {0}")]
+    Twin(Box<dyn std::error::Error + Send + Sync>),
+    /// Logging or signals.
+    #[error("{0}; is the node started twice in one program?")]
+    Process(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl Outputs for Box<dyn Outputs> {
+    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
+        (**self).receive(timeout)
+    }
+}
+
+/// Runs the node until SIGINT or SIGTERM. `start_twin` makes the twin from the parameters.
+///
+/// # Errors
+/// When names or parameters are wrong, or there is no participant, thread or twin to be had.
+pub fn run<E>(
+    options: &RunOptions,
+    start_twin: impl FnOnce(Parameters) -> Result<StartedTwin, E>,
+) -> Result<(), RunError>
+where
+    E: Into<Box<dyn std::error::Error + Send + Sync>>,
+{
+    let RunOptions {
+        ros, environment, ..
+    } = options;
+    let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
+    let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
+    let parameters = load_parameters(options, &names)?;
+    let log =
+        start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
+    say_what_is_not_done(options);
+    let StartedTwin {
+        twin,
+        outputs,
+        stop,
+    } = start_twin(parameters).map_err(|error| RunError::Twin(error.into()))?;
+    let node = TwinNode::start(environment, names, twin, outputs, log)?;
+    let reach = match environment.discovery_range {
+        DiscoveryRange::Localhost => "this machine only",
+        DiscoveryRange::Subnet => "every network of this machine",
+    };
+    tracing::info!(
+        "{} is ready in domain {}, on {reach}",
+        node.names(),
+        environment.domain_id
+    );
+    signals.wait();
+    tracing::info!("stopping");
+    node.stop(stop);
+    Ok(())
+}
+
+fn load_parameters(options: &RunOptions, names: &Names) -> Result<Parameters, ParameterFaults> {
+    let chained = |first: &[PathBuf], second: &[PathBuf]| [first, second].concat();
+    let files = chained(&options.parameter_files, &options.ros.parameter_files);
+    let overrides = [&options.ros.overrides[..], &options.overrides].concat();
+    Parameters::load_for(&names.for_parameters(), &files, &overrides)
+}
+
+fn say_what_is_not_done(options: &RunOptions) {
+    for warning in &options.environment.warnings {
+        tracing::warn!("{warning}");
+    }
+    for argument in &options.ros.without_effect {
+        tracing::warn!("{argument} has no effect on this node");
+    }
+}

@@ -1,0 +1,149 @@
+//! The twin's node: everything of the contract, running in threads of its own.
+//!
+//! | thread | what it does |
+//! |---|---|
+//! | `column_twin/ros` | takes events and the clock, follows which peers there are |
+//! | `column_twin/srv` | answers services, takes sets of parameters |
+//! | `column_twin/pub` | publishes what leaves the twin, and diagnostics |
+//! | `column_twin/log` | publishes `/rosout` |
+//!
+//! RustDDS adds two to three threads of its own.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use ros2_client::{Log, Publisher};
+
+use super::bridge::{Outputs, Twin};
+use super::diagnostics::NodeCounters;
+use super::environment::Environment;
+use super::inputs::{Services, Subscriptions};
+use super::matches::Matches;
+use super::names::Names;
+use super::node::{Node, NodeError};
+use super::publishing::Publishing;
+use super::qos;
+use super::rosout::RosoutQueue;
+use super::task::Task;
+
+/// Longest wait for a log message, after which the thread looks whether it is to stop.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+
+/// The running node. Ends with [`stop`](Self::stop).
+pub struct TwinNode {
+    // In the order in which they end.
+    inputs: Vec<Task>,
+    outputs: Vec<JoinHandle<()>>,
+    stop: Arc<AtomicBool>,
+    node: Node,
+}
+
+impl TwinNode {
+    /// Starts the node of a running twin.
+    ///
+    /// # Errors
+    /// When there is no participant, endpoint or thread to be had.
+    pub fn start(
+        environment: &Environment,
+        names: Names,
+        twin: Arc<dyn Twin>,
+        outputs: impl Outputs,
+        log: Option<RosoutQueue>,
+    ) -> Result<Self, NodeError> {
+        let mut node = Node::new(environment, names)?;
+        let counters = Arc::new(NodeCounters::default());
+        let stop = Arc::new(AtomicBool::new(false));
+        let log_thread = log
+            .map(|queue| publish_log(&mut node, queue, &counters, &stop))
+            .transpose()?;
+        let publishing = Publishing::new(&mut node, Arc::clone(&twin), Arc::clone(&counters))?;
+        let subscriptions = Subscriptions::new(&mut node, &twin.parameters())?;
+        let services = Services::new(&mut node)?;
+        let stop_publishing = Arc::clone(&stop);
+        let publisher = spawn("column_twin/pub", move || {
+            publishing.run(outputs, &stop_publishing);
+        })?;
+        let (events, matches) = (node.participant_events(), Arc::clone(&counters));
+        let of_twin = Arc::clone(&twin);
+        let inputs = vec![
+            Task::start("column_twin/ros", move || async move {
+                futures::join!(events, subscriptions.run(of_twin, matches));
+            })?,
+            Task::start("column_twin/srv", move || services.run(twin, counters))?,
+        ];
+        Ok(Self {
+            inputs,
+            outputs: [Some(publisher), log_thread]
+                .into_iter()
+                .flatten()
+                .collect(),
+            stop,
+            node,
+        })
+    }
+
+    /// The node's names.
+    #[must_use]
+    pub fn names(&self) -> &Names {
+        self.node.names()
+    }
+
+    /// What is known of peers.
+    #[must_use]
+    pub fn matches(&self) -> Arc<Matches> {
+        self.node.matches()
+    }
+
+    /// Takes nothing more in, lets `end_twin` end the twin, sends what is still waiting, and says goodbye.
+    pub fn stop(self, end_twin: impl FnOnce()) {
+        for task in self.inputs {
+            task.stop();
+        }
+        end_twin();
+        self.stop.store(true, Ordering::Relaxed);
+        for thread in self.outputs {
+            if thread.join().is_err() {
+                tracing::error!("a publishing thread has panicked");
+            }
+        }
+        // All threads have ended, and with them all endpoints: the participant can go.
+        drop(self.node);
+    }
+}
+
+fn publish_log(
+    node: &mut Node,
+    queue: RosoutQueue,
+    counters: &Arc<NodeCounters>,
+    stop: &Arc<AtomicBool>,
+) -> Result<JoinHandle<()>, NodeError> {
+    let publisher: Publisher<Log> = node.publisher(&qos::ROSOUT)?;
+    let logger = node.names().logger();
+    let (counters, stop) = (Arc::clone(counters), Arc::clone(stop));
+    spawn("column_twin/log", move || {
+        loop {
+            match queue.records.recv_timeout(LONGEST_WAIT) {
+                // A failure is not logged: it would be published too.
+                Ok(record) => drop(publisher.publish(record.into_log(&logger))),
+                Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            let dropped = queue.dropped.load(Ordering::Relaxed);
+            counters.unlogged.store(dropped, Ordering::Relaxed);
+        }
+    })
+}
+
+fn spawn(
+    name: &'static str,
+    run: impl FnOnce() + Send + 'static,
+) -> Result<JoinHandle<()>, NodeError> {
+    thread::Builder::new()
+        .name(name.to_owned())
+        .spawn(run)
+        .map_err(|source| NodeError::Thread { name, source })
+}

@@ -1,0 +1,171 @@
+//! What outlives a restart: the damage of the column, as text.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use super::input::Nanos;
+use super::parameter_change::what_the_column_is;
+use crate::column::{Displacement, PerBar, PlasticFlow};
+use crate::parameters::Parameters;
+
+/// First entry of a state file.
+const FORMAT: &str = "column_twin state";
+
+/// Version of the content that is written, and the only one that is read.
+const VERSION: u32 = 1;
+
+/// The damage of the column, and which impacts it comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedState {
+    /// The column.
+    pub column_id: Arc<str>,
+    /// Digest of what the column is: its lengths, section, steel, resistances, hinges and supports.
+    pub fingerprint: String,
+    /// When it was taken \[ns\] since the epoch.
+    pub stamp: Nanos,
+    /// Whether it stands.
+    pub condition: SavedCondition,
+    /// Height of hinges 1a and 1b above the base \[m\].
+    pub impact_height: f64,
+    /// Displacements in the residual equilibrium.
+    pub displacement: Displacement,
+    /// Plastic deformation of the hinges.
+    pub plastic: PerBar<PlasticFlow>,
+    /// Work dissipated in the hinges since the last reset \[J\].
+    pub plastic_work_since_reset: f64,
+    /// Accepted impacts since the last reset.
+    pub impacts_since_reset: u32,
+    /// Refused impacts since the last reset.
+    pub refused_since_reset: u64,
+    /// The last accepted impact; empty if there was none.
+    pub last_event_id: Arc<str>,
+    /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
+    pub seen_ids: Vec<Arc<str>>,
+}
+
+/// Whether a saved column stands.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SavedCondition {
+    /// It stands.
+    Standing,
+    /// It has collapsed.
+    Collapsed,
+    /// It cannot be computed any further, for this reason.
+    Faulted(Arc<str>),
+}
+
+/// Why a text is not the state of this column.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SavedStateError {
+    /// It is no JSON of the expected form.
+    #[error("it is truncated or no state file of column_twin: {0}")]
+    Malformed(String),
+    /// It is of another format or version.
+    #[error("it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}")]
+    Foreign {
+        /// What it says it is.
+        format: String,
+        /// Its version.
+        version: u32,
+    },
+    /// Its checksum is not that of its content.
+    #[error("its checksum does not fit its content: it was damaged or edited")]
+    Checksum,
+    /// It is of another column.
+    #[error("it is of column \"{found}\"; this twin is of column \"{expected}\"")]
+    OtherColumn {
+        /// Whose it is.
+        found: String,
+        /// Whose it should be.
+        expected: String,
+    },
+    /// The column has other properties than when it was damaged.
+    #[error(
+        "the parameters of column \"{0}\" (lengths, section, steel, resistances, hinges or supports) are not those \
+         that it was damaged with; with the old ones the file can be used again"
+    )]
+    OtherParameters(String),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Envelope<Content> {
+    format: String,
+    version: u32,
+    /// SHA-256 over the content as compact JSON.
+    checksum: String,
+    content: Content,
+}
+
+/// What can be read of any version.
+#[derive(Deserialize)]
+struct Label {
+    format: String,
+    version: u32,
+}
+
+impl SavedState {
+    /// The text of a state file.
+    ///
+    /// # Errors
+    /// None that is known of: numbers and texts can be written as JSON.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(&Envelope {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            checksum: checksum(self)?,
+            content: self,
+        })
+    }
+
+    /// Reads the text of a state file of the column that has these parameters.
+    ///
+    /// # Errors
+    /// It is truncated, foreign, damaged, or of another column.
+    pub fn from_json(text: &str, parameters: &Parameters) -> Result<Self, SavedStateError> {
+        let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
+        let Label { format, version } = serde_json::from_str(text).map_err(malformed)?;
+        if format != FORMAT || version != VERSION {
+            let format = super::shortened(&format);
+            return Err(SavedStateError::Foreign { format, version });
+        }
+        let read: Envelope<Self> = serde_json::from_str(text).map_err(malformed)?;
+        if checksum(&read.content).map_err(malformed)? != read.checksum {
+            return Err(SavedStateError::Checksum);
+        }
+        let expected = &parameters.settings().column_id;
+        if *read.content.column_id != **expected {
+            return Err(SavedStateError::OtherColumn {
+                found: super::shortened(&read.content.column_id),
+                expected: expected.clone(),
+            });
+        }
+        if read.content.fingerprint != fingerprint(parameters) {
+            return Err(SavedStateError::OtherParameters(expected.clone()));
+        }
+        Ok(read.content)
+    }
+}
+
+/// Digest of what the column is.
+pub(super) fn fingerprint(parameters: &Parameters) -> String {
+    let json = serde_json::to_string(&what_the_column_is(parameters)).unwrap_or_default();
+    hex(&Sha256::digest(json))
+}
+
+fn checksum(content: &SavedState) -> Result<String, serde_json::Error> {
+    Ok(hex(&Sha256::digest(serde_json::to_vec(content)?)))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}"); // a String takes everything
+        text
+    })
+}

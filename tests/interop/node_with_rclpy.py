@@ -1,0 +1,273 @@
+#!/usr/bin/env python3
+"""A ROS 2 program (rclpy, Fast DDS) uses every part of the node's contract.
+
+Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
+
+    node_with_rclpy.py EXPECTED.json
+
+EXPECTED.json holds the event to send, and the samples and the report that must come of it. Exit code 1 and a line for each
+fault when something differs. Waits for what it needs and never sleeps.
+"""
+
+import json
+import math
+import sys
+import time
+
+import rclpy
+from rcl_interfaces.msg import Log, ParameterEvent, ParameterType
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+from column_twin.msg import ColumnParameters, ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus
+from column_twin.srv import PredictImpact
+
+PATIENCE = 30.0
+NODE = "column_twin"
+TOPICS = {
+    "/impact_event": "column_twin/msg/ImpactEvent",
+    "/column_parameters": "column_twin/msg/ColumnParameters",
+    "/column_state": "column_twin/msg/ColumnState",
+    "/hinge_forces": "column_twin/msg/HingeForces",
+    "/impact_forecast": "column_twin/msg/ImpactReport",
+    "/impact_report": "column_twin/msg/ImpactReport",
+    "/twin_status": "column_twin/msg/TwinStatus",
+    "/joint_states": "sensor_msgs/msg/JointState",
+    "/markers": "visualization_msgs/msg/MarkerArray",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+    "/rosout": "rcl_interfaces/msg/Log",
+    "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
+}
+SERVICES = {"/column_twin/reset": "std_srvs/srv/Trigger", "/column_twin/predict": "column_twin/srv/PredictImpact"}
+
+faults = []
+
+
+def check(what, found, expected):
+    same = found == expected or (
+        isinstance(found, float) and isinstance(expected, float) and math.isnan(found) and math.isnan(expected))
+    if not same:
+        faults.append(f"{what}: expected {expected!r}, found {found!r}")
+
+
+def check_that(what, condition):
+    if not condition:
+        faults.append(what)
+
+
+class Peer:
+    def __init__(self):
+        self.node = rclpy.create_node("monitor")
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
+        self.seen = {}
+        reliable = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+        latched = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE,
+                             durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        for name, message, qos in [
+            ("column_state", ColumnState, reliable), ("hinge_forces", HingeForces, reliable),
+            ("impact_forecast", ImpactReport, latched), ("impact_report", ImpactReport, latched),
+            ("twin_status", TwinStatus, latched), ("joint_states", JointState, reliable),
+            ("markers", MarkerArray, latched), ("/diagnostics", DiagnosticArray, reliable),
+            ("/rosout", Log, latched), ("/parameter_events", ParameterEvent, reliable),
+        ]:
+            self.seen[name] = []
+            self.node.create_subscription(message, name, self.seen[name].append, qos)
+        self.events = self.node.create_publisher(ImpactEvent, "impact_event", reliable)
+        self.sets = self.node.create_publisher(ColumnParameters, "column_parameters", reliable)
+
+    def until(self, what, condition):
+        """Spins until the condition holds; a fault, and False, when it does not in time."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            if time.monotonic() > deadline:
+                faults.append(f"waited in vain for {what}")
+                return False
+            self.executor.spin_once(timeout_sec=0.1)
+        return True
+
+    def result(self, what, future):
+        return future.result() if self.until(what, future.done) else None
+
+    def of_node(self, name):
+        """Messages but those of this node itself."""
+        return [it for it in self.seen[name] if getattr(it, "name", NODE) == NODE and getattr(it, "node", "/" + NODE) == "/" + NODE]
+
+
+def graph(peer):
+    node = peer.node
+    peer.until("the node's name", lambda: (NODE, "/") in node.get_node_names_and_namespaces())
+    topics = lambda: {name: types for name, types in node.get_publisher_names_and_types_by_node(NODE, "/")
+                      + node.get_subscriber_names_and_types_by_node(NODE, "/")}
+    peer.until("all topics", lambda: TOPICS.keys() <= topics().keys())
+    for name, type_name in TOPICS.items():
+        check(name, topics().get(name), [type_name])
+    services = lambda: dict(node.get_service_names_and_types_by_node(NODE, "/"))
+    peer.until("all services", lambda: SERVICES.keys() <= services().keys())
+    for name, type_name in SERVICES.items():
+        check(name, services().get(name), [type_name])
+    check_that("/clock is not subscribed without use_sim_time", "/clock" not in topics())
+    # This node's publishers and subscriptions must have found theirs before anything is sent.
+    for name in ["/impact_event", "/column_parameters"]:
+        peer.until(f"a reader of {name}", lambda: node.count_subscribers(name) > 0)
+    for publisher in [peer.events, peer.sets]:
+        peer.until(f"a match of {publisher.topic_name}", lambda: publisher.get_subscription_count() > 0)
+    for subscription in node.subscriptions:
+        if subscription.topic_name in TOPICS:
+            peer.until(f"a publisher of {subscription.topic_name}",
+                       lambda: node.count_publishers(subscription.topic_name) > 0)
+
+
+def parameters(peer):
+    client = AsyncParameterClient(peer.node, NODE)
+    peer.until("parameter services", client.services_are_ready)
+    names = peer.result("list", client.list_parameters()).result.names
+    check_that(f"the list has top.load: {names}", "top.load" in names and "use_sim_time" in names)
+    under = peer.result("list", client.list_parameters(["geometry"], 2)).result.names
+    check("geometry.*", sorted(under), ["geometry.length_above", "geometry.length_below"])
+
+    load, identity, port = peer.result(
+        "describe", client.describe_parameters(["top.load", "column_id", "viewer.port"])).descriptors
+    check("type of top.load", load.type, ParameterType.PARAMETER_DOUBLE)
+    check_that(f"description of top.load: {load.description}", "[N]" in load.description)
+    check("range of top.load", [(it.from_value, it.to_value) for it in load.floating_point_range], [(0.0, 1e9)])
+    check("top.load is read-only", load.read_only, False)
+    check("column_id is read-only", identity.read_only, True)
+    check("range of viewer.port", [(it.from_value, it.to_value, it.step) for it in port.integer_range], [(1, 65535, 1)])
+
+    values = peer.result("get", client.get_parameters(["top.load", "section.name", "no.such"])).values
+    check("top.load", values[0].double_value, 5e5)
+    check("section.name", values[1].string_value, "HEB220")
+    check("no.such", values[2].type, ParameterType.PARAMETER_NOT_SET)
+    types = peer.result("types", client.get_parameter_types(["top.load", "no.such"])).types
+    check("types", list(types), [ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_NOT_SET])
+
+    # RustDDS cannot send long replies; better none than a part, and a word about it in /rosout.
+    check("all values at once", len(peer.result("get", client.get_parameters(names)).values), 0)
+    peer.until("a word about it", lambda: any("Ask for fewer names at once" in it.msg for it in peer.of_node("/rosout")))
+    every = [peer.result("get", client.get_parameters([it])).values[0].type for it in names]
+    check_that(f"each value alone: {every}", ParameterType.PARAMETER_NOT_SET not in every)
+
+    def set_one(name, value):
+        return peer.result("set", client.set_parameters([Parameter(name, value=value)])).results[0]
+
+    check("set top.load", set_one("top.load", 4e5).successful, True)
+    check("a whole number", set_one("top.load", 400000).successful, True)
+    for name, value, reason in [
+        ("top.load", -1.0, "is out of range; allowed: 0 to 1e9 N"), ("top.load", math.nan, "is not a finite number"),
+        ("top.load", "heavy", "is a text, not a number"), ("top.laod", 1.0, "did you mean top.load?"),
+        ("column_id", "other", "read-only"), ("section.name", "HEB225", "did you mean HEB220?"),
+    ]:
+        result = set_one(name, value)
+        check_that(f"{name} = {value!r} is refused with {reason!r}: {result}",
+                   not result.successful and reason in result.reason)
+    # Alone neither would do: a semi-rigid base needs its stiffness.
+    check("half of a pair", set_one("support.base", "semi_rigid").successful, False)
+    pair = [Parameter("support.base", value="semi_rigid"), Parameter("support.base_stiffness", value=1e7)]
+    check("a pair", peer.result("set", client.set_parameters_atomically(pair)).result.successful, True)
+    half = [Parameter("top.load", value=1e5), Parameter("top.mass", value=-1.0)]
+    check("half wrong", peer.result("set", client.set_parameters_atomically(half)).result.successful, False)
+    check("nothing half applied", peer.result("get", client.get_parameters(["top.load"])).values[0].double_value, 4e5)
+    back = [Parameter("support.base", value="built_in"), Parameter("support.base_stiffness", value=0.0),
+            Parameter("top.load", value=5e5)]
+    check("back", peer.result("set", client.set_parameters_atomically(back)).result.successful, True)
+    changed = lambda: [[it.name for it in event.changed_parameters] for event in peer.of_node("/parameter_events")]
+    peer.until("parameter events", lambda: ["support.base", "support.base_stiffness"] in [sorted(it) for it in changed()])
+
+    message = ColumnParameters(column_id="column")
+    for field, kind in message.get_fields_and_field_types().items():
+        if kind == "double":
+            setattr(message, field, math.nan)
+    message.top_load = 3e5
+    peer.sets.publish(message)
+    get_load = lambda: peer.result("get", client.get_parameters(["top.load"])).values[0].double_value
+    peer.until("a set by topic", lambda: get_load() == 3e5)
+    message.top_load = 5e5
+    peer.sets.publish(message)
+    peer.until("a set by topic", lambda: get_load() == 5e5)
+    message.column_id = "another"
+    peer.sets.publish(message)
+    peer.until("its refusal in /rosout",
+               lambda: any("refused: this is the column column" in it.msg for it in peer.of_node("/rosout")))
+
+
+def impact(peer, expected):
+    event = ImpactEvent(column_id="column", event_id="e1", mass=expected["mass"], velocity=expected["velocity"],
+                        gap=math.nan, restitution=math.nan, height=math.nan)
+    event.header.stamp.sec, event.header.stamp.nanosec = divmod(expected["stamp"], 10**9)
+    peer.events.publish(event)
+    states, forces, samples = peer.seen["column_state"], peer.seen["hinge_forces"], expected["samples"]
+    peer.until(f"{len(samples)} states", lambda: len(states) >= len(samples) and len(forces) >= len(samples))
+    check("number of states", (len(states), len(forces)), (len(samples), len(samples)))
+    for index, (state, force, sample) in enumerate(zip(states, forces, samples)):
+        stamp = state.header.stamp.sec * 10**9 + state.header.stamp.nanosec
+        check(f"stamp {index}", stamp, expected["stamp"] + index * expected["period"])
+        check(f"state {index}", [getattr(state, field) for field in expected["fields"]], sample["state"])
+        check(f"forces {index}", list(force.moment) + list(force.normal_force), sample["forces"])
+        check(f"event {index}", (state.event_id, state.column_id, state.header.frame_id), ("e1", "column", "column"))
+        if len(faults) > 20:
+            return
+    for name, kind in [("impact_forecast", ImpactReport.FORECAST), ("impact_report", ImpactReport.RESULT)]:
+        if peer.until(name, lambda: any(it.event_id == "e1" for it in peer.seen[name])):
+            report = next(it for it in peer.seen[name] if it.event_id == "e1")
+            check(name, (report.kind, report.max_v1, report.residual_v1), (kind, expected["max_v1"], expected["residual_v1"]))
+    peer.until("joint states", lambda: peer.seen["joint_states"])
+    check("joints", list(peer.seen["joint_states"][-1].name), ["hinge_1a", "hinge_1b", "hinge_2", "hinge_3"])
+    peer.until("markers", lambda: peer.seen["markers"])
+    check_that("markers show the column", any(it.ns == "column" for it in peer.seen["markers"][-1].markers))
+
+    event.event_id, event.mass = "e2", -1.0
+    peer.events.publish(event)
+    peer.until("the refusal", lambda: any(it.last_refusal_event_id == "e2" and it.last_refusal_reason
+                                          for it in peer.seen["twin_status"]))
+    peer.until("the refusal in /rosout", lambda: any("e2 is refused" in it.msg for it in peer.of_node("/rosout")))
+    levels = [it.level for it in peer.of_node("/rosout") if "e2 is refused" in it.msg]
+    check("its level", [it if isinstance(it, int) else it[0] for it in levels], [30])
+    peer.until("diagnostics", lambda: len(peer.seen["/diagnostics"]) >= 2)
+    names = [it.name for it in peer.seen["/diagnostics"][-1].status]
+    check("diagnostics", names, [f"column_twin: {it}" for it in ["twin", "solver", "queues", "ros"]])
+
+
+def services(peer, expected):
+    reset = peer.node.create_client(Trigger, "column_twin/reset")
+    peer.until("reset", reset.service_is_ready)
+    answer = peer.result("reset", reset.call_async(Trigger.Request()))
+    check("reset", (answer.success, answer.message), (True, "the column is virgin"))
+    predict = peer.node.create_client(PredictImpact, "column_twin/predict")
+    peer.until("predict", predict.service_is_ready)
+    request = PredictImpact.Request(event_id="what if", mass=expected["mass"], velocity=expected["velocity"],
+                                    gap=math.nan, restitution=math.nan, height=math.nan)
+    answer = peer.result("predict", predict.call_async(request))
+    report = answer.report
+    check("predict", (answer.success, report.kind, report.event_id, report.column_id, report.max_v1),
+          (True, ImpactReport.PREDICTION, "what if", "column", expected["max_v1"]))
+    request.mass = 0.0
+    answer = peer.result("predict", predict.call_async(request))
+    check("predict without mass", (answer.success, answer.message), (False, "mass and velocity must be above 0"))
+
+
+def main():
+    expected = json.loads(open(sys.argv[1]).read())
+    rclpy.init()
+    peer = Peer()
+    for part in [graph, parameters, lambda it: impact(it, expected), lambda it: services(it, expected)]:
+        before = time.monotonic()
+        part(peer)
+        print(f"{getattr(part, '__name__', 'part')}: {time.monotonic() - before:.2f} s, {len(faults)} faults", flush=True)
+        if faults:
+            break
+    peer.node.destroy_node()
+    rclpy.shutdown()
+    for fault in faults[:20]:
+        print(fault, file=sys.stderr)
+    sys.exit(bool(faults))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""A DDS program that knows no ROS (Cyclone DDS) receives rt/column_state with default settings but its reliability.
+
+Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
+
+    state_with_cyclonedds.py EXPECTED.json
+
+Prints `ready` when it has found the node's publisher; EXPECTED.json holds the samples that must come then. Exit code 1 with
+what differs.
+"""
+
+import json
+import os
+import sys
+import time
+from dataclasses import dataclass
+
+LOOPBACK = ('<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>'
+            "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+            '<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>')
+os.environ.setdefault("CYCLONEDDS_URI", LOOPBACK)
+
+from cyclonedds.core import Policy, Qos, ReadCondition, InstanceState, SampleState, ViewState, WaitSet  # noqa: E402
+from cyclonedds.domain import DomainParticipant  # noqa: E402
+from cyclonedds.idl import IdlStruct, types  # noqa: E402
+from cyclonedds.sub import DataReader  # noqa: E402
+from cyclonedds.topic import Topic  # noqa: E402
+from cyclonedds.util import duration  # noqa: E402
+
+PATIENCE = 30.0
+
+
+@dataclass
+class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
+    sec: types.int32
+    nanosec: types.uint32
+
+
+@dataclass
+class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
+    stamp: Time
+    frame_id: str
+
+
+@dataclass
+class ColumnState(IdlStruct, typename="column_twin::msg::dds_::ColumnState_"):
+    header: Header
+    column_id: str
+    event_id: str
+    phase: types.uint8
+    time: types.float64
+    v1: types.float64
+    u1: types.float64
+    beta1: types.float64
+    u2: types.float64
+    v1_rate: types.float64
+    u1_rate: types.float64
+    u2_rate: types.float64
+    impactor_position: types.float64
+    impactor_velocity: types.float64
+    gap: types.float64
+    contact_force: types.float64
+    percussion: types.float64
+    impulse: types.float64
+    kinetic_energy: types.float64
+    elastic_energy: types.float64
+    plastic_work: types.float64
+    impact_loss: types.float64
+    damping_work: types.float64
+    load_work: types.float64
+    ledger_residual: types.float64
+
+
+def main():
+    expected = json.loads(open(sys.argv[1]).read())
+    participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
+    topic = Topic(participant, "rt/column_state", ColumnState)
+    reader = DataReader(participant, topic, qos=Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(2000)))
+    condition = ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any)
+    waitset = WaitSet(participant)
+    waitset.attach(condition)
+    deadline = time.monotonic() + PATIENCE
+    while not reader.get_matched_publications():
+        if time.monotonic() > deadline:
+            sys.exit("waited in vain for a publisher of rt/column_state")
+        waitset.wait(duration(milliseconds=20))
+    print("ready", flush=True)
+    states = []
+    while len(states) < len(expected["samples"]) and time.monotonic() < deadline:
+        waitset.wait(duration(milliseconds=200))
+        states += reader.take(N=2000)
+    if len(states) != len(expected["samples"]):
+        sys.exit(f"expected {len(expected['samples'])} states, found {len(states)}")
+    for index, (state, sample) in enumerate(zip(states, expected["samples"])):
+        found = [getattr(state, field) for field in expected["fields"]]
+        if found != sample["state"] or state.header.frame_id != "column":
+            sys.exit(f"state {index}: expected {sample['state']}, found {found}")
+    print(f"{len(states)} states are equal", flush=True)
+
+
+if __name__ == "__main__":
+    main()

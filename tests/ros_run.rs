@@ -1,0 +1,87 @@
+//! `run` and `watch` from their arguments to SIGTERM, with names of their own. One test in a process of its own: a second
+//! signal ends the process at once.
+#![cfg(feature = "ros")]
+
+#[path = "ros/domain.rs"]
+mod domain;
+#[path = "ros/scripted_twin.rs"]
+mod scripted_twin;
+
+use std::convert::Infallible;
+use std::ffi::OsString;
+use std::sync::mpsc::channel;
+use std::thread;
+use std::time::Duration;
+
+use column_twin::parameters::Value;
+use column_twin::ros::bridge::Twin;
+use column_twin::ros::{
+    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, StartedTwin, run, send_impact, watch,
+};
+use signal_hook::consts::SIGTERM;
+
+use domain::Domain;
+use scripted_twin::ScriptedTwin;
+
+const PATIENCE: Duration = Duration::from_secs(30);
+
+#[test]
+fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
+    let domain = Domain::fresh();
+    let environment = domain.environment.clone();
+    let line = "run --ros-args -r __ns:=/garage -r impact_event:=/camera/impact -p top.load:=2e5 -p column_id:=a3";
+    let (own, ros) = RosArguments::split(line.split(' ').map(OsString::from)).unwrap();
+    assert_eq!(own, ["run"]);
+    let rules = ros.remap_rules.clone();
+    let options = RunOptions {
+        ros,
+        environment: environment.clone(),
+        ..RunOptions::default()
+    };
+    let node = thread::spawn(move || {
+        run(&options, |parameters| {
+            assert_eq!(parameters.get("top.load"), Some(Value::Double(2e5)));
+            let (twin, outputs) = ScriptedTwin::start(parameters);
+            let twin: std::sync::Arc<dyn Twin> = twin;
+            Ok::<_, Infallible>(StartedTwin {
+                twin,
+                outputs: Box::new(outputs),
+                stop: Box::new(|| {}),
+            })
+        })
+    });
+    let (sender, lines) = channel();
+    let (watched, watch_rules) = (environment.clone(), rules.clone());
+    let watcher = thread::spawn(move || {
+        watch(&watched, &watch_rules, &mut |line| {
+            let _ = sender.send(line.to_owned());
+        })
+    });
+    let impact = ImpactOptions {
+        column_id: "a3".to_owned(),
+        event_id: Some("e1".to_owned()),
+        mass: 1500.0,
+        velocity: 1.0,
+        gap: None,
+        restitution: None,
+        height: None,
+        match_timeout: PATIENCE,
+        answer_timeout: PATIENCE,
+    };
+    let mut said = Vec::new();
+    let outcome = send_impact(&environment, &rules, &impact, &mut |line| {
+        said.push(line.to_owned())
+    });
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    assert!(said[0].contains("/camera/impact"), "{said:?}");
+    let shown = || lines.recv_timeout(PATIENCE).expect("a line");
+    assert!(shown().starts_with("watching /garage/column_state in domain"));
+    // The forecast is kept for those who come late.
+    while !shown().starts_with("forecast of e1: ") {}
+    signal_hook::low_level::raise(SIGTERM).unwrap();
+    node.join().unwrap().unwrap();
+    watcher.join().unwrap().unwrap();
+}

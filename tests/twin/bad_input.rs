@@ -1,0 +1,150 @@
+//! What is refused changes nothing, and its sender can read why.
+
+use column_twin::twin::{ImpactEvent, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RefusedInput};
+
+use crate::{Bench, MS, START, event};
+
+fn refusal_of(event: ImpactEvent) -> String {
+    let mut bench = Bench::new(&[]);
+    let before = bench.twin.saved_state(START);
+    bench.hit(event);
+    let refusals = bench.refusals();
+    assert_eq!(refusals.len(), 1, "{refusals:?}");
+    assert_eq!(refusals[0].what, RefusedInput::Impact);
+    let reason = refusals[0].reason.to_string();
+    let status = bench.status();
+    assert_eq!(*status.last_refusal_reason, *reason);
+    assert_eq!((status.counts.events_refused, status.counts.events_accepted), (1, 0));
+    let mut after = bench.twin.saved_state(START);
+    assert_eq!(after.refused_since_reset, 1);
+    after.refused_since_reset = 0;
+    assert_eq!(after, before);
+    assert!(!bench.twin.is_responding() && !bench.twin.is_looking_ahead());
+    reason
+}
+
+#[test]
+fn numbers_that_are_none_or_out_of_range() {
+    let good = event("a", START);
+    for (bad, expected) in [
+        (ImpactEvent { impact_mass: f64::NAN, ..good.clone() }, "mass = NaN: is not a finite number"),
+        (ImpactEvent { impact_mass: -1500.0, ..good.clone() }, "mass = -1500: is out of range"),
+        (ImpactEvent { impact_mass: f64::INFINITY, ..good.clone() }, "mass = inf"),
+        (ImpactEvent { velocity: 0.0, ..good.clone() }, "velocity = 0: is out of range; allowed: 1e-6 to 60 m/s"),
+        (ImpactEvent { velocity: -10.0, ..good.clone() }, "velocity = -10"),
+        (ImpactEvent { velocity: 1e300, ..good.clone() }, "velocity = 1"),
+        (ImpactEvent { gap: Some(f64::NAN), ..good.clone() }, "gap = NaN"),
+        (ImpactEvent { gap: Some(-0.1), ..good.clone() }, "gap = -0.1"),
+        (ImpactEvent { restitution: Some(1.1), ..good.clone() }, "restitution = 1.1"),
+        (ImpactEvent { height: Some(f64::NAN), ..good.clone() }, "height = NaN"),
+        (ImpactEvent { height: Some(-1.0), ..good.clone() }, "height = -1"),
+        (ImpactEvent { height: Some(4.0), ..good.clone() }, "the column is 4 m high"),
+    ] {
+        let reason = refusal_of(bad);
+        assert!(reason.contains(expected), "{reason}");
+    }
+}
+
+#[test]
+fn all_wrong_numbers_are_listed_at_once() {
+    let bad = ImpactEvent { impact_mass: f64::NAN, velocity: 0.0, gap: Some(-1.0), ..event("a", START) };
+    let reason = refusal_of(bad);
+    assert!(["mass", "velocity", "gap"].iter().all(|name| reason.contains(name)), "{reason}");
+}
+
+#[test]
+fn names_that_are_wrong() {
+    let good = event("a", START);
+    let other = refusal_of(ImpactEvent { column_id: "other\u{1b}[31m".into(), ..good.clone() });
+    assert_eq!(other, "column_id is \"other?[31m\"; this twin is of column \"column\"");
+    let empty = refusal_of(ImpactEvent { event_id: String::new(), ..good.clone() });
+    assert!(empty.contains("event_id is empty"));
+    let long = "x".repeat(MAX_EVENT_ID_CHARS + 1);
+    assert!(refusal_of(ImpactEvent { event_id: long, ..good.clone() }).contains("too long"));
+    let control = refusal_of(ImpactEvent { event_id: "a\nb".into(), ..good.clone() });
+    assert!(control.contains("control characters"));
+}
+
+#[test]
+fn huge_names_are_not_kept() {
+    let mut bench = Bench::new(&[]);
+    let huge = "x".repeat(10_000_000);
+    bench.hit(ImpactEvent { event_id: huge.clone(), column_id: huge, ..event("", START) });
+    let refused = bench.refusals()[0].clone();
+    assert!(refused.reason.len() < MAX_REASON_CHARS && refused.event_id.len() < 300);
+}
+
+#[test]
+fn stamps_out_of_tolerance() {
+    for (stamp, expected) in [
+        (START - 5_001 * MS, "its stamp is 5.001 s old, event.max_age is 5 s"),
+        (START + 1_001 * MS, "its stamp is 1.001 s ahead, event.max_ahead is 1 s"),
+        (0, "s old"),
+        (i64::MIN, "s old"),
+        (i64::MAX, "s ahead"),
+    ] {
+        let reason = refusal_of(event("a", stamp));
+        assert!(reason.contains(expected), "{reason}");
+    }
+    for stamp in [START - 5_000 * MS, START + 1_000 * MS] {
+        let mut bench = Bench::new(&[]);
+        bench.hit(event("a", stamp));
+        assert!(bench.refusals().is_empty());
+    }
+}
+
+#[test]
+fn the_same_identifier_twice() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.hit(event("a", START + MS));
+    bench.rest();
+    bench.hit(event("a", bench.now));
+    let reasons: Vec<_> = bench.refusals().iter().map(|it| it.reason.to_string()).collect();
+    assert_eq!(reasons.len(), 2);
+    assert!(reasons.iter().all(|it| it.contains("was accepted before")), "{reasons:?}");
+    assert_eq!(bench.reports().len(), 1);
+}
+
+/// A sender may correct what was refused.
+#[test]
+fn a_refused_identifier_can_be_used_again() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(ImpactEvent { velocity: 0.0, ..event("a", START) });
+    bench.hit(event("a", START));
+    assert_eq!((bench.refusals().len(), bench.twin.is_responding()), (1, true));
+}
+
+#[test]
+fn a_refusal_during_a_response_does_not_disturb_it() {
+    let mut quiet = Bench::new(&[]);
+    quiet.hit(event("a", START));
+    quiet.rest();
+    let mut loud = Bench::new(&[]);
+    loud.hit(event("a", START));
+    for k in 0..20 {
+        loud.go_on(MS);
+        loud.hit(ImpactEvent { impact_mass: f64::NAN, ..event(&k.to_string(), loud.now) });
+    }
+    loud.rest();
+    assert_eq!(loud.refusals().len(), 20);
+    let samples = |bench: &Bench| -> Vec<_> { bench.states().iter().map(|it| it.sample).collect() };
+    assert_eq!(samples(&quiet), samples(&loud));
+    assert_eq!(quiet.reports()[0].report, loud.reports()[0].report);
+}
+
+/// 10 000 events within a second: refused or computed, counted all of them, and the twin goes on.
+#[test]
+fn ten_thousand_events_in_a_second() {
+    let mut bench = Bench::new(&[("solver.dt", 1e-3.into())]);
+    for k in 0..10_000 {
+        bench.hit(event(&format!("{}", k % 3_000), bench.now));
+        bench.now += 100_000;
+        bench.twin.advance_to(bench.now, &mut bench.out);
+    }
+    bench.rest();
+    let counts = bench.status().counts;
+    assert_eq!(counts.events_accepted + counts.events_refused, 10_000);
+    assert_eq!(counts.events_refused, bench.refusals().len() as u64);
+    assert!(counts.events_accepted >= 1);
+}

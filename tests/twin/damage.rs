@@ -1,0 +1,268 @@
+//! Damage: over impacts, over restarts, until a reset.
+
+use std::path::Path;
+
+use column_twin::column::Outcome;
+use column_twin::parameters::Value;
+use column_twin::twin::state_file::{self, Loaded};
+use column_twin::twin::{ImpactEvent, SavedState, TwinPhase};
+
+use crate::{Bench, MS, START, event, light, parameters};
+
+fn hit_and_rest(bench: &mut Bench, event: ImpactEvent) {
+    bench.hit(event);
+    bench.rest();
+}
+
+#[test]
+fn it_accumulates_over_impacts_and_ends_with_a_reset() {
+    let mut bench = Bench::new(&[]);
+    let mut residuals = vec![0.0];
+    let mut works = vec![0.0];
+    for id in ["a", "b", "c"] {
+        let stamp = bench.now;
+        hit_and_rest(&mut bench, event(id, stamp));
+        let status = bench.status();
+        residuals.push(status.residual_v1);
+        works.push(status.plastic_work_since_reset);
+        assert_eq!(bench.reports().last().expect("one").report.outcome, Outcome::Plastic);
+    }
+    assert!(residuals.windows(2).all(|pair| pair[0] < pair[1]), "{residuals:?}");
+    assert!(works.windows(2).all(|pair| pair[0] < pair[1]), "{works:?}");
+    let reports: f64 = bench.reports().iter().map(|it| it.report.plastic_work).sum();
+    assert!((works[3] - reports).abs() < 1e-9 * reports);
+    bench.reset();
+    let virgin = Bench::new(&[]).status();
+    let status = bench.status();
+    assert_eq!(status.plastic_rotation, [0.0; 4]);
+    assert_eq!((status.residual_u2, status.impacts_since_reset), (virgin.residual_u2, 0));
+    let stamp = bench.now;
+    hit_and_rest(&mut bench, event("a", stamp));
+    let reports = bench.reports();
+    assert_eq!(reports[3].report, reports[0].report);
+}
+
+fn restarted(bench: &Bench) -> Bench {
+    let text = bench.saved().last().expect("saved").to_json().expect("JSON");
+    let saved = SavedState::from_json(&text, bench.twin.parameters()).expect("its own");
+    assert_eq!(saved, ***bench.saved().last().expect("saved"));
+    let mut again = Bench::with((**bench.twin.parameters()).clone(), Some(&saved));
+    again.now = bench.now;
+    again
+}
+
+/// To the last bit: the next impact has the same samples with and without a restart.
+#[test]
+fn it_survives_a_restart() {
+    let mut bench = Bench::new(&[]);
+    hit_and_rest(&mut bench, event("a", START));
+    let mut again = restarted(&bench);
+    assert_eq!(again.status().plastic_rotation, bench.status().plastic_rotation);
+    assert_eq!(again.status().residual_v1, bench.status().residual_v1);
+    assert_eq!(&*again.status().event_id, "a");
+    let stamp = bench.now;
+    hit_and_rest(&mut bench, event("b", stamp));
+    hit_and_rest(&mut again, event("b", stamp));
+    assert_eq!(bench.reports()[1].report, again.reports()[0].report);
+    again.hit(event("a", again.now));
+    assert!(again.refusals()[0].reason.contains("accepted before"));
+}
+
+/// A machine that stops in the middle of a response has its damage all the same: it is kept with the forecast.
+#[test]
+fn a_response_that_is_cut_off_is_kept_as_forecast() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.go_on(3 * MS);
+    let again = restarted(&bench);
+    bench.rest();
+    let (kept, real) = (again.status(), bench.status());
+    assert_eq!(kept.plastic_rotation, real.plastic_rotation);
+    assert_eq!(kept.residual_v1, real.residual_v1);
+    assert_eq!(kept.plastic_work_since_reset, real.plastic_work_since_reset);
+}
+
+#[test]
+fn a_collapse_survives_a_restart() {
+    let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
+    hit_and_rest(&mut bench, ImpactEvent { impact_mass: 100_000.0, velocity: 50.0, ..event("a", START) });
+    let mut again = restarted(&bench);
+    assert_eq!(again.status().phase, TwinPhase::Collapsed);
+    again.hit(event("b", again.now));
+    assert_eq!(again.refusals().len(), 1);
+}
+
+#[test]
+fn a_new_load_finds_a_new_equilibrium() {
+    let mut bench = Bench::new(&[]);
+    hit_and_rest(&mut bench, event("a", START));
+    let saved = bench.saved().last().expect("saved").as_ref().clone();
+    let again = Bench::with(parameters(&[("top.load", 6e5.into())]), Some(&saved));
+    assert!(again.status().residual_v1 > bench.status().residual_v1);
+    assert_eq!(again.status().plastic_rotation, bench.status().plastic_rotation);
+    let crushed = Bench::with(parameters(&[("top.load", 2.9e6.into())]), Some(&saved));
+    assert_eq!(crushed.status().phase, TwinPhase::Faulted);
+    assert!(crushed.status().fault.contains("no equilibrium"));
+}
+
+fn damaged() -> SavedState {
+    let mut bench = Bench::new(&[]);
+    hit_and_rest(&mut bench, event("a", START));
+    bench.twin.saved_state(bench.now)
+}
+
+fn in_folder(test: impl FnOnce(&Path)) {
+    let folder = tempfile::tempdir().expect("a folder");
+    test(folder.path());
+}
+
+fn rejection(path: &Path, changes: &[(&str, Value)]) -> String {
+    match state_file::load(path, &parameters(changes)).expect("loads") {
+        Loaded::Rejected { reason, kept_as } => {
+            assert!(!path.exists() && kept_as.exists());
+            reason
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_state_file_comes_back_as_it_was() {
+    in_folder(|folder| {
+        let path = folder.join("deeper").join("column.json");
+        assert_eq!(state_file::load(&path, &parameters(&[])).expect("none"), Loaded::Absent);
+        let saved = damaged();
+        for _ in 0..2 {
+            state_file::store(&path, &saved).expect("written");
+        }
+        let loaded = state_file::load(&path, &parameters(&[])).expect("read");
+        assert_eq!(loaded, Loaded::Damage(Box::new(saved)));
+        let files = std::fs::read_dir(path.parent().expect("a folder")).expect("readable");
+        assert_eq!(files.count(), 1, "nothing is left beside it");
+    });
+}
+
+/// Wherever it is cut, and whichever character is another one: refused, kept aside, never a panic.
+#[test]
+fn a_damaged_state_file_is_refused_and_kept() {
+    let saved = damaged();
+    let text = saved.to_json().expect("JSON");
+    let expected = parameters(&[]);
+    for end in (0..text.len()).step_by(7) {
+        assert!(SavedState::from_json(&text[..end], &expected).is_err(), "cut at {end}");
+    }
+    for place in (0..text.len()).step_by(5) {
+        let mut bytes = text.clone().into_bytes();
+        bytes[place] = if bytes[place] == b'7' { b'8' } else { b'7' };
+        if let Ok(edited) = String::from_utf8(bytes) {
+            // White space, or a last digit beyond the precision of a number, can change without a trace.
+            if let Ok(read) = SavedState::from_json(&edited, &expected) {
+                assert_eq!(read, saved, "at {place}");
+            }
+        }
+    }
+    in_folder(|folder| {
+        let path = folder.join("column.json");
+        for (content, expected) in [
+            (&text.as_bytes()[..text.len() / 2], "truncated"),
+            (b"", "truncated"),
+            (b"{\"format\": \"other\", \"version\": 7}", "format \"other\", version 7; expected"),
+            (b"\xff\xfe\x00", "UTF-8"),
+            (b"{}", "no state file"),
+        ] {
+            std::fs::write(&path, content).expect("written");
+            let reason = rejection(&path, &[]);
+            assert!(reason.contains(expected), "{reason}");
+        }
+        let aside = std::fs::read_dir(folder).expect("readable").count();
+        assert_eq!(aside, 5, "each is kept under its own name");
+        std::fs::write(&path, vec![b' '; state_file::MAX_STATE_FILE_BYTES as usize + 1]).expect("written");
+        assert!(rejection(&path, &[]).contains("longer than"));
+    });
+}
+
+#[test]
+fn a_state_file_of_another_column_is_refused_and_kept() {
+    in_folder(|folder| {
+        let path = folder.join("column.json");
+        let saved = damaged();
+        for (changes, expected) in [
+            (("column_id", Value::from("A3")), "is of column \"column\"; this twin is of column \"A3\""),
+            (("section.name", "HEB300".into()), "are not those that it was damaged with"),
+            (("geometry.length_below", 1.5.into()), "are not those that it was damaged with"),
+        ] {
+            state_file::store(&path, &saved).expect("written");
+            let reason = rejection(&path, &[changes]);
+            assert!(reason.contains(expected), "{reason}");
+        }
+        state_file::store(&path, &saved).expect("written");
+        let other_load = parameters(&[("top.load", 4e5.into()), ("solver.dt", 2e-5.into())]);
+        assert!(matches!(state_file::load(&path, &other_load), Ok(Loaded::Damage(_))));
+    });
+}
+
+#[test]
+fn a_state_file_that_cannot_be_written_says_so() {
+    in_folder(|folder| {
+        let occupied = folder.join("file");
+        std::fs::write(&occupied, "").expect("written");
+        let error = state_file::store(&occupied.join("column.json"), &damaged()).expect_err("no folder");
+        assert!(error.to_string().contains("cannot be written"));
+        let error = state_file::load(folder, &parameters(&[])).expect_err("a folder");
+        assert!(error.to_string().contains("cannot be read"));
+    });
+}
+
+#[test]
+fn the_state_file_stands_where_the_parameters_say() {
+    let of = |changes: &[(&str, Value)]| state_file::path(&parameters(changes));
+    assert_eq!(of(&[]).as_deref(), Some(Path::new("state/column.json")));
+    assert_eq!(of(&[("state.directory", "".into())]), None);
+    let names = [("column_id", "a/b".into()), ("state.directory", "/var/x".into())];
+    assert_eq!(of(&names).as_deref(), Some(Path::new("/var/x/a%2Fb.json")));
+}
+
+/// Hinges 1a and 1b sit at the impact height.
+#[test]
+fn another_height_needs_an_undamaged_joint() {
+    let at = |height, id: &str, stamp| ImpactEvent { height: Some(height), ..event(id, stamp) };
+    let mut bench = Bench::new(&[]);
+    // Elastic: the hinges can go elsewhere, and back.
+    bench.hit(ImpactEvent { height: Some(0.6), ..light("a", START) });
+    bench.rest();
+    hit_and_rest(&mut bench, light("b", START + 500 * MS));
+    assert_eq!((bench.refusals().len(), bench.reports().len()), (0, 2));
+    // Plastic at 0.6 m: there they stay, over a restart too.
+    let stamp = bench.now;
+    hit_and_rest(&mut bench, at(0.6, "c", stamp));
+    let lower = Bench::new(&[("geometry.length_below", 0.6.into()), ("geometry.length_above", 3.4.into())]);
+    let mut lower = lower;
+    hit_and_rest(&mut lower, event("c", START));
+    let (here, there) = (bench.reports()[2].report, lower.reports()[0].report);
+    assert!((here.max_v1 - there.max_v1).abs() < 1e-12 && here.outcome == Outcome::Plastic);
+    let mut again = restarted(&bench);
+    for bench in [&mut bench, &mut again] {
+        let before = bench.refusals().len();
+        bench.hit(event("d", bench.now));
+        bench.hit(at(1.2, "e", bench.now));
+        let refusals = bench.refusals();
+        assert_eq!(refusals.len(), before + 2);
+        assert!(refusals[before].reason.contains("where they are damaged"), "{refusals:?}");
+        let stamp = bench.now;
+        hit_and_rest(bench, at(0.6004, "f", stamp));
+        assert_eq!(bench.reports().last().expect("one").report.outcome, Outcome::Plastic);
+    }
+    bench.reset();
+    let stamp = bench.now;
+    hit_and_rest(&mut bench, event("g", stamp));
+    assert_eq!(&*bench.reports().last().expect("one").event_id, "g");
+}
+
+#[test]
+fn another_height_is_refused_while_the_column_responds() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(light("a", START));
+    bench.go_on(MS);
+    bench.hit(ImpactEvent { height: Some(2.0), ..light("b", bench.now) });
+    assert!(bench.refusals()[0].reason.contains("while the column responds"));
+}

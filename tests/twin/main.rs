@@ -1,0 +1,142 @@
+//! The twin, driven by a mock clock: no test waits for real time.
+
+mod bad_input;
+mod damage;
+mod memory;
+mod parameters;
+mod response;
+mod second_impact;
+
+use std::sync::Arc;
+
+use column_twin::parameters::{Parameters, Value};
+use column_twin::twin::{
+    ImpactEvent, Input, Nanos, Output, Refused, ReportOutput, SavedState, StateOutput, Status, Twin,
+};
+
+/// When the tests begin.
+pub const START: Nanos = 1_800_000_000_000_000_000;
+
+/// One millisecond.
+pub const MS: Nanos = 1_000_000;
+
+/// A twin with its clock, and all that has left it.
+pub struct Bench {
+    pub twin: Twin,
+    pub now: Nanos,
+    pub out: Vec<Output>,
+}
+
+pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
+    // Coarse steps keep the tests short.
+    let coarse = [("solver.dt", Value::from(1e-4))];
+    Parameters::from_values(coarse.iter().chain(changes).cloned()).expect("admissible")
+}
+
+impl Bench {
+    pub fn new(changes: &[(&str, Value)]) -> Self {
+        Self::with(parameters(changes), None)
+    }
+
+    pub fn with(parameters: Parameters, saved: Option<&SavedState>) -> Self {
+        let stopwatch = Box::new(|| 0);
+        let twin = Twin::new(parameters, saved, stopwatch, START).expect("the column stands");
+        Self { twin, now: START, out: Vec::new() }
+    }
+
+    pub fn handle(&mut self, input: Input) {
+        self.twin.handle(input, self.now, &mut self.out);
+    }
+
+    pub fn hit(&mut self, event: ImpactEvent) {
+        self.handle(Input::Impact(event));
+    }
+
+    /// Goes on to an instant, as the solver's thread would: in turns, the forecast first.
+    pub fn go_to(&mut self, instant: Nanos) {
+        while self.now < instant {
+            self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
+            let due = self.twin.next_deadline(self.now);
+            self.now = due.clamp(self.now, instant);
+            self.twin.advance_to(self.now, &mut self.out);
+        }
+    }
+
+    pub fn go_on(&mut self, nanos: Nanos) {
+        self.go_to(self.now + nanos);
+    }
+
+    /// Goes on until no response is under way.
+    pub fn rest(&mut self) {
+        self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
+        for _ in 0..10_000 {
+            if !self.twin.is_responding() {
+                return;
+            }
+            self.go_on(10 * MS);
+        }
+        panic!("no end of the response");
+    }
+
+    pub fn change(&mut self, changes: &[(&str, Value)]) {
+        let changes = changes.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
+        let changes = changes.collect();
+        self.handle(Input::Parameters { changes, source: "test".into(), reply: None });
+    }
+
+    pub fn reset(&mut self) {
+        self.handle(Input::Reset { source: "test".into(), reply: None });
+    }
+
+    pub fn states(&self) -> Vec<&StateOutput> {
+        self.all(|it| if let Output::State(state) = it { Some(state) } else { None })
+    }
+
+    pub fn forecasts(&self) -> Vec<&ReportOutput> {
+        self.all(|it| if let Output::Forecast(report) = it { Some(report) } else { None })
+    }
+
+    pub fn reports(&self) -> Vec<&ReportOutput> {
+        self.all(|it| if let Output::Report(report) = it { Some(report) } else { None })
+    }
+
+    pub fn refusals(&self) -> Vec<&Refused> {
+        self.all(|it| if let Output::Refused(refused) = it { Some(refused) } else { None })
+    }
+
+    pub fn saved(&self) -> Vec<&Arc<SavedState>> {
+        self.all(|it| if let Output::Save(saved) = it { Some(saved) } else { None })
+    }
+
+    pub fn statuses(&self) -> Vec<&Status> {
+        self.all(|it| if let Output::Status(status) = it { Some(status) } else { None })
+    }
+
+    /// The status as it is now.
+    pub fn status(&self) -> Status {
+        self.twin.status(self.now)
+    }
+
+    fn all<'a, T>(&'a self, pick: impl Fn(&'a Output) -> Option<T>) -> Vec<T> {
+        self.out.iter().filter_map(pick).collect()
+    }
+}
+
+/// 1.5 t at 36 km/h, now.
+pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
+    ImpactEvent {
+        event_id: id.to_owned(),
+        column_id: "column".to_owned(),
+        stamp,
+        impact_mass: 1500.0,
+        velocity: 10.0,
+        gap: None,
+        restitution: None,
+        height: None,
+    }
+}
+
+/// Too light to leave a trace.
+pub fn light(id: &str, stamp: Nanos) -> ImpactEvent {
+    ImpactEvent { impact_mass: 10.0, velocity: 0.5, ..event(id, stamp) }
+}

@@ -1,0 +1,95 @@
+//! Memory: none while a response runs, none that grows.
+
+use std::hint::black_box;
+
+use column_twin::twin::{ImpactEvent, Input, MAX_SEEN_IDS, Output, Outputs, Twin};
+
+use crate::{MS, START, event, light, parameters};
+
+/// Counts and forgets.
+#[derive(Default)]
+struct Counted {
+    states: u64,
+    forecasts: u64,
+    reports: u64,
+    refused: u64,
+    statuses: u64,
+    saved: u64,
+}
+
+impl Outputs for Counted {
+    fn put(&mut self, output: Output) {
+        match black_box(output) {
+            Output::State(_) => self.states += 1,
+            Output::Forecast(_) => self.forecasts += 1,
+            Output::Report(_) => self.reports += 1,
+            Output::Refused(_) => self.refused += 1,
+            Output::Status(_) => self.statuses += 1,
+            Output::Save(_) => self.saved += 1,
+            Output::ParametersChanged(_) | Output::Notice(_) => {}
+        }
+    }
+}
+
+fn twin(dt: f64) -> Twin {
+    let parameters = parameters(&[("solver.dt", dt.into())]);
+    Twin::new(parameters, None, Box::new(|| 0), START).expect("the column stands")
+}
+
+#[test]
+fn a_response_takes_no_memory() {
+    let mut twin = twin(1e-4);
+    let mut out = Counted::default();
+    // A gap, so that approach, contact, release and free vibration are in it.
+    let event = ImpactEvent { gap: Some(0.5), ..event("a", START) };
+    twin.handle(Input::Impact(event), START, &mut out);
+    let mut now = START;
+    let memory = allocation_counter::measure(|| {
+        for _ in 0..80 {
+            twin.run_ahead(2, now, &mut out); // not to its end: that one keeps the damage
+            now += MS;
+            twin.advance_to(now, &mut out);
+        }
+    });
+    assert!(twin.is_responding() && twin.is_looking_ahead());
+    assert!(out.states > 75 && out.statuses > 1, "{} {}", out.states, out.statuses);
+    assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
+}
+
+/// One hour of traffic: 10 000 events, one in 360 ms, of which some are refused; damage and resets among them.
+#[test]
+fn an_hour_of_traffic_keeps_no_memory() {
+    let mut twin = twin(1e-3);
+    let mut out = Counted::default();
+    let mut now = START;
+    let mut hour = |events: std::ops::Range<i64>, out: &mut Counted| {
+        for k in events {
+            let id = format!("impact-{k:06}");
+            let input = match k % 10 {
+                0 => Input::Impact(ImpactEvent { impact_mass: f64::NAN, ..event(&id, now) }),
+                1 => Input::Impact(light("impact-000002", now)),
+                2 => Input::Impact(event(&id, now)),
+                3 if k % 100 == 3 => Input::Reset { source: "test".into(), reply: None },
+                4 => Input::Impact(ImpactEvent { gap: Some(0.02), ..light(&id, now - 30 * MS) }),
+                _ => Input::Impact(light(&id, now)),
+            };
+            twin.handle(input, now, out);
+            for _ in 0..24 {
+                twin.run_ahead(u64::MAX, now, out);
+                now += 15 * MS;
+                twin.advance_to(now, out);
+            }
+        }
+    };
+    // Every table has its size once the identifiers have gone round.
+    hour(0..2_000, &mut out);
+    let memory = allocation_counter::measure(|| hour(2_000..10_000, &mut out));
+    // Strings of the present identifiers and reasons come and go; their lengths differ by a few bytes.
+    assert!(memory.bytes_current.abs() < 4_096, "{} bytes are kept", memory.bytes_current);
+    assert_eq!(now - START, 3_600_000 * MS);
+    let status = twin.status(now);
+    assert!(out.refused >= 1_900 && out.reports > 5_000, "{} {}", out.refused, out.reports);
+    assert_eq!(status.counts.events_accepted + status.counts.events_refused, 9_900);
+    assert!(out.statuses < 100_000 && out.saved < 30_000 && out.forecasts >= out.reports);
+    assert!(twin.saved_state(now).seen_ids.len() <= MAX_SEEN_IDS);
+}

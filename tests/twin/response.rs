@@ -1,0 +1,279 @@
+//! From event to forecast to report.
+
+use column_twin::column::{Impact, Outcome, Report, Sample, simulate};
+use column_twin::parameters::{Parameters, Value};
+use column_twin::twin::{ImpactEvent, Output, TwinPhase};
+
+use crate::{Bench, MS, START, event, light, parameters};
+
+/// What `column-twin simulate` computes: every step, and the report.
+fn simulated(parameters: &Parameters, event: &ImpactEvent) -> (Vec<Sample>, Report) {
+    let open = parameters.impact();
+    let impact = Impact {
+        mass: event.impact_mass,
+        velocity: event.velocity,
+        gap: event.gap.unwrap_or(open.gap),
+        restitution: event.restitution.unwrap_or(open.restitution),
+    };
+    let mut samples = Vec::new();
+    let properties = parameters.column_properties();
+    let report = simulate(&properties, &impact, parameters.response_duration(), &mut |sample| {
+        samples.push(*sample);
+    });
+    (samples, report.expect("it can be simulated"))
+}
+
+/// The samples of the twin are those of the simulation, at the instants of `publish_rate`.
+fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactEvent) {
+    let mut bench = Bench::new(changes);
+    bench.hit(event.clone());
+    bench.rest();
+    let (steps, report) = simulated(bench.twin.parameters(), event);
+    assert_eq!(bench.reports()[0].report, report);
+    assert_eq!(bench.forecasts()[0].report, report);
+
+    let states = bench.states();
+    let contact = report.first_contact_time.expect("it hits");
+    let mut last_time = f64::NEG_INFINITY;
+    let mut compared = 0;
+    for state in &states {
+        let since = (state.stamp - event.stamp) as f64 * 1e-9;
+        assert!((since - state.sample.time).abs() < 1e-12, "{since} {}", state.sample.time);
+        // The percussion is the sum since the sample before, the simulation's that of one step.
+        let percussion = steps
+            .iter()
+            .filter(|step| step.time > last_time && step.time <= state.sample.time)
+            .fold(0.0, |sum, step| sum + step.percussion);
+        last_time = state.sample.time;
+        match steps.iter().find(|step| step.time == state.sample.time) {
+            Some(step) => {
+                assert_eq!(state.sample, Sample { percussion, ..*step });
+                compared += 1;
+            }
+            // The simulation passes the approach to the column at rest in one stride.
+            None => assert!(state.sample.time < contact, "{}", state.sample.time),
+        }
+    }
+    let expected = (report.end_time - contact) / 1e-3;
+    assert!(f64::from(compared) >= expected, "{compared} of {expected}");
+    assert_eq!(states.last().expect("some").sample.time, report.end_time);
+}
+
+#[test]
+fn the_stream_equals_the_simulation() {
+    check_against_simulation(&[], &event("plain", START));
+}
+
+#[test]
+fn the_stream_equals_the_simulation_with_a_gap_and_rebounds() {
+    for gap in [0.0123, 0.2, 1.7] {
+        let event = ImpactEvent { gap: Some(gap), restitution: Some(0.6), ..event("gap", START) };
+        check_against_simulation(&[], &event);
+    }
+}
+
+#[test]
+fn the_stream_equals_the_simulation_with_the_papers_scheme() {
+    check_against_simulation(&[("solver.scheme", "midpoint".into())], &event("midpoint", START));
+}
+
+#[test]
+fn the_stream_equals_the_simulation_of_light_touches() {
+    check_against_simulation(&[("damping.ratio", 0.05.into())], &light("light", START));
+}
+
+/// A column that was hit without a trace is the virgin one to the last bit.
+#[test]
+fn an_elastic_impact_leaves_no_trace() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(light("light", START));
+    bench.rest();
+    assert_eq!(bench.reports()[0].report.outcome, Outcome::Elastic);
+    let second = event("heavy", bench.now);
+    bench.hit(second.clone());
+    bench.rest();
+    let (_, report) = simulated(bench.twin.parameters(), &second);
+    assert_eq!(bench.reports()[1].report, report);
+}
+
+#[test]
+fn samples_are_stamped_with_their_instants() {
+    let mut bench = Bench::new(&[]);
+    let stamp = START - 123_456_789;
+    bench.hit(event("a", stamp));
+    bench.rest();
+    let states = bench.states();
+    let (last, regular) = states.split_last().expect("some");
+    for (k, state) in regular.iter().enumerate() {
+        assert_eq!(state.stamp, stamp + k as i64 * MS);
+        assert_eq!(&*state.event_id, "a");
+    }
+    assert_eq!(last.phase, TwinPhase::Rest);
+    assert!(regular.iter().all(|it| it.phase == it.sample.phase.into()));
+}
+
+/// Where a period is no whole number of steps it is rounded to one: values and stamp always belong together.
+#[test]
+fn an_odd_rate_is_rounded_to_whole_steps() {
+    for (rate, steps) in [(300.0, 33), (7_000.0, 1), (10_000.0, 1), (1.0, 10_000)] {
+        let mut bench = Bench::new(&[("publish_rate", rate.into())]);
+        bench.hit(event("a", START));
+        bench.rest();
+        let states = bench.states();
+        for (k, state) in states[..states.len() - 1].iter().enumerate() {
+            assert_eq!(state.stamp, START + k as i64 * steps * 100_000, "{rate} Hz");
+            assert_eq!(state.sample.time, (state.stamp - START) as f64 / 1e9);
+        }
+    }
+}
+
+#[test]
+fn the_forecast_comes_at_once_and_says_how_long_it_took() {
+    let ticks = std::sync::atomic::AtomicU64::new(0);
+    let stopwatch = move || ticks.fetch_add(1_000_000, std::sync::atomic::Ordering::Relaxed);
+    let mut twin = column_twin::twin::Twin::new(parameters(&[]), None, Box::new(stopwatch), START)
+        .expect("the column stands");
+    let mut out = Vec::new();
+    twin.handle(column_twin::twin::Input::Impact(event("a", START)), START, &mut out);
+    assert!(twin.is_looking_ahead());
+    while twin.is_looking_ahead() {
+        twin.run_ahead(64, START, &mut out);
+    }
+    let forecast = out
+        .iter()
+        .find_map(|it| if let Output::Forecast(report) = it { Some(report) } else { None })
+        .expect("a forecast before the clock has moved");
+    assert_eq!((&*forecast.event_id, forecast.stamp), ("a", START));
+    // Every slice took one tick of this stopwatch.
+    let slices = forecast.report.steps.div_ceil(64);
+    assert!((forecast.compute_time - slices as f64 * 1e-3).abs() < 1e-9);
+    assert!(out.iter().all(|it| !matches!(it, Output::State(_))));
+}
+
+/// Whatever the clock does in between, the samples are the same.
+#[test]
+fn late_events_and_uneven_clocks_give_the_same_samples() {
+    let mut even = Bench::new(&[]);
+    even.hit(event("a", START));
+    even.rest();
+    let mut late = Bench::new(&[]);
+    late.now += 3_000 * MS;
+    late.hit(event("a", START));
+    late.rest();
+    let mut uneven = Bench::new(&[]);
+    uneven.hit(event("a", START));
+    let mut state = 1_u64;
+    for _ in 0..100_000 {
+        if !uneven.twin.is_responding() {
+            break;
+        }
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        uneven.now += (state >> 40) as i64; // up to 17 ms
+        uneven.twin.advance_to(uneven.now, &mut uneven.out);
+    }
+    let of = |bench: &Bench| -> Vec<_> {
+        bench.states().iter().map(|it| (it.stamp, it.phase, it.sample)).collect()
+    };
+    assert!(of(&even).len() > 30);
+    assert_eq!(of(&even), of(&late));
+    assert_eq!(of(&even), of(&uneven));
+    assert_eq!(even.reports()[0].report, late.reports()[0].report);
+    assert_eq!(uneven.forecasts()[0].report, even.forecasts()[0].report);
+}
+
+/// A call stays short, and says that there is more to do.
+#[test]
+fn catching_up_is_bounded_per_call() {
+    let mut bench = Bench::new(&[("solver.dt", 1e-5.into())]);
+    bench.hit(event("a", START));
+    bench.now += 1_000 * MS;
+    bench.twin.advance_to(bench.now, &mut bench.out);
+    let steps = bench.twin.statistics().steps;
+    assert!(steps <= u64::from(column_twin::twin::MAX_STEPS_PER_CALL), "{steps}");
+    assert!(bench.twin.is_responding() && bench.twin.next_deadline(bench.now) <= bench.now);
+}
+
+#[test]
+fn a_clock_that_goes_back_stops_the_response_until_it_has_caught_up() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.go_on(10 * MS);
+    let seen = bench.states().len();
+    for instant in [START - 3_600_000 * MS, i64::MIN, START + 5 * MS] {
+        bench.twin.advance_to(instant, &mut bench.out);
+    }
+    assert_eq!(bench.states().len(), seen);
+    bench.rest();
+    let stamps: Vec<_> = bench.states().iter().map(|it| it.stamp).collect();
+    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
+}
+
+#[test]
+fn an_event_ahead_of_the_clock_waits_for_its_instant() {
+    let mut bench = Bench::new(&[]);
+    let stamp = START + 500 * MS;
+    bench.hit(event("a", stamp));
+    bench.go_to(stamp - 1);
+    assert_eq!((bench.states().len(), bench.forecasts().len()), (0, 1));
+    bench.go_to(stamp);
+    assert_eq!(bench.states().len(), 1);
+    bench.rest();
+    assert_eq!(bench.reports().len(), 1);
+}
+
+#[test]
+fn a_collapse_is_a_result_and_ends_with_a_reset() {
+    let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
+    bench.hit(ImpactEvent { impact_mass: 100_000.0, velocity: 50.0, ..event("truck", START) });
+    bench.rest();
+    let report = bench.reports()[0].report;
+    assert_eq!((report.outcome, report.residual_v1), (Outcome::Collapsed, None));
+    assert_eq!(bench.states().last().expect("some").phase, TwinPhase::Collapsed);
+    assert_eq!(bench.status().phase, TwinPhase::Collapsed);
+    bench.hit(event("next", bench.now));
+    assert!(bench.refusals()[0].reason.contains("collapsed; reset"), "{:?}", bench.refusals());
+    bench.reset();
+    assert_eq!(bench.status().phase, TwinPhase::Idle);
+    bench.hit(light("next", bench.now));
+    bench.rest();
+    assert_eq!(bench.reports().len(), 2);
+}
+
+#[test]
+fn the_status_comes_once_a_second_and_on_every_change() {
+    let mut bench = Bench::new(&[]);
+    bench.go_on(10_000 * MS);
+    assert_eq!(bench.statuses().len(), 11);
+    bench.hit(event("a", bench.now));
+    bench.rest();
+    let phases: Vec<_> = bench.statuses()[11..].iter().map(|it| it.phase).collect();
+    for phase in [TwinPhase::Contact, TwinPhase::Free, TwinPhase::Idle] {
+        assert!(phases.contains(&phase), "{phases:?}");
+    }
+    let last = bench.statuses().last().copied().expect("some");
+    assert_eq!((&*last.event_id, last.impacts_since_reset), ("a", 1));
+    let report = bench.reports()[0].report;
+    assert_eq!(Some(last.residual_v1), report.residual_v1);
+    assert_eq!(last.plastic_work_since_reset, report.plastic_work);
+    assert_eq!(last.plastic_rotation, report.hinges.map(|hinge| hinge.plastic_rotation));
+}
+
+#[test]
+fn a_what_if_does_not_touch_the_twin() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.rest();
+    let before = (bench.twin.present().predict("", &event("x", 0).blow(), &|| 0), bench.status());
+    let present = bench.twin.present();
+    let second = event("b", bench.now);
+    let predicted = present.predict("column", &second.blow(), &|| 0).expect("a prediction");
+    assert_eq!(Ok(&predicted), before.0.as_ref());
+    assert_eq!(bench.status(), before.1);
+    bench.hit(second.clone());
+    bench.rest();
+    assert_eq!(bench.reports()[1].report, predicted.report);
+    let present = bench.twin.present();
+    let faults = present.predict("", &ImpactEvent { velocity: 0.0, ..second }.blow(), &|| 0);
+    assert!(faults.expect_err("no velocity").contains("velocity = 0"));
+    assert!(present.predict("other", &event("x", 0).blow(), &|| 0).is_err());
+}

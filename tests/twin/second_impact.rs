@@ -1,0 +1,170 @@
+//! Impacts on a column that still moves.
+
+use column_twin::column::{Impact, Model, Progress, Response, Sample, State};
+use column_twin::twin::{MAX_IMPACTS_AHEAD, Output, StateOutput};
+
+use crate::{Bench, MS, START, event, light, parameters};
+
+const IMPACT: Impact = Impact { mass: 1500.0, velocity: 10.0, gap: 0.0, restitution: 0.0 };
+
+/// What the mechanics says of two impacts, the second after `first_steps`: the samples of the second.
+fn by_hand(first_steps: u64) -> Vec<Sample> {
+    let parameters = parameters(&[]);
+    let model = Model::new(&parameters.column_properties()).expect("stands");
+    let mut state = State::at_rest(&model);
+    let duration = parameters.response_duration();
+    let mut response = Response::begin(&model, &mut state, IMPACT, duration).expect("hits");
+    while state.step < first_steps {
+        let progress = response.advance(&model, &mut state, 1).expect("converges");
+        assert_eq!(progress, Progress::Running);
+    }
+    let mut response = Response::begin(&model, &mut state, IMPACT, duration).expect("hits");
+    let mut samples = vec![state.sample(&model)];
+    loop {
+        let progress = response.advance(&model, &mut state, 1).expect("converges");
+        samples.push(state.sample(&model));
+        if progress != Progress::Running {
+            return samples;
+        }
+    }
+}
+
+fn check_second(bench: &Bench, first_steps: u64, stamp: i64) {
+    let expected = by_hand(first_steps);
+    let states: Vec<&StateOutput> =
+        bench.states().into_iter().filter(|it| &*it.event_id == "b").collect();
+    assert!(states.len() > 30);
+    for state in states {
+        let step = usize::try_from((state.stamp - stamp) / 100_000).expect("after the impact");
+        let percussion = state.sample.percussion;
+        assert_eq!(state.sample, Sample { percussion, ..expected[step] });
+    }
+    assert_eq!(&*bench.reports().last().expect("a report").event_id, "b");
+    let work: f64 = expected.last().expect("the end").plastic_work;
+    let by_first = by_hand_first(first_steps);
+    let status = bench.status();
+    assert!((status.plastic_work_since_reset - work - by_first).abs() < 1e-6, "{status:?}");
+}
+
+/// The plastic work of the first of the two impacts.
+fn by_hand_first(first_steps: u64) -> f64 {
+    let parameters = parameters(&[]);
+    let model = Model::new(&parameters.column_properties()).expect("stands");
+    let mut state = State::at_rest(&model);
+    let duration = parameters.response_duration();
+    let mut response = Response::begin(&model, &mut state, IMPACT, duration).expect("hits");
+    while state.step < first_steps {
+        response.advance(&model, &mut state, 1).expect("converges");
+    }
+    state.ledger.plastic_work
+}
+
+#[test]
+fn it_hits_the_moving_column() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.go_on(12 * MS);
+    let stamp = bench.now;
+    bench.hit(event("b", stamp));
+    bench.rest();
+    check_second(&bench, 120, stamp);
+    let ended = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("whose report will not come"));
+    assert!(bench.out.iter().any(ended));
+    assert_eq!(bench.forecasts().len(), 2);
+    assert_eq!(bench.status().impacts_since_reset, 2);
+}
+
+/// The column is taken back to the instant of the impact, however late that is said: even after the end of the
+/// response that it belongs into.
+#[test]
+fn a_late_one_meets_the_column_as_it_was() {
+    for (hit_after, said_after) in [(12, 13), (12, 30), (1, 35), (0, 30), (12, 60), (30, 900)] {
+        let mut bench = Bench::new(&[]);
+        bench.hit(event("a", START));
+        bench.go_on(said_after * MS);
+        let stamp = START + hit_after * MS;
+        bench.hit(event("b", stamp));
+        bench.rest();
+        check_second(&bench, hit_after as u64 * 10, stamp);
+    }
+}
+
+/// Between two steps the column is as it was at the first of them.
+#[test]
+fn one_between_two_steps_takes_its_own_stamp() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.go_on(20 * MS);
+    let stamp = START + 10 * MS + 77_777;
+    bench.hit(event("b", stamp));
+    bench.rest();
+    check_second(&bench, 100, stamp);
+}
+
+#[test]
+fn one_ahead_waits_for_its_instant() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    let stamp = START + 12 * MS;
+    bench.hit(event("b", stamp));
+    bench.rest();
+    check_second(&bench, 120, stamp);
+    let of_first = bench.states().iter().filter(|it| &*it.event_id == "a").count();
+    assert_eq!(of_first, 13);
+}
+
+#[test]
+fn one_that_comes_after_the_response_meets_the_column_at_rest() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(light("a", START));
+    bench.hit(event("b", START + 900 * MS));
+    bench.rest();
+    assert_eq!(bench.reports().len(), 2);
+    check_in_order(&bench);
+}
+
+fn check_in_order(bench: &Bench) {
+    let stamps: Vec<_> = bench.states().iter().map(|it| it.stamp).collect();
+    assert!(stamps.windows(2).all(|pair| pair[0] <= pair[1]));
+}
+
+#[test]
+fn impacts_come_in_the_order_of_their_stamps() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.go_on(5 * MS);
+    bench.hit(event("b", START - MS));
+    assert!(bench.refusals()[0].reason.contains("order of their stamps"));
+    bench.rest();
+    assert_eq!(&*bench.reports()[0].event_id, "a");
+}
+
+#[test]
+fn impacts_ahead_are_bounded() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("first", START));
+    for k in 0..=MAX_IMPACTS_AHEAD as i64 {
+        bench.hit(light(&k.to_string(), START + (500 - k) * MS));
+    }
+    assert_eq!(bench.refusals().len(), 1);
+    assert!(bench.refusals()[0].reason.contains("lie ahead already"));
+    bench.go_on(1_000 * MS);
+    bench.rest();
+    assert_eq!(bench.status().counts.events_accepted, 1 + MAX_IMPACTS_AHEAD as u64);
+    check_in_order(&bench);
+}
+
+/// Those of before the reset are forgotten with it.
+#[test]
+fn a_reset_ends_the_response_and_what_lies_ahead() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.hit(event("b", START + 50 * MS));
+    bench.go_on(10 * MS);
+    bench.reset();
+    bench.go_on(200 * MS);
+    assert!(!bench.twin.is_responding());
+    assert_eq!((bench.reports().len(), bench.states().len()), (0, 11));
+    bench.hit(event("a", bench.now));
+    assert!(bench.refusals().is_empty());
+}
