@@ -109,7 +109,12 @@ impl OutputQueue {
     /// States to ROS: the oldest are dropped.
     #[must_use]
     pub fn ros() -> Self {
-        Self { name: "ros".to_owned(), states: 4096, results: 1024, when_full: WhenFull::DropOldest }
+        Self {
+            name: "ros".to_owned(),
+            states: 4096,
+            results: 1024,
+            when_full: WhenFull::DropOldest,
+        }
     }
 }
 
@@ -131,7 +136,12 @@ struct Numbered {
 
 impl OutputQueues {
     pub fn new(queue: &OutputQueue) -> Self {
-        let OutputQueue { name, states, results, when_full } = queue;
+        let OutputQueue {
+            name,
+            states,
+            results,
+            when_full,
+        } = queue;
         Self {
             name: name.clone(),
             states: Queue::new(format!("states to {name}"), *states, *when_full),
@@ -143,7 +153,11 @@ impl OutputQueues {
 
     pub fn push(&self, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
-        let queue = if matches!(output, Output::State(_)) { &self.states } else { &self.results };
+        let queue = if matches!(output, Output::State(_)) {
+            &self.states
+        } else {
+            &self.results
+        };
         queue.push(Numbered { number, output });
     }
 
@@ -166,7 +180,10 @@ pub struct Receiver {
 
 impl Receiver {
     pub(super) fn new(queues: Arc<OutputQueues>) -> Self {
-        Self { queues, heads: [VecDeque::with_capacity(1), VecDeque::with_capacity(1)] }
+        Self {
+            queues,
+            heads: [VecDeque::with_capacity(1), VecDeque::with_capacity(1)],
+        }
     }
 
     pub(super) fn name(&self) -> &str {
@@ -175,7 +192,9 @@ impl Receiver {
 
     /// The next output, if there is one.
     pub fn try_next(&mut self) -> Option<Output> {
-        let OutputQueues { states, results, .. } = &*self.queues;
+        let OutputQueues {
+            states, results, ..
+        } = &*self.queues;
         for (head, queue) in self.heads.iter_mut().zip([states, results]) {
             if head.is_empty() {
                 head.extend(queue.pop());
@@ -183,7 +202,11 @@ impl Receiver {
         }
         let number_of = |head: &VecDeque<Numbered>| head.front().map_or(u64::MAX, |it| it.number);
         let [state, result] = &mut self.heads;
-        let first = if number_of(state) < number_of(result) { state } else { result };
+        let first = if number_of(state) < number_of(result) {
+            state
+        } else {
+            result
+        };
         first.pop_front().map(|it| it.output)
     }
 
@@ -192,5 +215,53 @@ impl Receiver {
         if self.heads.iter().all(VecDeque::is_empty) {
             self.queues.bell.wait(most);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::twin::{Notice, Severity};
+
+    #[test]
+    fn a_full_queue_follows_its_policy_and_counts() {
+        for (when_full, kept) in [
+            (WhenFull::Refuse, [0, 1]),
+            (WhenFull::DropNewest, [0, 1]),
+            (WhenFull::DropOldest, [3, 4]),
+        ] {
+            let queue = Queue::new("test".to_owned(), 2, when_full);
+            let taken = (0..5).filter(|entry| queue.push(*entry)).count();
+            assert_eq!(taken, 2);
+            let stats = queue.stats();
+            assert_eq!((stats.len, stats.pushed, stats.dropped), (2, 5, 3));
+            assert_eq!(
+                [queue.pop(), queue.pop(), queue.pop()],
+                [Some(kept[0]), Some(kept[1]), None]
+            );
+        }
+    }
+
+    #[test]
+    fn a_ring_before_the_wait_is_heard() {
+        let bell = Bell::default();
+        bell.ring();
+        bell.wait(Duration::MAX);
+    }
+
+    #[test]
+    fn nothing_waits_for_ever() {
+        let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
+        let mut receiver = Receiver::new(Arc::clone(&queues));
+        receiver.wait(Duration::MAX);
+        assert!(receiver.try_next().is_none());
+        let text: Arc<str> = "text".into();
+        queues.push(Output::Notice(Notice {
+            stamp: 0,
+            severity: Severity::Info,
+            text,
+        }));
+        receiver.wait(Duration::MAX);
+        assert!(receiver.try_next().is_some());
     }
 }
