@@ -67,14 +67,13 @@ fn receive(receiver: &mut Receiver, mut last: impl FnMut(&Output) -> bool) -> Ve
 }
 
 fn states(outputs: &[Output]) -> Vec<&StateOutput> {
-    let pick = |it| {
-        if let &Output::State(ref state) = it {
-            Some(state)
-        } else {
-            None
-        }
-    };
-    outputs.iter().filter_map(pick).collect()
+    outputs
+        .iter()
+        .filter_map(|it| match it {
+            Output::State(state) => Some(state),
+            _ => None,
+        })
+        .collect()
 }
 
 fn is_report(output: &Output) -> bool {
@@ -153,7 +152,7 @@ fn a_slow_reader_loses_its_own_samples_only() {
     let queue = |name: &str, states, when_full| OutputQueue {
         name: name.to_owned(),
         states,
-        results: 100,
+        others: 100,
         when_full,
     };
     let clock = Arc::new(SimClock::new(START));
@@ -243,7 +242,7 @@ fn questions_are_answered() {
 #[test]
 fn a_flood_of_events_is_bounded_and_counted() {
     let outputs = vec![OutputQueue {
-        results: 20_000,
+        others: 20_000,
         ..OutputQueue::ros()
     }];
     let options = LiveOptions {

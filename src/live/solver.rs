@@ -206,7 +206,7 @@ mod tests {
         let few = OutputQueue {
             name: "few".to_owned(),
             states: 3,
-            results: 3,
+            others: 3,
             when_full: WhenFull::DropNewest,
         };
         let queues = [OutputQueue::ros(), few]

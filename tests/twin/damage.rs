@@ -131,9 +131,13 @@ fn a_new_load_finds_a_new_equilibrium() {
         again.status().plastic_rotation,
         bench.status().plastic_rotation
     );
-    let crushed = Bench::with(parameters(&[("top.load", 2.9e6.into())]), Some(&saved));
+    let mut crushed = Bench::with(parameters(&[("top.load", 2.9e6.into())]), Some(&saved));
     assert_eq!(crushed.status().phase, TwinPhase::Faulted);
     assert!(crushed.status().fault.contains("no equilibrium"));
+    crushed.hit(event("b", crushed.now));
+    assert!(crushed.refusals()[0].reason.contains("reset it first"));
+    crushed.reset();
+    assert_eq!(crushed.status().phase, TwinPhase::Idle);
 }
 
 fn damaged() -> SavedState {
