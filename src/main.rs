@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `column-twin`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    column_twin::cli::run(std::env::args_os())
+}

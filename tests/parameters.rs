@@ -171,8 +171,8 @@ fn a_wrong_file_has_all_its_faults_listed() {
 }
 
 const WRONG_LISTED: &str = r#"17 faults in the parameters
-  wrong.yaml:5:21: geometry.length_below: `-1.0` is out of range; allowed: 0.01 to 100 m (L_a: height of the impact point above the base)
-  wrong.yaml:6:21: geometry.length_above: `3,5` is a text, not a number; the decimal sign is a point; allowed: 0.01 to 100 m
+  wrong.yaml:5:21: geometry.length_below: `-1.0` is out of range; allowed: 0.02 to 100 m (L_a: height of the impact point above the base)
+  wrong.yaml:6:21: geometry.length_above: `3,5` is a text, not a number; the decimal sign is a point; allowed: 0.02 to 100 m
   wrong.yaml:7:19: section.name: `HEB 225` is not known (did you mean HEB220?); allowed: HEA, HEB or HEM 100 to 1000, IPE 80 to 600, or "" and numbers
   wrong.yaml:8:18: steel.grade: `355` is not known (did you mean S355?); allowed: S235, S275, S355, S420 or S460, or "" and numbers
   wrong.yaml:11:21: hinge.stiffness_1a does not go with the coupled law; write hinge.elastic_law: uncoupled, or leave the stiffness out

@@ -13,12 +13,22 @@ const CASES: u32 = 6_000;
 /// Steps that one random response is followed for.
 const STEPS: u32 = 300;
 
+/// The parameter table's least length of a bar \[m\].
+const SHORTEST_BAR: f64 = 0.02;
+
 fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
 
 fn exponent() -> impl Strategy<Value = f64> {
-    prop_oneof![Just(1.0), Just(1.3), Just(2.0), Just(50.0), 1.0..3.0, log_uniform(1.0, 50.0)]
+    prop_oneof![
+        Just(1.0),
+        Just(1.3),
+        Just(2.0),
+        Just(50.0),
+        1.0..3.0,
+        log_uniform(1.0, 50.0)
+    ]
 }
 
 fn support() -> impl Strategy<Value = Support> {
@@ -57,8 +67,8 @@ prop_compose! {
         let radius = slenderness * 0.5;
         let resistance_axial = area * steel;
         ColumnProperties {
-            length_below: height * impact_at,
-            length_above: height * (1.0 - impact_at),
+            length_below: (height * impact_at).max(SHORTEST_BAR),
+            length_above: (height * (1.0 - impact_at)).max(SHORTEST_BAR),
             axial_rigidity: 2.1e11 * area,
             bending_stiffness: 2.1e11 * area * radius * radius,
             mass_per_length: 7850.0 * area,
@@ -93,7 +103,9 @@ prop_compose! {
 /// Follows a response and checks every step of it.
 fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCaseError> {
     let Ok(model) = Model::new(properties) else {
-        return Err(TestCaseError::reject("squashed or buckled by its load alone"));
+        return Err(TestCaseError::reject(
+            "squashed or buckled by its load alone",
+        ));
     };
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, *impact, 1e3)
@@ -116,17 +128,35 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
         let sample = state.sample(&model);
         let scale = scale + sample.elastic_energy + sample.load_work.abs() + sample.kinetic_energy;
         for number in [
-            sample.v1, sample.u1, sample.beta1, sample.u2, sample.v1_rate, sample.u1_rate, sample.u2_rate,
-            sample.impactor_position, sample.impactor_velocity, sample.contact_force, sample.impulse,
-            sample.kinetic_energy, sample.elastic_energy, sample.plastic_work, sample.ledger_residual,
+            sample.v1,
+            sample.u1,
+            sample.beta1,
+            sample.u2,
+            sample.v1_rate,
+            sample.u1_rate,
+            sample.u2_rate,
+            sample.impactor_position,
+            sample.impactor_velocity,
+            sample.contact_force,
+            sample.impulse,
+            sample.kinetic_energy,
+            sample.elastic_energy,
+            sample.plastic_work,
+            sample.ledger_residual,
         ] {
             prop_assert!(number.is_finite(), "{sample:?}");
         }
-        prop_assert!(sample.plastic_work >= dissipated - 1e-12 * scale, "{} {}", sample.plastic_work, dissipated);
+        prop_assert!(
+            sample.plastic_work >= dissipated - 1e-12 * scale,
+            "{} {}",
+            sample.plastic_work,
+            dissipated
+        );
         dissipated = sample.plastic_work;
         prop_assert!(sample.contact_force >= 0.0 && sample.percussion >= 0.0);
-        prop_assert!(sample.impact_loss >= 0.0 && sample.damping_work >= 0.0);
+        prop_assert!(sample.damping_work >= 0.0);
         if energy_scheme {
+            prop_assert!(sample.impact_loss >= 0.0);
             for hinge in &sample.hinges {
                 // The surface itself: gamma would only rescale the excess.
                 let excess = hinge.utilisation.powf(properties.yield_surface.gamma) - 1.0;
@@ -134,7 +164,8 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
             }
             prop_assert!(
                 sample.ledger_residual.abs() <= 1e-10 * scale,
-                "ledger {} of {scale}", sample.ledger_residual
+                "ledger {} of {scale}",
+                sample.ledger_residual
             );
             match sample.phase {
                 Phase::Contact => prop_assert!(sample.gap.abs() <= 1e-10, "gap {}", sample.gap),
@@ -161,7 +192,14 @@ fn run(scheme: Scheme) {
     };
     TestRunner::new(config)
         .run(&(column(scheme), impact()), |(properties, impact)| {
-            follow(&properties, &impact)
+            follow(&properties, &impact).map_err(|failure| match failure {
+                TestCaseError::Fail(reason) => {
+                    // What a rerun needs, to the last bit.
+                    let case = serde_json::json!({ "column": properties, "impact": impact });
+                    TestCaseError::fail(format!("{reason}\n{case}"))
+                }
+                rejected => rejected,
+            })
         })
         .unwrap_or_else(|failure| panic!("{failure}"));
 }

@@ -138,8 +138,20 @@ pub(crate) fn stiffness(
     forces: &PerBar<BarForces>,
     tangents: &Tangents,
 ) -> Matrix4<f64> {
-    let below = bar_stiffness(&left.below, &right.below, &forces.below, &tangents.below, -1.0);
-    let above = bar_stiffness(&left.above, &right.above, &forces.above, &tangents.above, 1.0);
+    let below = bar_stiffness(
+        &left.below,
+        &right.below,
+        &forces.below,
+        &tangents.below,
+        -1.0,
+    );
+    let above = bar_stiffness(
+        &left.above,
+        &right.above,
+        &forces.above,
+        &tangents.above,
+        1.0,
+    );
     // x_a = L_a - u1, x_b = L_b + u1 - u2.
     let mut k = Matrix4::zeros();
     k[(0, 0)] = below[(1, 1)] + above[(1, 1)];

@@ -202,15 +202,14 @@ impl Bar {
             shared(total, &capped)
         } else {
             // At a tip each hinge takes at least what normality to the curve asks of its rotation.
-            let least = surface.resistance_moment / surface.resistance_axial
-                * self.tip_slope()
-                * sign;
+            let least =
+                surface.resistance_moment / surface.resistance_axial * self.tip_slope() * sign;
             let own = capped.rotation.map(|p| least * p.abs());
             let rest = 0.5 * (total - own[0] - own[1]);
             [own[0] + rest, own[1] + rest]
         };
-        self.returned(trial, normal, cap, capped, elongation, |active| Place::Vertex {
-            active,
+        self.returned(trial, normal, cap, capped, elongation, |active| {
+            Place::Vertex { active }
         })
     }
 
@@ -240,12 +239,14 @@ impl Bar {
             + tangent_moment * tangent_moment * capped.compliance
             + curvature;
         let elongation = shared(total, &capped);
-        self.returned(trial, normal, cap, capped, elongation, |active| Place::Curve {
-            active,
-            sign_axial: sign,
-            tangent_axial,
-            tangent_moment,
-            stiffness,
+        self.returned(trial, normal, cap, capped, elongation, |active| {
+            Place::Curve {
+                active,
+                sign_axial: sign,
+                tangent_axial,
+                tangent_moment,
+                stiffness,
+            }
         })
     }
 
@@ -301,7 +302,10 @@ impl Bar {
         if c[0][1] == 0.0 {
             let rotation = [0, 1].map(|k| if excess[k] > 0.0 { alone(k) } else { 0.0 });
             let compliance = (0..2).filter(|&k| excess[k] > 0.0).map(flexibility).sum();
-            return CappedMoments { rotation, compliance };
+            return CappedMoments {
+                rotation,
+                compliance,
+            };
         }
         for k in 0..2 {
             let p = alone(k);
@@ -337,7 +341,8 @@ impl Bar {
                 best_agreement = agreement;
                 best = CappedMoments {
                     rotation,
-                    compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1]) / determinant,
+                    compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1])
+                        / determinant,
                 };
             }
         }
@@ -448,7 +453,9 @@ impl Search<'_> {
                 (value, slope)
             }
             Branch::Moment => {
-                let capped = self.bar.cap_moments(self.moments, t * surface.resistance_moment);
+                let capped = self
+                    .bar
+                    .cap_moments(self.moments, t * surface.resistance_moment);
                 let short = self.trial - point.other;
                 let value = short * point.slope - scale * capped.sum();
                 let compliance = capped.compliance * surface.resistance_moment;
@@ -466,7 +473,10 @@ impl Search<'_> {
             if self.bar.surface.has_corner_at_zero_axial()
                 && self.derivative(Branch::Axial, 0.0).0 >= 0.0
             {
-                return Root::Vertex { axial: 0.0, cap: 1.0 };
+                return Root::Vertex {
+                    axial: 0.0,
+                    cap: 1.0,
+                };
             }
             return Root::Curve {
                 branch: Branch::Axial,
@@ -474,7 +484,10 @@ impl Search<'_> {
             };
         }
         if self.trial >= 1.0 && self.derivative(Branch::Moment, 0.0).0 >= 0.0 {
-            return Root::Vertex { axial: 1.0, cap: 0.0 };
+            return Root::Vertex {
+                axial: 1.0,
+                cap: 0.0,
+            };
         }
         let start = self.bar.surface.point(Branch::Axial, split).other;
         let near = if near >= split && near < 1.0 {
@@ -490,7 +503,11 @@ impl Search<'_> {
 
     /// Newton's method kept within a shrinking bracket of the monotone derivative.
     fn bisect_newton(&self, branch: Branch, mut low: f64, mut high: f64, near: f64) -> f64 {
-        let mut t = if near > low && near < high { near } else { 0.5 * (low + high) };
+        let mut t = if near > low && near < high {
+            near
+        } else {
+            0.5 * (low + high)
+        };
         let mut last_step = high - low;
         let tolerance = RETURN_TOLERANCE * (1.0 + self.trial);
         for _ in 0..MAX_RETURN_ITERATIONS {

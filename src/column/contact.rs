@@ -57,12 +57,7 @@ impl Impact {
                 self.velocity > 0.0,
                 "a finite number > 0: towards the column",
             ),
-            (
-                "gap [m]",
-                self.gap,
-                self.gap >= 0.0,
-                "a finite number >= 0",
-            ),
+            ("gap [m]", self.gap, self.gap >= 0.0, "a finite number >= 0"),
             (
                 "restitution",
                 self.restitution,

@@ -15,9 +15,9 @@ use super::motion::Motion;
 use super::newton::{self, Stage};
 use super::state::State;
 use super::statics;
-use super::stepping::{Part};
+use super::stepping::{NEGLIGIBLE_PART, Part};
 
-/// Most closings and releases in one step; past them contact is held to the step's end.
+/// Most closings and releases in one step; past them contact stays as it is to the step's end.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
 
 /// Bound of the search for the instant of an event.
@@ -113,8 +113,12 @@ impl Stage for Conserving<'_> {
         self.motion.scale()
     }
 
-    fn rotational_scale(&self) -> f64 {
-        statics::rotational_scale(self.model)
+    fn elastic_scale(&self) -> [f64; 2] {
+        statics::elastic_scale(self.model)
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.model.shorter_bar()
     }
 }
 
@@ -159,10 +163,16 @@ fn closed_part(
     let (mut state, secs) = if from.contact_force <= 0.0 {
         (*from, 0.0)
     } else {
-        locate(from.contact_force, end.contact_force, &end, secs, |secs| {
-            let state = advance(model, from, offset_secs, secs)?;
-            Some((state, state.contact_force))
-        })?
+        locate(
+            from,
+            from.contact_force,
+            (&end, end.contact_force),
+            secs,
+            |secs| {
+                let state = advance(model, from, offset_secs, secs)?;
+                Some((state, state.contact_force))
+            },
+        )?
     };
     events.count += 1;
     state.contact_force = 0.0;
@@ -181,7 +191,7 @@ fn open_part(
     events: &mut Events,
 ) -> Option<Part> {
     let end = advance(model, from, offset_secs, secs)?;
-    if end.gap() >= -GAP_TOLERANCE {
+    if end.gap() >= -GAP_TOLERANCE || events.exhausted() {
         return Some(Part { state: end, secs });
     }
     let start = from.gap();
@@ -199,7 +209,7 @@ fn open_part(
         }
     };
     let at_start = if touching { parting } else { start };
-    let (state, secs) = locate(at_start, measure(&end, secs), &end, secs, |secs| {
+    let (state, secs) = locate(from, at_start, (&end, measure(&end, secs)), secs, |secs| {
         let state = advance(model, from, offset_secs, secs)?;
         Some((state, measure(&state, secs)))
     })?;
@@ -207,7 +217,13 @@ fn open_part(
 }
 
 /// Newton's impact law at the end of a part.
-fn strike(model: &Model, mut state: State, offset_secs: f64, secs: f64, events: &mut Events) -> Part {
+fn strike(
+    model: &Model,
+    mut state: State,
+    offset_secs: f64,
+    secs: f64,
+    events: &mut Events,
+) -> Part {
     events.count += 1;
     state.strike(model, offset_secs + secs, !events.exhausted());
     let chords = assembly::chords(model, &state.displacement);
@@ -215,12 +231,12 @@ fn strike(model: &Model, mut state: State, offset_secs: f64, secs: f64, events: 
     Part { state, secs }
 }
 
-/// The instant in `(0, secs]` at which a quantity that is positive at the start and negative at the end passes zero,
+/// The instant in `[0, secs]` at which a quantity that is positive at the start and negative at the end passes zero,
 /// and the state there: false position with the Illinois correction.
 fn locate(
+    from: &State,
     at_start: f64,
-    at_end: f64,
-    end: &State,
+    (end, at_end): (&State, f64),
     secs: f64,
     mut at: impl FnMut(f64) -> Option<(State, f64)>,
 ) -> Option<(State, f64)> {
@@ -231,6 +247,9 @@ fn locate(
     for _ in 0..MAX_EVENT_ITERATIONS {
         let share = low_value / (low_value - high_value);
         let middle = low + share * (high - low);
+        if middle <= NEGLIGIBLE_PART * secs {
+            return Some((*from, 0.0));
+        }
         if !(middle > low && middle < high) {
             break;
         }
@@ -261,7 +280,7 @@ fn locate(
 fn advance(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<State> {
     let closed = from.impactor.filter(|i| i.closed);
     let added_mass = closed.map_or(0.0, |i| i.impact.mass);
-    let motion = Motion::new(model, &from.velocity, added_mass, 0.0, secs);
+    let motion = Motion::new(model, from, added_mass, 0.0, secs);
     let stage = Conserving {
         model,
         from,

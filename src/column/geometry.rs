@@ -129,6 +129,14 @@ impl Chord {
         }
     }
 
+    /// Whether the turn from `self` to `next` is less than a right angle and its sine less than `sine`.
+    pub fn turns_less(&self, next: &Self, sine: f64) -> bool {
+        let area = self.length * next.length;
+        let across = self.x * next.v - self.v * next.x;
+        let along = self.x * next.x + self.v * next.v;
+        along > 0.0 && across.abs() < sine * area
+    }
+
     /// Second derivatives `(xx, xv, vv)` of `axial * length + bending * angle`: the geometric stiffness of a bar
     /// with normal force `axial` \[N\] and sum of end moments `bending` \[N m\].
     pub fn hessian(&self, axial: f64, bending: f64) -> [f64; 3] {
@@ -162,7 +170,9 @@ mod tests {
     fn elongation_and_angle_are_those_of_the_paper() {
         let (length, u, v) = (3.0_f64, 0.02, 0.31);
         let chord = Chord::new(length, u, v);
-        assert!((chord.elongation - ((v * v + (length - u).powi(2)).sqrt() - length)).abs() < 1e-15);
+        assert!(
+            (chord.elongation - ((v * v + (length - u).powi(2)).sqrt() - length)).abs() < 1e-15
+        );
         assert!((chord.angle() - (v / (length - u)).atan()).abs() < 1e-16);
     }
 
@@ -225,7 +235,9 @@ mod tests {
             let (a, b) = (Chord::new(2.0, 2.0 - x0, v0), Chord::new(2.0, 2.0 - x1, v1));
             let g = a.discrete_gradient(&b);
             let (dx, dv) = (b.x - a.x, b.v - a.v);
-            assert!((g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15);
+            assert!(
+                (g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15
+            );
             assert!((g.angle_x * dx + g.angle_v * dv - (b.angle() - a.angle())).abs() < 1e-15);
         }
     }

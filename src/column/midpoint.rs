@@ -76,8 +76,12 @@ impl Stage for Midpoint<'_> {
         self.motion.scale()
     }
 
-    fn rotational_scale(&self) -> f64 {
-        statics::rotational_scale(self.model)
+    fn elastic_scale(&self) -> [f64; 2] {
+        statics::elastic_scale(self.model)
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.model.shorter_bar()
     }
 }
 
@@ -98,11 +102,14 @@ struct Contact {
 
 /// One part of a step, `offset_secs` into it.
 pub(crate) fn part(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<Part> {
-    let contact = from.impactor.filter(|_| from.gap() <= 0.0).map(|i| Contact {
-        mass: i.impact.mass,
-        closing_speed: i.closing_speed(from.velocity.v1),
-        restitution: i.impact.restitution,
-    });
+    let contact = from
+        .impactor
+        .filter(|_| from.gap() <= 0.0)
+        .map(|i| Contact {
+            mass: i.impact.mass,
+            closing_speed: i.closing_speed(from.velocity.v1),
+            restitution: i.impact.restitution,
+        });
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so whichever is consistent is the one.
     let state = match contact {
@@ -143,7 +150,13 @@ fn free(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<Stat
 }
 
 /// With the contact force that makes `gamma^{n+1} + eps gamma^n = 0` (Eqs 45-46).
-fn pressed(model: &Model, from: &State, contact: &Contact, offset_secs: f64, secs: f64) -> Option<State> {
+fn pressed(
+    model: &Model,
+    from: &State,
+    contact: &Contact,
+    offset_secs: f64,
+    secs: f64,
+) -> Option<State> {
     let Contact {
         mass,
         closing_speed,
@@ -175,14 +188,8 @@ fn pressed(model: &Model, from: &State, contact: &Contact, offset_secs: f64, sec
 }
 
 /// Moves the column.
-fn advance(
-    model: &Model,
-    from: &State,
-    added_mass: f64,
-    push: f64,
-    secs: f64,
-) -> Option<State> {
-    let motion = Motion::new(model, &from.velocity, added_mass, push, secs);
+fn advance(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Option<State> {
+    let motion = Motion::new(model, from, added_mass, push, secs);
     let stage = Midpoint {
         model,
         from,
@@ -212,18 +219,26 @@ fn advance(
     // beta1 and a massless u2 are collocated at n + 1/2; extrapolated they would ring for ever, so at n + 1 they are
     // solved for.
     let end = from.displacement.plus(1.0, solved.increment);
-    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)?;
+    // Where they have no elastic equilibrium there (the stress overshoots the yield surface), extrapolation it is.
+    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)
+        .unwrap_or_else(|| {
+            let chords = assembly::chords(model, &end);
+            let forces = assembly::elastic_forces(model, &chords, &end, &state.plastic);
+            (end, forces)
+        });
     Some(state)
 }
 
-/// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`.
+/// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`; in a
+/// part of a step they hardly go anywhere.
 fn first_guess(model: &Model, from: &State, secs: f64) -> Displacement {
     let mut guess = from.predictor.increment(&from.velocity, secs);
-    if let Some(middle) = from.predictor.stage() {
-        guess.beta1 = 2.0 * (middle.beta1 - from.displacement.beta1);
-        if model.top_is_massless() {
-            guess.u2 = 2.0 * (middle.u2 - from.displacement.u2);
-        }
+    let now = &from.displacement;
+    let expected = from.predictor.stage().filter(|_| secs == model.step_secs);
+    let middle = expected.unwrap_or(*now);
+    guess.beta1 = 2.0 * (middle.beta1 - now.beta1);
+    if model.top_is_massless() {
+        guess.u2 = 2.0 * (middle.u2 - now.u2);
     }
     guess
 }

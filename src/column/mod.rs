@@ -14,11 +14,11 @@ mod properties;
 mod report;
 mod response;
 mod sample;
+mod section;
 mod state;
 mod statics;
 mod stepping;
 mod yield_surface;
-mod section;
 
 pub use assembly::PerBar;
 pub use bar::{Bar, BarForces, PlasticFlow};
@@ -32,8 +32,8 @@ pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponen
 pub use report::{End, HingeReport, Outcome, Report};
 pub use response::{Progress, Response, SimulationError, simulate};
 pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};
+pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, step};
 pub use yield_surface::YieldSurface;
-pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};

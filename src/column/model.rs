@@ -107,7 +107,12 @@ impl Model {
         let bar = |length: f64, support, given| Bar {
             length,
             axial: p.axial_rigidity / length,
-            rotational: rotational_stiffness(p.elastic_law, p.bending_stiffness / length, support, given),
+            rotational: rotational_stiffness(
+                p.elastic_law,
+                p.bending_stiffness / length,
+                support,
+                given,
+            ),
             surface,
         };
         let below = bar(p.length_below, p.base, [stiffness_1a, stiffness_3]);
@@ -139,6 +144,11 @@ impl Model {
         self.properties.top_mass == 0.0
     }
 
+    /// Length of the shorter bar \[m\].
+    pub(crate) fn shorter_bar(&self) -> f64 {
+        self.below.length.min(self.above.length)
+    }
+
     /// Displacements at rest.
     pub(crate) fn rest_displacement(&self) -> Displacement {
         Displacement {
@@ -157,7 +167,7 @@ impl Model {
     fn add_modes(&mut self) -> Result<(), ModelError> {
         let rest = self.rest_displacement();
         let stiffness = modes::condensed_stiffness(self, &rest, &PerBar::default())[(0, 0)];
-        if !(stiffness > 0.0) {
+        if stiffness.is_nan() || stiffness <= 0.0 {
             return Err(ModelError::Buckled { stiffness });
         }
         self.slowest_period = modes::slowest_period(self, &rest, &PerBar::default())
@@ -218,20 +228,60 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     let at_least_one = |x: f64| x >= 1.0;
     type Check<'a> = (&'static str, f64, &'static str, &'a dyn Fn(f64) -> bool);
     let checks: [Check; 14] = [
-        ("length below the impact point", p.length_below, POSITIVE, &positive),
-        ("length above the impact point", p.length_above, POSITIVE, &positive),
+        (
+            "length below the impact point",
+            p.length_below,
+            POSITIVE,
+            &positive,
+        ),
+        (
+            "length above the impact point",
+            p.length_above,
+            POSITIVE,
+            &positive,
+        ),
         ("axial rigidity EA", p.axial_rigidity, POSITIVE, &positive),
-        ("bending stiffness EI", p.bending_stiffness, POSITIVE, &positive),
+        (
+            "bending stiffness EI",
+            p.bending_stiffness,
+            POSITIVE,
+            &positive,
+        ),
         ("mass per length", p.mass_per_length, POSITIVE, &positive),
         ("plastic moment", p.resistance_moment, POSITIVE, &positive),
         ("squash load", p.resistance_axial, POSITIVE, &positive),
-        ("yield exponent alpha", p.yield_surface.alpha, AT_LEAST_ONE, &at_least_one),
-        ("yield exponent beta", p.yield_surface.beta, AT_LEAST_ONE, &at_least_one),
-        ("yield exponent gamma", p.yield_surface.gamma, POSITIVE, &positive),
-        ("stiffness of the top spring", p.top_spring_stiffness, NOT_NEGATIVE, &not_negative),
+        (
+            "yield exponent alpha",
+            p.yield_surface.alpha,
+            AT_LEAST_ONE,
+            &at_least_one,
+        ),
+        (
+            "yield exponent beta",
+            p.yield_surface.beta,
+            AT_LEAST_ONE,
+            &at_least_one,
+        ),
+        (
+            "yield exponent gamma",
+            p.yield_surface.gamma,
+            POSITIVE,
+            &positive,
+        ),
+        (
+            "stiffness of the top spring",
+            p.top_spring_stiffness,
+            NOT_NEGATIVE,
+            &not_negative,
+        ),
         ("mass at the top", p.top_mass, NOT_NEGATIVE, &not_negative),
         ("load on the top", p.top_load, NOT_NEGATIVE, &not_negative),
-        ("damping ratio", p.damping_ratio, NOT_NEGATIVE, &not_negative),
+        (
+            "damping ratio",
+            p.damping_ratio,
+            NOT_NEGATIVE,
+            &not_negative,
+        ),
     ];
     for (name, found, expected, right) in checks {
         if !(found.is_finite() && right(found)) {
@@ -254,7 +304,10 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
 }
 
 fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
-    for (name, support) in [("stiffness of the base", p.base), ("stiffness of the top", p.top)] {
+    for (name, support) in [
+        ("stiffness of the base", p.base),
+        ("stiffness of the top", p.top),
+    ] {
         if let Support::SemiRigid { stiffness } = support
             && !(stiffness.is_finite() && stiffness > 0.0)
         {

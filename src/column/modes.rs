@@ -29,7 +29,10 @@ pub(crate) fn condensed_stiffness(
 
 fn condense(k: &mut Matrix4<f64>, eliminated: usize) {
     let pivot = k[(eliminated, eliminated)];
-    let (column, row) = (k.column(eliminated).into_owned(), k.row(eliminated).into_owned());
+    let (column, row) = (
+        k.column(eliminated).into_owned(),
+        k.row(eliminated).into_owned(),
+    );
     *k -= column * row / pivot;
     k.row_mut(eliminated).fill(0.0);
     k.column_mut(eliminated).fill(0.0);
@@ -49,8 +52,8 @@ pub(crate) fn slowest_period(
     } else {
         model.properties.top_mass
     };
-    let root_mass = Vector3::new(model.impact_point_mass, model.impact_point_mass, top_mass)
-        .map(f64::sqrt);
+    let root_mass =
+        Vector3::new(model.impact_point_mass, model.impact_point_mass, top_mass).map(f64::sqrt);
     for row in 0..3 {
         for column in 0..3 {
             scaled[(row, column)] /= root_mass[row] * root_mass[column];

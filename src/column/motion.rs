@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::geometry::Displacement;
 use super::model::Model;
-use super::state::Velocity;
+use super::state::{State, Velocity};
 
 /// A bar whose extent along the column has shrunk to this fraction of its length has lost its shape.
 pub const LEAST_EXTENT: f64 = 0.01;
@@ -16,6 +16,16 @@ pub const LENGTH_RANGE: [f64; 2] = [0.2, 5.0];
 
 /// A top that has come down by this fraction of the column's height does so without bound.
 pub const MOST_SHORTENING: f64 = 0.5;
+
+/// Floor of the size of forces, relative to `N^p`.
+const FORCE_FLOOR: f64 = 1e-9;
+
+/// Floor of the size of moments, relative to `M^p`.
+const MOMENT_FLOOR: f64 = 1e-6;
+
+/// Share of (stiffness x displacement) that counts as a force: its round-off is 1e-16 of it, a residual 1e-13 of the
+/// forces is converged.
+const ROUND_OFF_SHARE: f64 = 1e-2;
 
 /// How a column loses its shape or its equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,9 +74,10 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// The motion of a column that starts with `velocity`, with `added_mass` \[kg\] moving along at the impact point
+    /// The motion of a column that starts from `from`, with `added_mass` \[kg\] moving along at the impact point
     /// and a constant force `push` \[N\] on it, over `secs`.
-    pub fn new(model: &Model, velocity: &Velocity, added_mass: f64, push: f64, secs: f64) -> Self {
+    pub fn new(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Self {
+        let velocity = &from.velocity;
         let p = &model.properties;
         let masses = Vector4::new(
             model.impact_point_mass + added_mass,
@@ -75,16 +86,20 @@ impl Motion {
             p.top_mass,
         );
         // The rate of a massless u2 is no state: it must not enter.
-        let top = if model.top_is_massless() { 0.0 } else { velocity.u2 };
+        let top = if model.top_is_massless() {
+            0.0
+        } else {
+            velocity.u2
+        };
         let velocity = Vector4::new(velocity.v1, velocity.u1, 0.0, top);
         let inertia = masses * (2.0 / secs);
         let mut scale = inertia.component_mul(&velocity.abs());
-        let force = p.resistance_axial + p.top_load;
+        let [force, moment] = force_scale(model, from);
         for row in [0, 1, 3] {
             scale[row] += force;
         }
         scale[0] += push.abs();
-        scale[2] = p.resistance_moment;
+        scale[2] = moment;
         Self {
             secs,
             velocity,
@@ -123,7 +138,11 @@ impl Motion {
         Velocity {
             v1: end[0],
             u1: end[1],
-            u2: if model.top_is_massless() { rate[3] } else { end[3] },
+            u2: if model.top_is_massless() {
+                rate[3]
+            } else {
+                end[3]
+            },
         }
     }
 
@@ -132,6 +151,26 @@ impl Motion {
         let rate = mean_rate(increment, self.secs);
         rate.dot(&(self.damping * rate)) * self.secs
     }
+}
+
+/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, what the round-off of the
+/// displacements is worth in stress, and a floor for a column that has no forces yet.
+fn force_scale(model: &Model, from: &State) -> [f64; 2] {
+    let p = &model.properties;
+    let Displacement { v1, u1, beta1, u2 } = from.displacement;
+    let moved = v1.abs() + u1.abs() + u2.abs();
+    let mut force = p.top_load + FORCE_FLOOR * p.resistance_axial;
+    let mut moment = MOMENT_FLOOR * p.resistance_moment;
+    for (bar, forces) in [
+        (&model.below, &from.forces.below),
+        (&model.above, &from.forces.above),
+    ] {
+        let bending = forces.moment[0].abs() + forces.moment[1].abs();
+        let turned = v1.abs() / bar.length + beta1.abs();
+        moment += bending + ROUND_OFF_SHARE * bar.rotational[0][0] * turned;
+        force += forces.normal.abs() + bending / bar.length + ROUND_OFF_SHARE * bar.axial * moved;
+    }
+    [force, moment]
 }
 
 fn mean_rate(increment: &Displacement, secs: f64) -> Vector4<f64> {
@@ -153,11 +192,11 @@ fn damping(model: &Model) -> Matrix4<f64> {
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
     let chords = super::assembly::chords(model, u);
     for (bar, chord) in [(&model.below, chords.below), (&model.above, chords.above)] {
-        if !(chord.x >= LEAST_EXTENT * bar.length) {
+        if chord.x.is_nan() || chord.x < LEAST_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
         let [least, most] = LENGTH_RANGE;
-        if !(chord.length >= least * bar.length && chord.length <= most * bar.length) {
+        if !(least * bar.length..=most * bar.length).contains(&chord.length) {
             return Some(Collapse::BarLength);
         }
     }

@@ -14,12 +14,30 @@ const BALANCED: f64 = 1e-15;
 /// Relative residual at which the iteration ends.
 const CONVERGED: f64 = 1e-13;
 
-/// Relative residual that is accepted once corrections no longer lower it: round-off of a stiff column.
-const STAGNATED: f64 = 1e-10;
+/// Relative residual or relative correction that is accepted once corrections no longer lower the residual: round-off of
+/// a stiff column.
+const STAGNATED: f64 = 2e-12;
 
-/// Floor of the pivot of `beta1`, relative to its elastic stiffness: with both hinges of the joint flowing its tangent
-/// vanishes, and the split of their rotation is not determined.
+/// Floor of the pivots of `beta1` and `u2`, relative to their elastic stiffness: with both hinges of the joint flowing,
+/// or with the normal force held at a corner of the yield surface, a massless unknown's tangent vanishes and its value
+/// is not determined; the force that belongs to it is.
 const PIVOT_FLOOR: f64 = 1e-9;
+
+/// Bound of the line search; bisection alone narrows a correction to the floor's inverse in 20.
+const MAX_LINE_SEARCH: u32 = 40;
+
+/// A line search ends where the slope along the correction has fallen to this share.
+const SLOPE_SHARE: f64 = 0.1;
+
+/// Bound of the search for `beta1`, for its bracket and within it: all the bits of a double.
+const MAX_ROTATION_SEARCH: u32 = 60;
+
+/// Row of `beta1`.
+const BETA1: usize = 2;
+
+/// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar: a massless unknown that
+/// has lost its stiffness would leap to an equilibrium with the column turned inside out.
+const MAX_CORRECTION: f64 = 0.05;
 
 /// A stage whose equations are solved for the increment of `U`.
 pub(crate) trait Stage {
@@ -35,8 +53,11 @@ pub(crate) trait Stage {
     /// Size of the terms that the residual is the sum of, row by row.
     fn scale(&self) -> Vector4<f64>;
 
-    /// Elastic stiffness of `beta1` \[N m/rad\].
-    fn rotational_scale(&self) -> f64;
+    /// Elastic stiffness of `beta1` \[N m/rad\] and `u2` \[N/m\].
+    fn elastic_scale(&self) -> [f64; 2];
+
+    /// Length of the shorter bar \[m\].
+    fn length_scale(&self) -> f64;
 }
 
 /// A solved stage.
@@ -47,33 +68,160 @@ pub(crate) struct Solved<P> {
 }
 
 /// Solves a stage from a first guess; `None` if the iteration does not converge.
+///
+/// The residual is, but for terms of the order of the step, the gradient of a convex potential with kinks in its
+/// second derivative. Where a full correction does not halve the residual, the potential is minimised along it: the
+/// masses' rows would hide a massless unknown that is thrown to and fro between two kinks.
 pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S::Point>> {
     let inverse_scale = stage.scale().map(|s| 1.0 / s);
+    let size_of = |residual: &Vector4<f64>| residual.component_mul(&inverse_scale).amax();
     let mut increment = guess;
-    let mut last = f64::INFINITY;
+    let (mut point, mut residual) = stage.evaluate(&increment);
+    let mut size = size_of(&residual);
+    let mut enough = BALANCED;
     for corrections in 0..MAX_NEWTON_ITERATIONS {
-        let (point, residual) = stage.evaluate(&increment);
-        let size = residual.component_mul(&inverse_scale).amax();
-        if !size.is_finite() {
-            return None;
-        }
-        let enough = if corrections == 0 { BALANCED } else { CONVERGED };
-        if size <= enough || (size <= STAGNATED && size > 0.5 * last) {
+        if size <= enough {
             return Some(Solved {
                 increment,
                 point,
                 corrections,
             });
         }
-        last = size;
-        let correction = condensed_solve(
-            &stage.jacobian(&point),
-            &residual,
-            PIVOT_FLOOR * stage.rotational_scale(),
-        )?;
-        increment = increment.minus(correction);
+        enough = CONVERGED;
+        let correction =
+            condensed_solve(&stage.jacobian(&point), &residual, stage.elastic_scale())?;
+        let correction = limited(correction, stage.length_scale());
+        let full = increment.minus(correction);
+        let (full_point, full_residual) = stage.evaluate(&full);
+        let full_size = size_of(&full_residual);
+        let stagnates = full_size > 0.5 * size;
+        if stagnates && (size.min(full_size) <= STAGNATED || is_round_off(&correction, &increment))
+        {
+            // Round-off of a stiff column: corrections no longer help.
+            return Some(if full_size < size {
+                Solved {
+                    increment: full,
+                    point: full_point,
+                    corrections: corrections + 1,
+                }
+            } else {
+                Solved {
+                    increment,
+                    point,
+                    corrections,
+                }
+            });
+        }
+        (increment, point, residual) = if !stagnates {
+            (full, full_point, full_residual)
+        } else {
+            let (searched, _, residual) =
+                search_line(stage, increment, correction, &residual, &full_residual);
+            balance_rotation(stage, searched, residual[BETA1])
+        };
+        size = size_of(&residual);
+        if !size.is_finite() {
+            return None;
+        }
     }
     None
+}
+
+/// Whether a correction is round-off of the increment.
+fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
+    let moved = |u: &Displacement| u.v1.abs().max(u.u1.abs()).max(u.u2.abs());
+    moved(correction) <= STAGNATED * moved(increment)
+        && correction.beta1.abs() <= STAGNATED * increment.beta1.abs()
+}
+
+/// A correction scaled down to [`MAX_CORRECTION`].
+fn limited(correction: Displacement, length: f64) -> Displacement {
+    let Displacement { v1, u1, beta1, u2 } = correction;
+    let largest = (v1.abs().max(u1.abs()).max(u2.abs()) / length).max(beta1.abs());
+    if largest > MAX_CORRECTION {
+        correction.times(MAX_CORRECTION / largest)
+    } else {
+        correction
+    }
+}
+
+/// Minimises the potential along a correction: bisection on the slope `residual . direction`, which grows from below
+/// zero.
+fn search_line<S: Stage>(
+    stage: &S,
+    from: Displacement,
+    correction: Displacement,
+    residual: &Vector4<f64>,
+    full_residual: &Vector4<f64>,
+) -> (Displacement, S::Point, Vector4<f64>) {
+    let slope = |r: &Vector4<f64>| {
+        -(r[0] * correction.v1
+            + r[1] * correction.u1
+            + r[2] * correction.beta1
+            + r[3] * correction.u2)
+    };
+    let start = slope(residual);
+    // Past the minimum at the full correction: it lies before; else the full correction is the best on offer.
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut share = if slope(full_residual) > 0.0 { 0.5 } else { 1.0 };
+    for _ in 0..MAX_LINE_SEARCH {
+        let increment = from.plus(-share, correction);
+        let (point, residual) = stage.evaluate(&increment);
+        let here = slope(&residual);
+        if share == 1.0 || here.abs() <= SLOPE_SHARE * start.abs() || high - low <= f64::EPSILON {
+            return (increment, point, residual);
+        }
+        if here > 0.0 || here.is_nan() {
+            high = share;
+        } else {
+            low = share;
+        }
+        share = 0.5 * (low + high);
+    }
+    let increment = from.plus(-share, correction);
+    let (point, residual) = stage.evaluate(&increment);
+    (increment, point, residual)
+}
+
+/// Solves the equation of `beta1` alone, the rest held: `M_1b - M_1a` never falls with `beta1`, so a bracket always
+/// finds where it vanishes. Where both hinges of the joint flow and their moments differ, one has to unload, and no
+/// tangent tells how far that is.
+fn balance_rotation<S: Stage>(
+    stage: &S,
+    from: Displacement,
+    unbalanced: f64,
+) -> (Displacement, S::Point, Vector4<f64>) {
+    let turned = |turn: f64| Displacement {
+        beta1: from.beta1 + turn,
+        ..from
+    };
+    let unbalanced_at = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
+    let mut turn = -unbalanced / stage.elastic_scale()[0];
+    let mut near = 0.0;
+    for _ in 0..MAX_ROTATION_SEARCH {
+        let here = unbalanced_at(turn);
+        if here * unbalanced <= 0.0 || !turn.is_finite() {
+            break;
+        }
+        near = turn;
+        turn *= 2.0;
+    }
+    let mut far = turn;
+    for _ in 0..MAX_ROTATION_SEARCH {
+        turn = 0.5 * (near + far);
+        let here = unbalanced_at(turn);
+        if here == 0.0 || turn == near || turn == far {
+            break;
+        }
+        if here * unbalanced > 0.0 {
+            near = turn;
+        } else {
+            far = turn;
+        }
+    }
+    let increment = turned(turn);
+    let (point, residual) = stage.evaluate(&increment);
+    (increment, point, residual)
 }
 
 /// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
@@ -81,14 +229,16 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
 fn condensed_solve(
     jacobian: &Matrix4<f64>,
     residual: &Vector4<f64>,
-    pivot_floor: f64,
+    elastic_scale: [f64; 2],
 ) -> Option<Displacement> {
-    const BETA1: usize = 2;
-    const ORDER: [usize; 4] = [BETA1, 3, 1, 0];
+    const U2: usize = 3;
+    const ORDER: [usize; 4] = [BETA1, U2, 1, 0];
     let (mut a, mut r) = (*jacobian, *residual);
-    a[(BETA1, BETA1)] = a[(BETA1, BETA1)].max(pivot_floor);
     for (done, &pivot) in ORDER.iter().enumerate() {
-        if !(a[(pivot, pivot)] > 0.0) {
+        if done < 2 {
+            a[(pivot, pivot)] = a[(pivot, pivot)].max(PIVOT_FLOOR * elastic_scale[done]);
+        }
+        if a[(pivot, pivot)].is_nan() || a[(pivot, pivot)] <= 0.0 {
             return None;
         }
         for &row in &ORDER[done + 1..] {

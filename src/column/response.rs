@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::assembly::PerBar;
+use super::bar::{Bar, BarForces, PlasticFlow};
 use super::contact::{Impact, ImpactError};
 use super::ledger;
 use super::model::{Model, ModelError};
@@ -10,8 +12,6 @@ use super::modes;
 use super::motion::StepError;
 use super::properties::ColumnProperties;
 use super::report::{End, HingeReport, Outcome, Report};
-use super::assembly::PerBar;
-use super::bar::{Bar, BarForces, PlasticFlow};
 use super::sample::{HINGES, Sample};
 use super::state::State;
 use super::statics;
@@ -325,8 +325,7 @@ fn share_until_yield(
     flow: &PlasticFlow,
 ) -> f64 {
     let c = &bar.rotational;
-    let trial_moment =
-        end.moment[k] + c[k][0] * flow.rotation[0] + c[k][1] * flow.rotation[1];
+    let trial_moment = end.moment[k] + c[k][0] * flow.rotation[0] + c[k][1] * flow.rotation[1];
     let trial_normal = end.normal + bar.axial * (flow.elongation[0] + flow.elongation[1]);
     let at_start = bar.surface.sum(start.moment[k], start.normal);
     let at_end = bar.surface.sum(trial_moment, trial_normal);

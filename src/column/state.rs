@@ -237,11 +237,12 @@ impl State {
             self.ledger.impact_loss += hit.loss;
             self.predictor.forget();
         }
-        if restitution == 0.0 {
+        if restitution > 0.0 || speed < 0.0 {
+            // Rebound, or a graze: at the end of a part the two may touch and part already.
+            impactor.release(model, self.step, offset_secs);
+        } else {
             impactor.closed = true;
             impactor.velocity = self.velocity.v1;
-        } else {
-            impactor.release(model, self.step, offset_secs);
         }
         self.impactor = Some(impactor);
     }
@@ -304,7 +305,9 @@ impl State {
         std::iter::once(self.step)
             .chain(numbers.map(f64::to_bits))
             .flat_map(u64::to_le_bytes)
-            .fold(OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+            .fold(OFFSET, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+            })
     }
 
     /// Everything that can be seen of this state.
@@ -373,8 +376,26 @@ impl State {
             flowing: w,
             ..
         } = self;
-        let below = |k| hinge(&f.below, &p.below, &total.below, &elastic.below, &w.below, k);
-        let above = |k| hinge(&f.above, &p.above, &total.above, &elastic.above, &w.above, k);
+        let below = |k| {
+            hinge(
+                &f.below,
+                &p.below,
+                &total.below,
+                &elastic.below,
+                &w.below,
+                k,
+            )
+        };
+        let above = |k| {
+            hinge(
+                &f.above,
+                &p.above,
+                &total.above,
+                &elastic.above,
+                &w.above,
+                k,
+            )
+        };
         [below(0), above(0), above(1), below(1)]
     }
 }

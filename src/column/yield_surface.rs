@@ -121,7 +121,11 @@ impl YieldSurface {
         } else {
             0.0
         };
-        CurvePoint { other: o, slope, bend }
+        CurvePoint {
+            other: o,
+            slope,
+            bend,
+        }
     }
 }
 
@@ -200,7 +204,11 @@ mod tests {
         YieldSurface::new(
             0.307e6,
             3.23e6,
-            YieldExponents { alpha, beta, gamma: 1.0 },
+            YieldExponents {
+                alpha,
+                beta,
+                gamma: 1.0,
+            },
         )
     }
 
@@ -217,7 +225,10 @@ mod tests {
                         Branch::Moment => (point.other, t),
                     };
                     let sum = s.sum(m * s.resistance_moment, n * s.resistance_axial);
-                    assert!((sum - 1.0).abs() < 1e-13, "{alpha} {beta} {branch:?} {t}: {sum}");
+                    assert!(
+                        (sum - 1.0).abs() < 1e-13,
+                        "{alpha} {beta} {branch:?} {t}: {sum}"
+                    );
                     let h = 1e-6 * t;
                     let (after, before) = (s.point(branch, t + h), s.point(branch, t - h));
                     let slope = (before.other - after.other) / (2.0 * h);
@@ -231,7 +242,11 @@ mod tests {
 
     #[test]
     fn gamma_scales_phi_and_leaves_the_surface() {
-        let exponents = YieldExponents { alpha: 2.0, beta: 2.0, gamma: 2.0 };
+        let exponents = YieldExponents {
+            alpha: 2.0,
+            beta: 2.0,
+            gamma: 2.0,
+        };
         let s = YieldSurface::new(1.0, 1.0, exponents);
         assert!((s.utilisation(0.6, 0.8) - 1.0).abs() < 1e-15);
         // gamma = alpha = beta is the superelliptic norm of Eq 27: homogeneous of degree one.

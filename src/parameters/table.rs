@@ -180,7 +180,7 @@ impl Parameter {
 }
 
 const LENGTH: Admissible = Admissible::Real {
-    min: 0.01,
+    min: 0.02,
     max: 100.0,
 };
 const EXPONENT: Admissible = Admissible::Real {

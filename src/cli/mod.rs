@@ -1,0 +1,115 @@
+//! The command line: what can be asked for, and how a command ends.
+
+mod history;
+mod simulate;
+#[cfg(test)]
+mod simulate_tests;
+mod summary;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use history::HistoryWriter;
+pub use simulate::SimulateArgs;
+pub use summary::Summary;
+
+/// Digital twin of a steel column hit by a vehicle.
+#[derive(Debug, Parser)]
+#[command(name = "column-twin", version, after_help = EXIT_CODES)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some data was lost.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate one impact and say what it does to the column
+    Simulate(SimulateArgs),
+}
+
+/// Exit codes of commands that do not end well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// What was asked for could not be done.
+    Failed = 1,
+    /// What was asked for makes no sense.
+    BadInput = 2,
+    /// Done, but some data was lost.
+    Lossy = 3,
+}
+
+/// Why a command did not end well: for a person, and for the shell.
+#[derive(Debug)]
+pub struct Failure {
+    /// What the shell sees.
+    pub exit: Exit,
+    /// What was wrong, where, and what to do next.
+    pub report: miette::Report,
+}
+
+impl Failure {
+    /// A failure with the reason that `fault` gives.
+    pub fn new(exit: Exit, fault: impl miette::Diagnostic + Send + Sync + 'static) -> Self {
+        Self {
+            exit,
+            report: miette::Report::new(fault),
+        }
+    }
+}
+
+/// Runs the command that the arguments, the program's name first, ask for; results go to the standard output, what
+/// went wrong to the standard error.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    // Lines of a report are not broken, so that paths and names can be copied; a hook set before stays.
+    let _ = miette::set_hook(Box::new(|_| {
+        Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
+    }));
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(request) => {
+            // Also a request for help or the version, which is no error. Nowhere to tell if this cannot be printed.
+            let _ = request.print();
+            return u8::try_from(request.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
+        }
+    };
+    let ended = match &cli.command {
+        Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
+    };
+    match ended {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{:?}", failure.report);
+            ExitCode::from(failure.exit as u8)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_option_says_what_it_is() {
+        for command in Cli::command().get_subcommands() {
+            for option in command.get_arguments() {
+                assert!(
+                    option.get_help().is_some(),
+                    "{} {}",
+                    command.get_name(),
+                    option.get_id()
+                );
+            }
+        }
+    }
+}

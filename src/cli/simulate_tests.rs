@@ -1,0 +1,102 @@
+//! The command as it is typed, without a process of its own.
+
+use std::fs;
+
+use clap::Parser;
+
+use super::simulate::{SimulateArgs, run};
+use super::{Exit, Failure};
+
+#[derive(Parser)]
+struct Line {
+    #[command(flatten)]
+    arguments: SimulateArgs,
+}
+
+fn typed(line: &[&str]) -> (String, Result<(), Failure>) {
+    let line = Line::try_parse_from(["simulate"].iter().chain(line)).unwrap();
+    let mut output = Vec::new();
+    let ended = run(&line.arguments, &mut output);
+    (String::from_utf8(output).unwrap(), ended)
+}
+
+#[test]
+fn json_is_all_that_is_printed() {
+    let (output, ended) = typed(&["--json", "--mass", "1500", "--velocity", "10"]);
+    assert!(ended.is_ok());
+    let json: serde_json::Value = serde_json::from_str(&output).unwrap();
+    assert!(json["max_v1_m"].as_f64().unwrap() > 0.09);
+}
+
+#[test]
+fn history_and_figures_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("history.csv");
+    let plots = folder.path().join("plots");
+    let (output, ended) = typed(&[
+        "--csv",
+        csv.to_str().unwrap(),
+        "--plots",
+        plots.to_str().unwrap(),
+    ]);
+    assert!(ended.is_ok(), "{ended:?}");
+    assert!(
+        output.contains("history.csv") && output.contains("20 files"),
+        "{output}"
+    );
+    let rows = csv::Reader::from_path(csv).unwrap().records().count();
+    assert!(rows > 500);
+    assert_eq!(fs::read_dir(plots).unwrap().count(), 20);
+}
+
+#[test]
+fn a_history_for_the_standard_output_is_all_that_goes_there() {
+    let (output, ended) = typed(&["--csv", "-"]);
+    assert!(ended.is_ok());
+    assert!(output.starts_with("t_s,"));
+    let mut table = csv::Reader::from_reader(output.as_bytes());
+    assert!(table.records().all(|row| row.is_ok()));
+}
+
+#[test]
+fn bad_input_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("history.csv");
+    let csv = csv.to_str().unwrap();
+    let lines: [&[&str]; 7] = [
+        &["--csv", csv, "--config", "missing.yaml"],
+        &["--csv", csv, "--height", "7"],
+        &["--csv", csv, "--height", "NaN"],
+        &["--csv", csv, "--mass", "NaN"],
+        &["--csv", csv, "--velocity", "-10"],
+        &["--csv", csv, "-p", "impact.mas:=3"],
+        &["--csv", "-", "--json"],
+    ];
+    for line in lines {
+        let (output, ended) = typed(line);
+        let failure = ended.unwrap_err();
+        assert_eq!(failure.exit, Exit::BadInput, "{line:?}");
+        assert!(
+            output.is_empty() && fs::read_dir(folder.path()).unwrap().count() == 0,
+            "{line:?}"
+        );
+    }
+}
+
+#[test]
+fn places_that_cannot_be_written_to_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    for option in ["--csv", "--plots"] {
+        let (output, ended) = typed(&[option, file.join("x").to_str().unwrap()]);
+        let failure = ended.unwrap_err();
+        assert_eq!(failure.exit, Exit::Failed);
+        assert!(
+            failure.report.to_string().contains("file/x"),
+            "{}",
+            failure.report
+        );
+        assert!(output.is_empty());
+    }
+}

@@ -1,0 +1,390 @@
+//! The outcome of one impact, for a person and for programs.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
+use crate::figures::HINGE_PLACES;
+use crate::figures::units::{Unit, significant};
+
+/// What is told of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
+#[derive(Debug, Clone, Copy)]
+pub struct Summary<'a> {
+    /// One line that says which column was hit by what.
+    pub title: &'a str,
+    /// The outcome.
+    pub report: &'a Report,
+    /// What the solver took, without writing histories and drawing figures.
+    pub solve_time: Duration,
+}
+
+/// The summary for programs; the names are the contract. What did not happen is null.
+#[derive(Serialize)]
+struct Fields {
+    outcome: Outcome,
+    end: End,
+    end_time_s: f64,
+    max_v1_m: f64,
+    max_v1_time_s: f64,
+    residual_v1_m: Option<f64>,
+    max_u2_m: f64,
+    residual_u2_m: Option<f64>,
+    first_contact_time_s: Option<f64>,
+    release_time_s: Option<f64>,
+    contact_duration_s: f64,
+    impactor_velocity_m_s: f64,
+    peak_contact_force_n: f64,
+    peak_contact_force_time_s: Option<f64>,
+    percussions: u32,
+    percussion_impulse_n_s: f64,
+    impulse_n_s: f64,
+    input_energy_j: f64,
+    load_work_j: f64,
+    plastic_work_j: f64,
+    impact_loss_j: f64,
+    damping_work_j: f64,
+    column_kinetic_energy_j: f64,
+    impactor_kinetic_energy_j: f64,
+    elastic_energy_change_j: f64,
+    ledger_residual: f64,
+    steps: u64,
+    solve_time_s: f64,
+    hinges: BTreeMap<&'static str, HingeFields>,
+}
+
+#[derive(Serialize)]
+struct HingeFields {
+    first_yield_s: Option<f64>,
+    plastic_rotation_rad: f64,
+    plastic_elongation_m: f64,
+    max_utilisation: f64,
+}
+
+impl Summary<'_> {
+    /// The summary as one JSON object.
+    ///
+    /// # Errors
+    /// None in practice: numbers that are not finite become null.
+    pub fn json(&self) -> serde_json::Result<String> {
+        let report = self.report;
+        serde_json::to_string_pretty(&Fields {
+            outcome: report.outcome,
+            end: report.end,
+            end_time_s: report.end_time,
+            max_v1_m: report.max_v1,
+            max_v1_time_s: report.max_v1_time,
+            residual_v1_m: report.residual_v1,
+            max_u2_m: report.max_u2,
+            residual_u2_m: report.residual_u2,
+            first_contact_time_s: report.first_contact_time,
+            release_time_s: report.release_time,
+            contact_duration_s: report.contact_duration,
+            impactor_velocity_m_s: report.impactor_velocity,
+            peak_contact_force_n: report.peak_contact_force,
+            peak_contact_force_time_s: report.peak_contact_force_time,
+            percussions: report.percussions,
+            percussion_impulse_n_s: report.percussion_impulse,
+            impulse_n_s: report.impulse,
+            input_energy_j: report.input_energy,
+            load_work_j: report.load_work,
+            plastic_work_j: report.plastic_work,
+            impact_loss_j: report.impact_loss,
+            damping_work_j: report.damping_work,
+            column_kinetic_energy_j: report.column_kinetic_energy,
+            impactor_kinetic_energy_j: report.impactor_kinetic_energy,
+            elastic_energy_change_j: report.elastic_energy_change,
+            ledger_residual: report.ledger_residual,
+            steps: report.steps,
+            solve_time_s: self.solve_time.as_secs_f64(),
+            hinges: HINGE_NAMES
+                .into_iter()
+                .zip(report.hinges.iter().map(HingeFields::from))
+                .collect(),
+        })
+    }
+
+    fn time(&self, secs: f64) -> String {
+        Unit::time(self.report.end_time).show(secs)
+    }
+
+    fn outcome(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        let verdict = match report.outcome {
+            Outcome::Elastic => "elastic: no hinge has yielded",
+            Outcome::Plastic => "plastic: hinges have yielded and the column stands",
+            Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
+        };
+        let end = match report.end {
+            End::AtRest => "over",
+            End::DurationReached => "stopped at response.duration, not over",
+            End::Collapsed => "collapse",
+        };
+        writeln!(f, "Outcome    {verdict}")?;
+        writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
+    }
+
+    fn displacements(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
+        // Round-off of the solver is nothing that stays.
+        let residual = |value: Option<f64>, unit: Unit| match value {
+            None => "none".into(),
+            Some(value) if value.abs() < 1e-15 => unit.show(0.0),
+            Some(value) => unit.show(value),
+        };
+        writeln!(
+            f,
+            "\n{:<32}{:>14}{:>14}{:>14}",
+            "Displacements", "peak", "at", "residual"
+        )?;
+        writeln!(
+            f,
+            "  {:<30}{:>14}{:>14}{:>14}",
+            "v1  of the impact point",
+            v1.show(report.max_v1),
+            self.time(report.max_v1_time),
+            residual(report.residual_v1, v1),
+        )?;
+        writeln!(
+            f,
+            "  {:<30}{:>14}{:>14}{:>14}",
+            "u2  of the top, down",
+            u2.show(report.max_u2),
+            "",
+            residual(report.residual_u2, u2),
+        )
+    }
+
+    fn contact(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        writeln!(f, "\nContact")?;
+        let Some(first) = report.first_contact_time else {
+            return writeln!(f, "  none: the impactor has not reached the column");
+        };
+        let force = Unit::force(report.peak_contact_force);
+        let at = report.peak_contact_force_time;
+        let lines = [
+            ("first touch", self.time(first)),
+            (
+                "last parting",
+                report
+                    .release_time
+                    .map_or("none".into(), |time| self.time(time)),
+            ),
+            ("duration", self.time(report.contact_duration)),
+            (
+                "percussions",
+                format!(
+                    "{}, together {} N s",
+                    report.percussions,
+                    significant(report.percussion_impulse, 4)
+                ),
+            ),
+            (
+                "peak contact force",
+                format!(
+                    "{}{}",
+                    force.show(report.peak_contact_force),
+                    at.map_or(String::new(), |time| format!(" at {}", self.time(time)))
+                ),
+            ),
+            (
+                "impulse, percussions included",
+                format!("{} N s", significant(report.impulse, 5)),
+            ),
+            (
+                "impactor's velocity at the end",
+                format!("{} m/s", significant(report.impactor_velocity, 4)),
+            ),
+        ];
+        lines
+            .iter()
+            .try_for_each(|(name, value)| writeln!(f, "  {name:<32}{value}"))
+    }
+
+    fn hinges(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\n{:<24}{:>14}{:>24}{:>16}",
+            "Hinges, first to yield", "first yield", "plastic rotation", "utilisation"
+        )?;
+        let mut order: Vec<usize> = (0..HINGES).collect();
+        let when = |hinge: usize| {
+            self.report.hinges[hinge]
+                .first_yield
+                .unwrap_or(f64::INFINITY)
+        };
+        order.sort_by(|one, other| when(*one).total_cmp(&when(*other)));
+        for hinge in order {
+            let HingeReport {
+                first_yield,
+                max_utilisation,
+                plastic_rotation,
+                ..
+            } = self.report.hinges[hinge];
+            writeln!(
+                f,
+                "  {:<3}{:<19}{:>14}{:>24}{:>16}",
+                HINGE_NAMES[hinge],
+                HINGE_PLACES[hinge],
+                first_yield.map_or("never".into(), |time| self.time(time)),
+                format!(
+                    "{:.5} rad {:>6.2}°",
+                    plastic_rotation,
+                    plastic_rotation.to_degrees()
+                ),
+                format!("{max_utilisation:.3}"),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        let supplied = report.input_energy + report.load_work;
+        let entries = [
+            ("plastic work in the hinges", report.plastic_work),
+            ("lost in percussions", report.impact_loss),
+            ("work of the damping", report.damping_work),
+            ("left: motion of the column", report.column_kinetic_energy),
+            (
+                "left: motion of the impactor",
+                report.impactor_kinetic_energy,
+            ),
+            (
+                "stored: elastic energy, change",
+                report.elastic_energy_change,
+            ),
+        ];
+        let spent: f64 = entries.iter().map(|entry| entry.1).sum();
+        let row = |f: &mut Formatter<'_>, name: &str, energy: f64| {
+            let part = if supplied > 0.0 {
+                100.0 * energy / supplied
+            } else {
+                0.0
+            };
+            writeln!(
+                f,
+                "  {name:<32}{} J{part:>10.2} %",
+                aligned(energy, supplied)
+            )
+        };
+        writeln!(f, "\nWhere the energy went")?;
+        entries
+            .iter()
+            .try_for_each(|(name, energy)| row(f, name, *energy))?;
+        row(f, "sum", spent)?;
+        row(f, "supplied by the impactor", report.input_energy)?;
+        row(f, "supplied by the load", report.load_work)?;
+        row(f, "supplied together", supplied)?;
+        writeln!(
+            f,
+            "  {:<32}{:.1e} of the impactor's energy",
+            "largest residual of any step", report.ledger_residual
+        )
+    }
+}
+
+/// Energies in a column, with as many decimals as the size of their sum asks for.
+fn aligned(energy: f64, sum: f64) -> String {
+    let decimals =
+        (5.0 - sum.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
+    // Without this, an energy of -1e-12 would read as -0.
+    let shown = if energy.abs() < 0.5 * 10f64.powi(-(decimals as i32)) {
+        0.0
+    } else {
+        energy
+    };
+    format!("{shown:>18.decimals$}")
+}
+
+impl Display for Summary<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", self.title)?;
+        self.outcome(f)?;
+        self.displacements(f)?;
+        self.contact(f)?;
+        self.hinges(f)?;
+        self.energy(f)?;
+        writeln!(
+            f,
+            "\nSolved in {} ({} steps)",
+            Unit::time(self.solve_time.as_secs_f64()).show(self.solve_time.as_secs_f64()),
+            self.report.steps,
+        )
+    }
+}
+
+impl From<&HingeReport> for HingeFields {
+    fn from(hinge: &HingeReport) -> Self {
+        Self {
+            first_yield_s: hinge.first_yield,
+            plastic_rotation_rad: hinge.plastic_rotation,
+            plastic_elongation_m: hinge.plastic_elongation,
+            max_utilisation: hinge.max_utilisation,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::reference::Reference;
+
+    fn text(report: &Report) -> String {
+        let title = "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base";
+        Summary {
+            title,
+            report,
+            solve_time: Duration::from_micros(5300),
+        }
+        .to_string()
+    }
+
+    #[test]
+    fn the_summary_reads_as_agreed() {
+        let reference = Reference::ellipse();
+        let text = text(&reference.report);
+        println!("{text}");
+        assert_eq!(text, include_str!("../../tests/data/summary_ellipse.txt"));
+    }
+
+    #[test]
+    fn no_line_is_wider_than_a_terminal() {
+        let mut report = Reference::duan_chen().report;
+        report.hinges[0].plastic_rotation = -1.234_567;
+        report.residual_v1 = None;
+        report.first_contact_time = None;
+        for outcome in [Outcome::Elastic, Outcome::Plastic, Outcome::Collapsed] {
+            for line in text(&Report { outcome, ..report }).lines() {
+                assert!(line.chars().count() <= 80, "{line:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn programs_get_numbers_and_nulls() {
+        let mut report = Reference::ellipse().report;
+        report.hinges[2].first_yield = None;
+        report.release_time = None;
+        report.impulse = f64::NAN;
+        let summary = Summary {
+            title: "",
+            report: &report,
+            solve_time: Duration::from_millis(5),
+        };
+        let json: serde_json::Value = serde_json::from_str(&summary.json().unwrap()).unwrap();
+        assert_eq!(json["max_v1_m"], report.max_v1);
+        assert_eq!(json["outcome"], "plastic");
+        assert_eq!(json["end"], "at_rest");
+        assert_eq!(json["solve_time_s"], 0.005);
+        assert!(json["release_time_s"].is_null() && json["impulse_n_s"].is_null());
+        assert_eq!(json["hinges"]["3"]["first_yield_s"], 0.000_317);
+        assert!(json["hinges"]["2"]["first_yield_s"].is_null());
+        let names: Vec<_> = json["hinges"].as_object().unwrap().keys().collect();
+        assert_eq!(names, ["1a", "1b", "2", "3"]);
+    }
+}

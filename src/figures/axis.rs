@@ -1,0 +1,141 @@
+//! Axes: where a range begins and ends, and round numbers to mark on it.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
+/// Range of an axis and its marks, in the unit of the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Axis {
+    pub from: f64,
+    pub to: f64,
+    pub marks: Vec<f64>,
+    step: f64,
+}
+
+impl Axis {
+    /// An axis from `low` to `high`, with about `count` round numbers marked.
+    pub fn between(low: f64, high: f64, count: usize) -> Self {
+        let (low, high) = widened(low, high);
+        Self::marked(low, high, round_step(high - low, count))
+    }
+
+    fn marked(from: f64, to: f64, step: f64) -> Self {
+        let first = (from / step - 1e-6).ceil();
+        let last = (to / step + 1e-6).floor();
+        // Counted, so that a step too small for the size of the numbers cannot loop for ever.
+        let marks = (0..=((last - first) as usize).min(100))
+            .map(|number| (first + number as f64) * step + 0.0)
+            .collect();
+        Self {
+            from,
+            to,
+            marks,
+            step,
+        }
+    }
+}
+
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        let part = (value - self.from) / (self.to - self.from);
+        start + (f64::from(end - start) * part).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() {
+            Vec::new()
+        } else {
+            self.marks.clone()
+        }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.from..self.to
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, mark: &f64) -> String {
+        if *mark == 0.0 {
+            return "0".into();
+        }
+        let largest = self.from.abs().max(self.to.abs());
+        if self.step < 1e-5 || largest >= 1e6 {
+            let digits = (largest / self.step).log10().ceil().clamp(0.0, 9.0) as usize;
+            return format!("{mark:.digits$e}");
+        }
+        let decimals = (-self.step.log10().floor()).max(0.0) as usize;
+        format!("{mark:.decimals$}")
+    }
+}
+
+/// The range in order, and never so narrow that its ends are the same number.
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    let (low, high) = if low.is_finite() && high.is_finite() {
+        (low.min(high), low.max(high))
+    } else {
+        (0.0, 1.0)
+    };
+    let magnitude = low.abs().max(high.abs());
+    if magnitude == 0.0 {
+        (0.0, 1.0)
+    } else if high - low < 1e-9 * magnitude {
+        (low - 0.1 * magnitude, high + 0.1 * magnitude)
+    } else {
+        (low, high)
+    }
+}
+
+/// 1, 2 or 5 times a power of ten, so that `count` steps cover about `span`.
+fn round_step(span: f64, count: usize) -> f64 {
+    let rough = span / count.max(1) as f64;
+    let power = 10f64.powf(rough.log10().floor());
+    let factor = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|factor| factor * power >= rough * 0.999_999);
+    factor.unwrap_or(10.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_round() {
+        let axis = Axis::between(-3.0, 94.6, 6);
+        assert_eq!((axis.from, axis.to), (-3.0, 94.6));
+        assert_eq!(axis.marks, [0.0, 20.0, 40.0, 60.0, 80.0]);
+        assert_eq!(axis.format_ext(&20.0), "20");
+        let time = Axis::between(0.0, 43.7, 8);
+        assert_eq!(time.to, 43.7);
+        assert_eq!(*time.marks.last().unwrap(), 40.0);
+        assert_eq!(Axis::between(0.0, 0.3, 5).format_ext(&0.1), "0.1");
+        assert_eq!(Axis::between(0.0, 3e-10, 3).format_ext(&1e-10), "1.0e-10");
+    }
+
+    #[test]
+    fn degenerate_ranges_have_an_axis() {
+        for (low, high) in [
+            (0.0, 0.0),
+            (5.0, 5.0),
+            (-7.0, -7.0),
+            (1e6, 1e6 + 1e-9),
+            (f64::NAN, 1.0),
+            (f64::NEG_INFINITY, f64::INFINITY),
+            (1e-300, 2e-300),
+            (1e300, 1.5e300),
+            (3.0, 1.0),
+        ] {
+            {
+                let axis = Axis::between(low, high, 6);
+                assert!(axis.from < axis.to, "{low} {high}: {axis:?}");
+                assert!(!axis.marks.is_empty() && axis.marks.len() < 100);
+                assert!(axis.marks.iter().all(|mark| mark.is_finite()));
+            }
+        }
+    }
+}

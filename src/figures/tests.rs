@@ -1,0 +1,299 @@
+//! The figures against the reference responses, and on histories that hardly are any.
+
+use std::sync::LazyLock;
+
+use resvg::tiny_skia::Path as PathData;
+use resvg::usvg::{Group, Node, Tree};
+
+use super::reference::Reference;
+use super::*;
+use crate::column::{End, HingeReport};
+
+fn svg<'f>(figures: &'f [(String, String)], name: &str) -> &'f str {
+    &figures.iter().find(|(figure, _)| figure == name).unwrap().1
+}
+
+/// Fonts are parsed once for all tests.
+static RASTER: LazyLock<raster::Raster> = LazyLock::new(raster::Raster::new);
+
+fn tree(svg: &str) -> Tree {
+    RASTER.tree(svg).unwrap()
+}
+
+/// Calls back with every node below a group.
+fn visit<'t>(group: &'t Group, found: &mut dyn FnMut(&'t Node)) {
+    for node in group.children() {
+        found(node);
+        if let Node::Group(inner) = node {
+            visit(inner, found);
+        }
+    }
+}
+
+/// Corners of the canvas coordinates of all strokes of one colour.
+fn stroke_points(tree: &Tree, colour: plotters::style::RGBColor) -> Vec<(f32, f32)> {
+    let mut points = Vec::new();
+    visit(tree.root(), &mut |node| {
+        let Node::Path(path) = node else { return };
+        let stroked = path.stroke().is_some_and(|stroke| match stroke.paint() {
+            resvg::usvg::Paint::Color(paint) => {
+                (paint.red, paint.green, paint.blue) == (colour.0, colour.1, colour.2)
+            }
+            _ => false,
+        });
+        if stroked {
+            points.extend(path_points(path.data()));
+        }
+    });
+    points
+}
+
+fn path_points(data: &PathData) -> impl Iterator<Item = (f32, f32)> + '_ {
+    data.points().iter().map(|point| (point.x, point.y))
+}
+
+/// Texts with their boxes on the page as shown.
+fn texts(tree: &Tree) -> Vec<(String, resvg::tiny_skia::Rect)> {
+    let mut texts = Vec::new();
+    visit(tree.root(), &mut |node| {
+        if let Node::Text(text) = node {
+            let content: String = text.chunks().iter().map(|chunk| chunk.text()).collect();
+            texts.push((content.trim().to_owned(), text.abs_bounding_box()));
+        }
+    });
+    texts
+}
+
+#[test]
+fn every_text_lies_on_the_page_and_none_on_another() {
+    for reference in [Reference::ellipse(), Reference::duan_chen()] {
+        for (name, svg) in svg_figures(&reference.response()).unwrap() {
+            let tree = tree(&svg);
+            let (width, height) = (tree.size().width(), tree.size().height());
+            let texts = texts(&tree);
+            assert!(texts.len() > 10, "{name} has only {} texts", texts.len());
+            for (number, (text, place)) in texts.iter().enumerate() {
+                let inside = place.left() >= 0.0
+                    && place.top() >= 0.0
+                    && place.right() <= width
+                    && place.bottom() <= height;
+                assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
+                for (other, other_place) in &texts[number + 1..] {
+                    let apart = place.right() <= other_place.left()
+                        || other_place.right() <= place.left()
+                        || place.bottom() <= other_place.top()
+                        || other_place.bottom() <= place.top();
+                    assert!(apart, "{name}: {text:?} lies on {other:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_curve_of_v1_peaks_where_the_reference_does() {
+    let reference = Reference::ellipse();
+    let figures = svg_figures(&reference.response()).unwrap();
+    let tree = tree(svg(&figures, "fig5_horizontal_displacement"));
+    let points = stroke_points(&tree, page::colour::IMPACT_POINT);
+    // The legend's line lies left of the axis or above; the curve starts at time zero.
+    let left = page::LEFT as f32;
+    let right = (page::CANVAS.0 as i32 - page::RIGHT) as f32;
+    let bottom = (page::CANVAS.1 as i32 - page::BOTTOM) as f32;
+    let curve: Vec<_> = points.into_iter().filter(|point| point.1 > 700.0).collect();
+    assert!(curve.len() > 400);
+    // The canvas has whole units: the peak is the middle of the highest ones.
+    let height = curve.iter().map(|point| point.1).fold(f32::MAX, f32::min);
+    let highest: Vec<_> = curve.iter().filter(|point| point.1 <= height).collect();
+    let middle = (highest[0].0 + highest[highest.len() - 1].0) / 2.0;
+    let time = (middle - left) / (right - left) * 50.0;
+    assert!((time - 19.79).abs() < 0.2, "peak at {time} ms");
+    let zero = curve
+        .iter()
+        .copied()
+        .reduce(|a, b| if b.0 < a.0 { b } else { a })
+        .unwrap();
+    assert!(
+        (zero.1 - bottom).abs() < 3.0,
+        "v1 starts at zero: {zero:?}, {bottom}"
+    );
+}
+
+#[test]
+fn the_stack_of_the_ledger_meets_the_supply() {
+    let reference = Reference::ellipse();
+    for sample in &reference.samples {
+        let stack = sample.impact_loss
+            + sample.plastic_work
+            + sample.damping_work
+            + sample.elastic_energy
+            + sample.kinetic_energy;
+        let first = &reference.samples[0];
+        let supply = reference.report.input_energy + first.elastic_energy + sample.load_work
+            - first.load_work;
+        assert!((stack - supply).abs() < 1e-3 * supply);
+    }
+}
+
+#[test]
+fn pictures_and_drawings_are_written_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("new/plots");
+    let reference = Reference::ellipse();
+    let files = draw_all(&folder, &reference.response()).unwrap();
+    assert_eq!(files.len(), 20);
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 20);
+    for file in &files {
+        let content = fs::read(file).unwrap();
+        if file.extension().is_some_and(|ending| ending == "png") {
+            let picture = resvg::tiny_skia::Pixmap::decode_png(&content).unwrap();
+            assert_eq!((picture.width(), picture.height()), (1600, 1000));
+            let colours: std::collections::HashSet<_> = picture
+                .pixels()
+                .iter()
+                .map(|pixel| (pixel.red(), pixel.green(), pixel.blue()))
+                .collect();
+            assert!(colours.len() > 20, "{} is empty", file.display());
+        }
+    }
+    // For eyes: tests may keep what they drew.
+    if let Some(kept) = std::env::var_os("COLUMN_TWIN_KEEP_FIGURES") {
+        draw_all(Path::new(&kept), &reference.response()).unwrap();
+    }
+    // Drawing again gives the same bytes.
+    let path = folder.join("mn_path_1a.png");
+    let again = svg_figures(&reference.response()).unwrap();
+    let again = RASTER.png(svg(&again, "mn_path_1a")).unwrap();
+    assert_eq!(fs::read(path).unwrap(), again);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let reference = Reference::ellipse();
+    let fault = draw_all(&file.join("plots"), &reference.response()).unwrap_err();
+    assert!(fault.to_string().contains("plots"), "{fault}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// Every figure of a history can be drawn, and its texts stay on the page.
+fn draws(samples: &[Sample], report: &Report) {
+    let response = Response {
+        title: "a history that hardly is one, with a title that is much longer than the page is wide, \
+                so that it has to be cut somewhere: 1500 kg at 10 m/s, 1 m above the base, < & > \" '",
+        samples,
+        report,
+        yield_surface: YieldExponents {
+            alpha: 50.0,
+            beta: 1.0,
+            gamma: 1.0,
+        },
+        resistance_moment: 1.0,
+        resistance_axial: 1e9,
+    };
+    for (name, svg) in svg_figures(&response).unwrap() {
+        // Laying out shows every fault there can be; pixels take longer.
+        if name == "contact_force" {
+            RASTER.png(&svg).unwrap();
+        }
+        for (text, place) in texts(&tree(&svg)) {
+            let inside = place.left() >= -1.0 && place.right() <= 961.0;
+            assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
+        }
+    }
+}
+
+fn nothing_happened() -> Report {
+    Report {
+        outcome: Outcome::Elastic,
+        end: End::DurationReached,
+        end_time: 0.0,
+        max_v1: 0.0,
+        max_v1_time: 0.0,
+        residual_v1: None,
+        max_u2: 0.0,
+        residual_u2: None,
+        first_contact_time: None,
+        release_time: None,
+        contact_duration: 0.0,
+        impactor_velocity: 0.0,
+        peak_contact_force: 0.0,
+        peak_contact_force_time: None,
+        percussions: 0,
+        percussion_impulse: 0.0,
+        impulse: 0.0,
+        input_energy: 0.0,
+        column_kinetic_energy: 0.0,
+        impactor_kinetic_energy: 0.0,
+        elastic_energy_change: 0.0,
+        plastic_work: 0.0,
+        impact_loss: 0.0,
+        damping_work: 0.0,
+        load_work: 0.0,
+        ledger_residual: 0.0,
+        steps: 0,
+        hinges: [HingeReport::default(); HINGES],
+    }
+}
+
+#[test]
+fn histories_that_hardly_are_one_are_drawn() {
+    let report = nothing_happened();
+    let at = |time, v1| Sample {
+        time,
+        v1,
+        ..Sample::default()
+    };
+    draws(&[at(0.0, 0.0)], &report);
+    draws(&[at(0.0, 0.0), at(0.0, 0.0)], &report);
+    draws(&[at(0.0, 1e-15), at(1e-9, 1e-15)], &report);
+    draws(&[at(0.0, 1e12), at(1e6, -1e12)], &report);
+    draws(
+        &[
+            at(0.0, f64::NAN),
+            at(f64::INFINITY, f64::INFINITY),
+            at(1.0, 1.0),
+        ],
+        &report,
+    );
+    assert!(matches!(
+        svg_figures(&Response {
+            samples: &[],
+            ..Reference::ellipse().response()
+        }),
+        Err(FigureError::NoSamples)
+    ));
+}
+
+#[test]
+fn a_collapse_with_many_percussions_is_drawn() {
+    let samples: Vec<_> = (0..30_000)
+        .map(|number| {
+            let time = f64::from(number) * 1e-5;
+            let mut sample = Sample {
+                time,
+                v1: time.powi(4),
+                ..Sample::default()
+            };
+            sample.percussion = if number % 7 == 0 {
+                1000.0 * (-time * 30.0).exp()
+            } else {
+                0.0
+            };
+            sample.hinges[3].moment = (time * 900.0).sin() * 2.0;
+            sample
+        })
+        .collect();
+    let report = Report {
+        outcome: Outcome::Collapsed,
+        end: End::Collapsed,
+        end_time: 0.3,
+        first_contact_time: Some(0.0),
+        release_time: Some(1e-5),
+        percussions: 4286,
+        ..nothing_happened()
+    };
+    draws(&samples, &report);
+}

@@ -1,0 +1,99 @@
+//! Units in which a person reads a number.
+
+/// A unit: its symbol and how many of it make one SI unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// As it is written behind a number.
+    pub symbol: &'static str,
+    /// Multiplies an SI value into this unit.
+    pub per_si: f64,
+}
+
+impl Unit {
+    /// For displacements whose largest magnitude is `largest` \[m\].
+    pub fn length(largest: f64) -> Self {
+        Self::fitting(largest, [(1e-5, "µm", 1e6), (10.0, "mm", 1e3)], ("m", 1.0))
+    }
+
+    /// For times up to `largest` \[s\].
+    pub fn time(largest: f64) -> Self {
+        Self::fitting(largest, [(1e-5, "µs", 1e6), (10.0, "ms", 1e3)], ("s", 1.0))
+    }
+
+    /// For forces up to `largest` \[N\].
+    pub fn force(largest: f64) -> Self {
+        Self::fitting(largest, [(1e3, "N", 1.0), (1e7, "kN", 1e-3)], ("MN", 1e-6))
+    }
+
+    /// For moments up to `largest` \[N m\].
+    pub fn moment(largest: f64) -> Self {
+        Self::fitting(
+            largest,
+            [(1e3, "N m", 1.0), (1e7, "kN m", 1e-3)],
+            ("MN m", 1e-6),
+        )
+    }
+
+    /// For energies up to `largest` \[J\].
+    pub fn energy(largest: f64) -> Self {
+        Self::fitting(largest, [(1e3, "J", 1.0), (1e7, "kJ", 1e-3)], ("MJ", 1e-6))
+    }
+
+    /// The first unit whose limit, in SI, lies above `largest`; zero takes the second, the field's usual one.
+    fn fitting(
+        largest: f64,
+        [small, usual]: [(f64, &'static str, f64); 2],
+        (symbol, per_si): (&'static str, f64),
+    ) -> Self {
+        let (symbol, per_si) = if largest != 0.0 && largest.abs() < small.0 {
+            (small.1, small.2)
+        } else if largest.abs() < usual.0 {
+            (usual.1, usual.2)
+        } else {
+            (symbol, per_si)
+        };
+        Self { symbol, per_si }
+    }
+
+    /// `si` in this unit.
+    pub fn of(self, si: f64) -> f64 {
+        si * self.per_si
+    }
+
+    /// `si` with four significant digits and the symbol.
+    pub fn show(self, si: f64) -> String {
+        format!("{} {}", significant(self.of(si), 4), self.symbol)
+    }
+}
+
+/// `value` rounded to so many significant digits, without exponent where it stays short.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return format!("{value}");
+    }
+    let order = value.abs().log10().floor();
+    if !(-6.0..9.0).contains(&order) {
+        return format!("{value:.*e}", digits.saturating_sub(1));
+    }
+    let decimals = (digits as f64 - 1.0 - order).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stay_readable() {
+        assert_eq!(Unit::length(0.0946).show(0.094_602_237), "94.60 mm");
+        assert_eq!(Unit::force(746.9e3).show(746_921.9), "746.9 kN");
+        assert_eq!(Unit::energy(0.0).show(0.0), "0 kJ");
+        assert_eq!(Unit::length(2e-9).show(2e-9), "0.002000 µm");
+        assert_eq!(Unit::length(12.0).show(-12.0), "-12.00 m");
+        assert_eq!(significant(f64::NAN, 4), "NaN");
+        assert_eq!(significant(1.5e-12, 4), "1.500e-12");
+    }
+}
