@@ -41,7 +41,9 @@ impl SystemClock {
     /// The time of day.
     #[must_use]
     pub fn new() -> Self {
-        Self { offset: AtomicI64::new(offset()) }
+        Self {
+            offset: AtomicI64::new(offset()),
+        }
     }
 }
 
@@ -93,7 +95,9 @@ pub fn monotonic_nanos() -> u64 {
 
 fn read(clock: ClockId) -> i64 {
     let time = clock_gettime(clock);
-    time.tv_sec.saturating_mul(NANOS_PER_SECOND).saturating_add(time.tv_nsec)
+    time.tv_sec
+        .saturating_mul(NANOS_PER_SECOND)
+        .saturating_add(time.tv_nsec)
 }
 
 /// A clock that somebody sets: simulated time from `/clock`, or a test.
@@ -107,7 +111,10 @@ impl SimClock {
     /// A clock that stands at `now`.
     #[must_use]
     pub fn new(now: Nanos) -> Self {
-        Self { now: AtomicI64::new(now), bell: OnceLock::new() }
+        Self {
+            now: AtomicI64::new(now),
+            bell: OnceLock::new(),
+        }
     }
 
     /// Sets the time, forwards or backwards.

@@ -63,7 +63,10 @@ impl Keeper {
 
     pub fn stats(&self) -> QueueStats {
         // One that is replaced by a newer one before it is written is not lost.
-        QueueStats { dropped: 0, ..self.newest.stats() }
+        QueueStats {
+            dropped: 0,
+            ..self.newest.stats()
+        }
     }
 
     fn run(&self, path: &std::path::Path, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
@@ -93,7 +96,11 @@ fn say(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
     let text: Arc<str> = text.into();
     for queues in outputs {
         let text = Arc::clone(&text);
-        queues.push(Output::Notice(Notice { stamp: clock.now(), severity: Severity::Error, text }));
+        queues.push(Output::Notice(Notice {
+            stamp: clock.now(),
+            severity: Severity::Error,
+            text,
+        }));
         queues.ring();
     }
 }

@@ -19,7 +19,10 @@ pub fn lateness(deadline: Nanos, period: u64, now: Nanos) -> Lateness {
         return Lateness::default();
     }
     let nanos = now.abs_diff(deadline);
-    Lateness { nanos, skipped_periods: nanos / period.max(1) }
+    Lateness {
+        nanos,
+        skipped_periods: nanos / period.max(1),
+    }
 }
 
 #[cfg(test)]
@@ -29,7 +32,10 @@ mod tests {
     #[test]
     fn whole_periods_are_skipped_and_counted() {
         let of = |now| {
-            let Lateness { nanos, skipped_periods } = lateness(1_000, 100, now);
+            let Lateness {
+                nanos,
+                skipped_periods,
+            } = lateness(1_000, 100, now);
             (nanos, skipped_periods)
         };
         assert_eq!(of(900), (0, 0));

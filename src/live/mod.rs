@@ -66,7 +66,9 @@ impl Default for LiveOptions {
 
 /// The queue of inputs is full: the solver has more to do than it can.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("{MAX_INPUTS} inputs wait already for the solver; send fewer events and changes, or try again")]
+#[error(
+    "{MAX_INPUTS} inputs wait already for the solver; send fewer events and changes, or try again"
+)]
 pub struct QueueFull;
 
 /// Why a question has no answer.
@@ -125,8 +127,11 @@ impl Live {
         options: LiveOptions,
     ) -> std::io::Result<LiveHandle> {
         let clock: Arc<dyn Clock> = Arc::new(clock);
-        let queues: Vec<_> =
-            options.outputs.iter().map(|it| Arc::new(OutputQueues::new(it))).collect();
+        let queues: Vec<_> = options
+            .outputs
+            .iter()
+            .map(|it| Arc::new(OutputQueues::new(it)))
+            .collect();
         let shared = Arc::new(Shared {
             inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
             bell: Arc::default(),
@@ -140,7 +145,12 @@ impl Live {
         });
         clock.serve(&shared.bell);
         let mut handle = LiveHandle {
-            receivers: Mutex::new(queues.iter().map(|it| Receiver::new(Arc::clone(it))).collect()),
+            receivers: Mutex::new(
+                queues
+                    .iter()
+                    .map(|it| Receiver::new(Arc::clone(it)))
+                    .collect(),
+            ),
             queues: queues.clone(),
             shared: Arc::clone(&shared),
             keeper: None,
@@ -151,16 +161,27 @@ impl Live {
             handle.keeper = Some(Keeper::start(path, queues.clone(), Arc::clone(&clock))?);
         }
         let keeper = handle.keeper.as_ref().map(|(keeper, _)| Arc::clone(keeper));
-        let sink = Sink { queues, keeper, unheard: false };
-        let solver = Solver { twin, clock, shared, sink };
+        let sink = Sink {
+            queues,
+            keeper,
+            unheard: false,
+        };
+        let solver = Solver {
+            twin,
+            clock,
+            shared,
+            sink,
+        };
         let (told, grants) = sync_channel(1);
         let wishes = options.real_time;
-        handle.solver = Some(thread::Builder::new().name(SOLVER_THREAD.to_owned()).spawn(
-            move || {
-                let _ = told.try_send(real_time::ask(&wishes)); // there is room for one
-                solver.run();
-            },
-        )?);
+        handle.solver = Some(
+            thread::Builder::new()
+                .name(SOLVER_THREAD.to_owned())
+                .spawn(move || {
+                    let _ = told.try_send(real_time::ask(&wishes)); // there is room for one
+                    solver.run();
+                })?,
+        );
         handle.real_time = grants.recv_timeout(ANSWER_WITHIN).unwrap_or_default();
         Ok(handle)
     }
@@ -190,7 +211,10 @@ impl LiveHandle {
 
     /// The outputs for the reader of this name; `None` where there is none, or it was taken before.
     pub fn outputs(&self, name: &str) -> Option<Receiver> {
-        let mut receivers = self.receivers.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut receivers = self
+            .receivers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let index = receivers.iter().position(|it| it.name() == name)?;
         Some(receivers.swap_remove(index))
     }
@@ -205,8 +229,14 @@ impl LiveHandle {
         source: &str,
     ) -> Result<Change, AskError> {
         let (reply, answer) = sync_channel(1);
-        self.submit(Input::Parameters { changes, source: source.into(), reply: Some(reply) })?;
-        let result = answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)?;
+        self.submit(Input::Parameters {
+            changes,
+            source: source.into(),
+            reply: Some(reply),
+        })?;
+        let result = answer
+            .recv_timeout(ANSWER_WITHIN)
+            .map_err(|_| AskError::NoAnswer)?;
         result.map_err(AskError::Refused)
     }
 
@@ -216,8 +246,13 @@ impl LiveHandle {
     /// There is no answer.
     pub fn reset(&self, source: &str) -> Result<(), AskError> {
         let (reply, answer) = sync_channel(1);
-        self.submit(Input::Reset { source: source.into(), reply: Some(reply) })?;
-        answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)
+        self.submit(Input::Reset {
+            source: source.into(),
+            reply: Some(reply),
+        })?;
+        answer
+            .recv_timeout(ANSWER_WITHIN)
+            .map_err(|_| AskError::NoAnswer)
     }
 
     /// A copy of the column as it is now.
@@ -227,7 +262,9 @@ impl LiveHandle {
     pub fn look(&self) -> Result<Present, AskError> {
         let (reply, answer) = sync_channel(1);
         self.submit(Input::Look { reply })?;
-        answer.recv_timeout(ANSWER_WITHIN).map_err(|_| AskError::NoAnswer)
+        answer
+            .recv_timeout(ANSWER_WITHIN)
+            .map_err(|_| AskError::NoAnswer)
     }
 
     /// What a blow would do to the column as it is now, computed in the caller's thread. `column_id` empty means the
@@ -265,7 +302,9 @@ impl LiveHandle {
 
     /// Whether the solver's thread runs; without a stop it ends by a panic only.
     pub fn is_running(&self) -> bool {
-        self.solver.as_ref().is_some_and(|thread| !thread.is_finished())
+        self.solver
+            .as_ref()
+            .is_some_and(|thread| !thread.is_finished())
     }
 
     /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What has left the
@@ -280,7 +319,10 @@ impl LiveHandle {
     fn join(&mut self) -> Result<(), Panicked> {
         self.shared.stop.store(true, Ordering::SeqCst);
         self.shared.bell.ring();
-        let solver = self.solver.take().is_none_or(|thread| thread.join().is_ok());
+        let solver = self
+            .solver
+            .take()
+            .is_none_or(|thread| thread.join().is_ok());
         let keeper = self.keeper.take().is_none_or(|(keeper, thread)| {
             keeper.stop();
             thread.join().is_ok()

@@ -1,6 +1,5 @@
 //! Bounded queues between the threads, each with a name, a policy for when it is full, and its counts.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -99,26 +98,33 @@ pub struct OutputQueue {
     pub name: String,
     /// Most states that wait for it.
     pub states: usize,
-    /// Most of everything else that waits for it: forecasts, reports, refusals, status, notices.
-    pub results: usize,
-    /// What both do when they are full.
+    /// Most forecasts, reports and changes of parameters together, and most refusals, status and notices together.
+    pub others: usize,
+    /// What all of them do when they are full.
     pub when_full: WhenFull,
 }
 
 impl OutputQueue {
-    /// States to ROS: the oldest are dropped.
+    /// To ROS: the oldest are dropped.
     #[must_use]
     pub fn ros() -> Self {
-        Self { name: "ros".to_owned(), states: 4096, results: 1024, when_full: WhenFull::DropOldest }
+        Self {
+            name: "ros".to_owned(),
+            states: 4096,
+            others: 1024,
+            when_full: WhenFull::DropOldest,
+        }
     }
 }
 
-/// Both ways to one reader. States have their own, so that no flood of them can drop a report.
+/// Ways to one reader.
+const WAYS: usize = 3;
+
+/// All ways to one reader, so that no flood of states or refusals can drop a report.
 #[derive(Debug)]
 pub(super) struct OutputQueues {
     pub name: String,
-    states: Queue<Numbered>,
-    results: Queue<Numbered>,
+    ways: [Queue<Numbered>; WAYS],
     next_number: AtomicU64,
     bell: Bell,
 }
@@ -131,11 +137,20 @@ struct Numbered {
 
 impl OutputQueues {
     pub fn new(queue: &OutputQueue) -> Self {
-        let OutputQueue { name, states, results, when_full } = queue;
+        let OutputQueue {
+            name,
+            states,
+            others,
+            when_full,
+        } = queue;
+        let way = |what, capacity| Queue::new(format!("{what} to {name}"), capacity, *when_full);
         Self {
             name: name.clone(),
-            states: Queue::new(format!("states to {name}"), *states, *when_full),
-            results: Queue::new(format!("results to {name}"), *results, *when_full),
+            ways: [
+                way("states", *states),
+                way("results", *others),
+                way("messages", *others),
+            ],
             next_number: AtomicU64::new(0),
             bell: Bell::default(),
         }
@@ -143,16 +158,23 @@ impl OutputQueues {
 
     pub fn push(&self, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
-        let queue = if matches!(output, Output::State(_)) { &self.states } else { &self.results };
-        queue.push(Numbered { number, output });
+        let [states, results, messages] = &self.ways;
+        let way = match &output {
+            Output::State(_) => states,
+            Output::Forecast(_) | Output::Report(_) | Output::ParametersChanged(_) => results,
+            Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
+                messages
+            }
+        };
+        way.push(Numbered { number, output });
     }
 
     pub fn ring(&self) {
         self.bell.ring();
     }
 
-    pub fn stats(&self) -> [QueueStats; 2] {
-        [self.states.stats(), self.results.stats()]
+    pub fn stats(&self) -> [QueueStats; WAYS] {
+        self.ways.each_ref().map(Queue::stats)
     }
 }
 
@@ -160,13 +182,16 @@ impl OutputQueues {
 #[derive(Debug)]
 pub struct Receiver {
     queues: Arc<OutputQueues>,
-    /// At most one of each, taken out to be compared.
-    heads: [VecDeque<Numbered>; 2],
+    /// At most one of each way, taken out to be compared.
+    heads: [Option<Numbered>; WAYS],
 }
 
 impl Receiver {
     pub(super) fn new(queues: Arc<OutputQueues>) -> Self {
-        Self { queues, heads: [VecDeque::with_capacity(1), VecDeque::with_capacity(1)] }
+        Self {
+            queues,
+            heads: [const { None }; WAYS],
+        }
     }
 
     pub(super) fn name(&self) -> &str {
@@ -175,22 +200,68 @@ impl Receiver {
 
     /// The next output, if there is one.
     pub fn try_next(&mut self) -> Option<Output> {
-        let OutputQueues { states, results, .. } = &*self.queues;
-        for (head, queue) in self.heads.iter_mut().zip([states, results]) {
-            if head.is_empty() {
-                head.extend(queue.pop());
+        for (head, way) in self.heads.iter_mut().zip(&self.queues.ways) {
+            if head.is_none() {
+                *head = way.pop();
             }
         }
-        let number_of = |head: &VecDeque<Numbered>| head.front().map_or(u64::MAX, |it| it.number);
-        let [state, result] = &mut self.heads;
-        let first = if number_of(state) < number_of(result) { state } else { result };
-        first.pop_front().map(|it| it.output)
+        let number_of = |head: &Option<Numbered>| head.as_ref().map_or(u64::MAX, |it| it.number);
+        let first = self.heads.iter_mut().min_by_key(|head| number_of(head))?;
+        first.take().map(|it| it.output)
     }
 
     /// Waits until there may be an output, for `most` at the longest. To be called by one thread.
     pub fn wait(&self, most: Duration) {
-        if self.heads.iter().all(VecDeque::is_empty) {
+        if self.heads.iter().all(Option::is_none) {
             self.queues.bell.wait(most);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::twin::{Notice, Severity};
+
+    #[test]
+    fn a_full_queue_follows_its_policy_and_counts() {
+        for (when_full, kept) in [
+            (WhenFull::Refuse, [0, 1]),
+            (WhenFull::DropNewest, [0, 1]),
+            (WhenFull::DropOldest, [3, 4]),
+        ] {
+            let queue = Queue::new("test".to_owned(), 2, when_full);
+            let taken = (0..5).filter(|entry| queue.push(*entry)).count();
+            assert_eq!(taken, 2);
+            let stats = queue.stats();
+            assert_eq!((stats.len, stats.pushed, stats.dropped), (2, 5, 3));
+            assert_eq!(
+                [queue.pop(), queue.pop(), queue.pop()],
+                [Some(kept[0]), Some(kept[1]), None]
+            );
+        }
+    }
+
+    #[test]
+    fn a_ring_before_the_wait_is_heard() {
+        let bell = Bell::default();
+        bell.ring();
+        bell.wait(Duration::MAX);
+    }
+
+    #[test]
+    fn nothing_waits_for_ever() {
+        let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
+        let mut receiver = Receiver::new(Arc::clone(&queues));
+        receiver.wait(Duration::MAX);
+        assert!(receiver.try_next().is_none());
+        let text: Arc<str> = "text".into();
+        queues.push(Output::Notice(Notice {
+            stamp: 0,
+            severity: Severity::Info,
+            text,
+        }));
+        receiver.wait(Duration::MAX);
+        assert!(receiver.try_next().is_some());
     }
 }

@@ -21,7 +21,11 @@ pub struct RealTime {
 
 impl Default for RealTime {
     fn default() -> Self {
-        Self { fifo_priority: Some(50), processors: Vec::new(), lock_memory: true }
+        Self {
+            fifo_priority: Some(50),
+            processors: Vec::new(),
+            lock_memory: true,
+        }
     }
 }
 
@@ -29,7 +33,11 @@ impl RealTime {
     /// Nothing.
     #[must_use]
     pub fn none() -> Self {
-        Self { fifo_priority: None, processors: Vec::new(), lock_memory: false }
+        Self {
+            fifo_priority: None,
+            processors: Vec::new(),
+            lock_memory: false,
+        }
     }
 }
 
@@ -64,12 +72,16 @@ pub struct RealTimeGrants {
 impl RealTimeGrants {
     /// One line for each wish that was not granted.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        [("SCHED_FIFO", &self.fifo), ("CPU affinity", &self.affinity), ("mlockall", &self.memory)]
-            .into_iter()
-            .filter_map(|(name, grant)| match grant {
-                Grant::Denied { reason, hint } => Some(format!("{name} not granted: {reason}; {hint}")),
-                Grant::NotAsked | Grant::Granted => None,
-            })
+        [
+            ("SCHED_FIFO", &self.fifo),
+            ("CPU affinity", &self.affinity),
+            ("mlockall", &self.memory),
+        ]
+        .into_iter()
+        .filter_map(|(name, grant)| match grant {
+            Grant::Denied { reason, hint } => Some(format!("{name} not granted: {reason}; {hint}")),
+            Grant::NotAsked | Grant::Granted => None,
+        })
     }
 }
 
@@ -83,14 +95,21 @@ pub(super) fn ask(wishes: &RealTime) -> RealTimeGrants {
             true => Grant::NotAsked,
             false => affinity(&wishes.processors),
         },
-        memory: if wishes.lock_memory { memory() } else { Grant::NotAsked },
+        memory: if wishes.lock_memory {
+            memory()
+        } else {
+            Grant::NotAsked
+        },
     }
 }
 
 fn granted<E: std::fmt::Display>(result: Result<(), E>, hint: &'static str) -> Grant {
     match result {
         Ok(()) => Grant::Granted,
-        Err(error) => Grant::Denied { reason: error.to_string(), hint },
+        Err(error) => Grant::Denied {
+            reason: error.to_string(),
+            hint,
+        },
     }
 }
 
@@ -113,7 +132,10 @@ fn fifo(priority: u8) -> Grant {
 fn affinity(processors: &[usize]) -> Grant {
     const HINT: &str = "choose processors that this program may use (see `taskset -p $$`)";
     if let Some(beyond) = processors.iter().find(|&&it| it >= CpuSet::MAX_CPU) {
-        return Grant::Denied { reason: format!("there is no processor {beyond}"), hint: HINT };
+        return Grant::Denied {
+            reason: format!("there is no processor {beyond}"),
+            hint: HINT,
+        };
     }
     let mut set = CpuSet::new();
     processors.iter().for_each(|&processor| set.set(processor));
@@ -123,7 +145,11 @@ fn affinity(processors: &[usize]) -> Grant {
 fn memory() -> Grant {
     // With a limit, memory that is allocated later must not be locked: its allocation would fail.
     let unlimited = geteuid().is_root() || getrlimit(Resource::Memlock).current.is_none();
-    let later = if unlimited { MlockAllFlags::FUTURE } else { MlockAllFlags::empty() };
+    let later = if unlimited {
+        MlockAllFlags::FUTURE
+    } else {
+        MlockAllFlags::empty()
+    };
     granted(
         mlockall(MlockAllFlags::CURRENT | later),
         "for fewer late samples allow it: `memlock unlimited` for this user in /etc/security/limits.conf, \

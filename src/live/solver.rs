@@ -92,7 +92,8 @@ impl Solver {
     fn look_ahead(&mut self) {
         let mut before = self.clock.now();
         if self.twin.is_looking_ahead() && self.twin.next_deadline(before) <= before {
-            self.twin.run_ahead(SLICE_WHILE_BEHIND, before, &mut self.sink);
+            self.twin
+                .run_ahead(SLICE_WHILE_BEHIND, before, &mut self.sink);
             self.sink.ring();
             return;
         }
@@ -117,7 +118,10 @@ impl Solver {
         let now = self.clock.now();
         let deadline = self.twin.next_deadline(now);
         let was_on_time = before.is_some() && !disturbed;
-        (deadline > now || was_on_time).then(|| Planned { deadline, period: self.twin.period() })
+        (deadline > now || was_on_time).then(|| Planned {
+            deadline,
+            period: self.twin.period(),
+        })
     }
 
     fn note_lateness(&self, planned: Option<Planned>) {
@@ -126,10 +130,14 @@ impl Solver {
         };
         let late = lateness(deadline, period, self.clock.now());
         let shared = &self.shared;
-        shared.worst_lateness.fetch_max(late.nanos, Ordering::Relaxed);
+        shared
+            .worst_lateness
+            .fetch_max(late.nanos, Ordering::Relaxed);
         if late.skipped_periods > 0 {
             shared.overruns.fetch_add(1, Ordering::Relaxed);
-            shared.skipped_periods.fetch_add(late.skipped_periods, Ordering::Relaxed);
+            shared
+                .skipped_periods
+                .fetch_add(late.skipped_periods, Ordering::Relaxed);
         }
     }
 
@@ -137,12 +145,15 @@ impl Solver {
         let statistics = self.twin.statistics();
         self.shared.turns.fetch_add(1, Ordering::Relaxed);
         self.shared.steps.store(statistics.steps, Ordering::Relaxed);
-        self.shared.corrections.store(statistics.corrections, Ordering::Relaxed);
+        self.shared
+            .corrections
+            .store(statistics.corrections, Ordering::Relaxed);
     }
 
     /// A response that a stop breaks off has its damage kept as it is forecast.
     fn finish(mut self) {
-        self.twin.run_ahead(MAX_STEPS_AT_STOP, self.clock.now(), &mut self.sink);
+        self.twin
+            .run_ahead(MAX_STEPS_AT_STOP, self.clock.now(), &mut self.sink);
         if !self.twin.is_responding() {
             let saved = self.twin.saved_state(self.clock.now());
             self.sink.put(Output::Save(Arc::new(saved)));
@@ -179,5 +190,52 @@ impl Outputs for Sink {
             others.iter().for_each(|queues| queues.push(output.clone()));
             last.push(output);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::queue::{OutputQueue, WhenFull};
+    use super::*;
+    use crate::parameters::Parameters;
+    use crate::twin::ImpactEvent;
+
+    /// From the step to the queues, a full one among them.
+    #[test]
+    fn a_response_takes_no_memory() {
+        let few = OutputQueue {
+            name: "few".to_owned(),
+            states: 3,
+            others: 3,
+            when_full: WhenFull::DropNewest,
+        };
+        let queues = [OutputQueue::ros(), few]
+            .map(|it| Arc::new(OutputQueues::new(&it)))
+            .to_vec();
+        let mut sink = Sink {
+            queues,
+            keeper: None,
+            unheard: false,
+        };
+        let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
+        let event = ImpactEvent {
+            event_id: "a".to_owned(),
+            column_id: "column".to_owned(),
+            stamp: 0,
+            impact_mass: 1500.0,
+            velocity: 10.0,
+            gap: Some(0.1),
+            restitution: None,
+            height: None,
+        };
+        twin.handle(Input::Impact(event), 0, &mut sink);
+        let memory = allocation_counter::measure(|| {
+            for now in 1..40 {
+                twin.advance_to(now * 1_000_000, &mut sink);
+                sink.ring();
+            }
+        });
+        assert!(twin.is_responding() && twin.statistics().corrections > 0);
+        assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
     }
 }

@@ -25,22 +25,37 @@ pub(super) enum Outlook {
     /// Not to the end.
     Running,
     /// To the end; `residual` is the equilibrium that it leaves behind, if there is one.
-    Over { report: Report, residual: Option<State> },
+    Over {
+        report: Report,
+        residual: Option<State>,
+    },
     /// It cannot be followed any further.
     Failed(String),
 }
 
 impl LookAhead {
     pub fn new(met: Met) -> Self {
-        let Met { model, state, response } = met;
-        Self { model, state, response, advances: 0, nanos: 0 }
+        let Met {
+            model,
+            state,
+            response,
+        } = met;
+        Self {
+            model,
+            state,
+            response,
+            advances: 0,
+            nanos: 0,
+        }
     }
 
     /// Runs ahead by `most_steps` at the most.
     pub fn run(&mut self, most_steps: u64, stopwatch: &dyn Fn() -> u64) -> Outlook {
         let started = stopwatch();
         let outlook = self.advance(most_steps);
-        self.nanos = self.nanos.saturating_add(stopwatch().saturating_sub(started));
+        self.nanos = self
+            .nanos
+            .saturating_add(stopwatch().saturating_sub(started));
         outlook
     }
 
@@ -58,7 +73,10 @@ impl LookAhead {
                 ));
             }
             self.advances += 1;
-            match self.response.advance(&self.model, &mut self.state, u64::MAX) {
+            match self
+                .response
+                .advance(&self.model, &mut self.state, u64::MAX)
+            {
                 Ok(Progress::Running) => {}
                 Ok(Progress::Over(end)) => {
                     let report = self.response.report(&self.model, &self.state, end);

@@ -88,6 +88,8 @@ pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
 pub struct Twin {
     column_id: Arc<str>,
     parameters: Arc<Parameters>,
+    /// Digest of what the column is, as the state file has it.
+    fingerprint: Arc<str>,
     waiting_parameters: Option<Waiting>,
     /// The column without motion, as the last response or a reset left it.
     at_rest: AtRest,
@@ -166,9 +168,13 @@ impl Twin {
         let model = Model::new(&parameters.column_properties())?;
         let mut twin = Self {
             column_id: parameters.settings().column_id.as_str().into(),
+            fingerprint: saved_state::fingerprint(&parameters).into(),
             parameters: Arc::new(parameters),
             waiting_parameters: None,
-            at_rest: AtRest { model, state: State::at_rest(&model) },
+            at_rest: AtRest {
+                model,
+                state: State::at_rest(&model),
+            },
             condition: Condition::Standing,
             run: None,
             ahead: None,
@@ -181,7 +187,11 @@ impl Twin {
             corrections: 0,
             last_refusal_reason: "".into(),
             last_refusal_event_id: "".into(),
-            reported: Reported { at: now, phase: TwinPhase::Idle, due: true },
+            reported: Reported {
+                at: now,
+                phase: TwinPhase::Idle,
+                due: true,
+            },
             stopwatch,
         };
         if let Some(saved) = saved {
@@ -203,7 +213,10 @@ impl Twin {
     /// What the solver has done since the start.
     pub fn statistics(&self) -> SolverStatistics {
         let corrections = self.run.as_ref().map_or(0, |run| run.state.corrections);
-        SolverStatistics { steps: self.steps, corrections: self.corrections + corrections }
+        SolverStatistics {
+            steps: self.steps,
+            corrections: self.corrections + corrections,
+        }
     }
 
     /// Whether the column responds to an impact.
@@ -240,7 +253,11 @@ impl Twin {
                     self.refuse_impact(&event.event_id, reason, now, out);
                 }
             }
-            Input::Parameters { changes, source, reply } => {
+            Input::Parameters {
+                changes,
+                source,
+                reply,
+            } => {
                 let result = self.take_parameters(&changes, &source, now, out);
                 let result = result.map_err(|reason| self.refuse_change(reason, &source, now, out));
                 answer(reply.as_ref(), result);
@@ -259,7 +276,9 @@ impl Twin {
         let started = (self.stopwatch)();
         self.step_to(now, out);
         if let Some(run) = &mut self.run {
-            run.nanos = run.nanos.saturating_add((self.stopwatch)().saturating_sub(started));
+            run.nanos = run
+                .nanos
+                .saturating_add((self.stopwatch)().saturating_sub(started));
         }
         self.report_status(now, out);
     }
@@ -275,7 +294,12 @@ impl Twin {
         match outlook {
             Outlook::Running => return,
             Outlook::Over { report, residual } => {
-                out.put(Output::Forecast(ReportOutput { stamp, event_id, report, compute_time }));
+                out.put(Output::Forecast(ReportOutput {
+                    stamp,
+                    event_id,
+                    report,
+                    compute_time,
+                }));
                 // Kept now: a machine that stops before the response is over has the damage all the same.
                 self.save_forecast(&report, residual, now, out);
             }
@@ -293,16 +317,25 @@ impl Twin {
         let status = if self.reported.due {
             now
         } else {
-            self.reported.at.saturating_add(STATUS_PERIOD).min(now.saturating_add(STATUS_PERIOD))
+            self.reported
+                .at
+                .saturating_add(STATUS_PERIOD)
+                .min(now.saturating_add(STATUS_PERIOD))
         };
         let Some(run) = &self.run else {
             return status;
         };
-        if run.step_at(now).is_some_and(|step| step > run.state.step + run.steps_per_turn()) {
+        if run
+            .step_at(now)
+            .is_some_and(|step| step > run.state.step + run.steps_per_turn())
+        {
             return now;
         }
         let next_turn = run.instant_of(run.next_sample.min(run.state.step + run.steps_per_turn()));
-        let next_impact = self.impacts_ahead.first().map_or(Nanos::MAX, |next| next.stamp);
+        let next_impact = self
+            .impacts_ahead
+            .first()
+            .map_or(Nanos::MAX, |next| next.stamp);
         status.min(next_turn).min(next_impact)
     }
 
@@ -322,7 +355,7 @@ impl Twin {
         };
         SavedState {
             column_id: Arc::clone(&self.column_id),
-            fingerprint: saved_state::fingerprint(&self.parameters),
+            fingerprint: Arc::clone(&self.fingerprint),
             stamp: now,
             condition,
             impact_height: self.at_rest.model.properties.length_below,
@@ -351,9 +384,17 @@ impl Twin {
         self.check_stamp(event.stamp, now)?;
         let impact = present.impact_of(&event.blow())?;
         let met = present.meet(impact, event.height)?;
-        let arriving = Arriving { event_id: event.event_id.as_str().into(), stamp: event.stamp, impact };
+        let arriving = Arriving {
+            event_id: event.event_id.as_str().into(),
+            stamp: event.stamp,
+            impact,
+        };
         let event_id = Arc::clone(&arriving.event_id);
-        match self.run.as_ref().map(|run| (run.stamp, run.step_at(event.stamp), run.state.step)) {
+        match self
+            .run
+            .as_ref()
+            .map(|run| (run.stamp, run.step_at(event.stamp), run.state.step))
+        {
             None => match self.resume(arriving.stamp, &met.model) {
                 Some(step) => self.hit_moving_column(arriving, step, "no longer holds", now, out),
                 None => self.begin(arriving.event_id, arriving.stamp, met, now, out),
@@ -422,7 +463,9 @@ impl Twin {
                 "{MAX_IMPACTS_AHEAD} impacts lie ahead already; send impacts when they happen"
             ));
         }
-        let place = self.impacts_ahead.partition_point(|other| other.stamp <= arriving.stamp);
+        let place = self
+            .impacts_ahead
+            .partition_point(|other| other.stamp <= arriving.stamp);
         self.impacts_ahead.insert(place, arriving);
         Ok(())
     }
@@ -431,7 +474,10 @@ impl Twin {
     fn resume(&mut self, stamp: Nanos, model: &Model) -> Option<u64> {
         let last = self.last.as_ref()?;
         let plastic_work = last.resumable?;
-        let step = last.run.step_at(stamp).filter(|&step| step < last.run.state.step)?;
+        let step = last
+            .run
+            .step_at(stamp)
+            .filter(|&step| step < last.run.state.step)?;
         if last.run.model != *model {
             return None;
         }
@@ -465,8 +511,15 @@ impl Twin {
             run.event_id,
         );
         self.notice(Severity::Info, text, now, out);
-        let present = Present { model: run.model, state: run.state, ..self.present() };
-        self.last = Some(Last { run, resumable: None });
+        let present = Present {
+            model: run.model,
+            state: run.state,
+            ..self.present()
+        };
+        self.last = Some(Last {
+            run,
+            resumable: None,
+        });
         self.begin_arriving(&present, arriving, now, out);
     }
 
@@ -477,7 +530,11 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        let Arriving { event_id, stamp, impact } = arriving;
+        let Arriving {
+            event_id,
+            stamp,
+            impact,
+        } = arriving;
         match present.meet(impact, Some(present.model.properties.length_below)) {
             Ok(met) => self.begin(event_id, stamp, met, now, out),
             Err(reason) => self.refuse_impact(&event_id, reason, now, out),
@@ -497,14 +554,18 @@ impl Twin {
         self.life.last_event_id = Arc::clone(&event_id);
         self.ahead = Some(LookAhead::new(met.clone()));
         let steps = self.steps_per_sample(&met.model);
-        let history = self.last.take().map_or_else(History::default, |it| it.run.into_history());
+        let history = self
+            .last
+            .take()
+            .map_or_else(History::default, |it| it.run.into_history());
         self.run = Some(Run::new(event_id, stamp, met, steps, history));
         self.reported.due = true;
     }
 
     /// The period of `publish_rate` in whole steps.
     fn steps_per_sample(&self, model: &Model) -> u64 {
-        let steps = 1e9 / self.parameters.settings().publish_rate / model.properties.step_nanos as f64;
+        let steps =
+            1e9 / self.parameters.settings().publish_rate / model.properties.step_nanos as f64;
         steps.round().max(1.0) as u64
     }
 
@@ -534,7 +595,13 @@ impl Twin {
         self.last_refusal_reason = Arc::clone(&reason);
         self.last_refusal_event_id = Arc::clone(&event_id);
         self.reported.due = true;
-        out.put(Output::Refused(Refused { stamp: now, what, reason, event_id, source }));
+        out.put(Output::Refused(Refused {
+            stamp: now,
+            what,
+            reason,
+            event_id,
+            source,
+        }));
     }
 }
 
@@ -548,7 +615,10 @@ impl Twin {
             let Some(now_step) = run.step_at(now) else {
                 return;
             };
-            let next_impact = self.impacts_ahead.first().and_then(|next| run.step_at(next.stamp));
+            let next_impact = self
+                .impacts_ahead
+                .first()
+                .and_then(|next| run.step_at(next.stamp));
             let target = next_impact.unwrap_or(u64::MAX).min(now_step);
             if run.state.step >= run.next_sample {
                 put_state(run, None, out);
@@ -595,7 +665,10 @@ impl Twin {
         let Some(mut run) = self.run.take() else {
             return;
         };
-        let text = format!("the response to impact \"{}\" cannot be computed: {error}", run.event_id);
+        let text = format!(
+            "the response to impact \"{}\" cannot be computed: {error}",
+            run.event_id
+        );
         self.condition = Condition::Faulted(text.as_str().into());
         put_state(&mut run, Some(TwinPhase::Faulted), out);
         self.notice(Severity::Error, text, now, out);
@@ -614,8 +687,14 @@ impl Twin {
             // There is no equilibrium: what can be seen of the column is where it was last.
             None => run.state,
         };
-        self.at_rest = AtRest { model: run.model, state };
-        self.last = Some(Last { run, resumable: Some(plastic_work) });
+        self.at_rest = AtRest {
+            model: run.model,
+            state,
+        };
+        self.last = Some(Last {
+            run,
+            resumable: Some(plastic_work),
+        });
         self.reported.due = true;
         self.apply_waiting_parameters(now, out);
         self.save(now, out);
@@ -636,7 +715,10 @@ impl Twin {
         out: &mut impl Outputs,
     ) -> Result<Change, String> {
         // What waits already is to go with what comes now.
-        let latest = self.waiting_parameters.as_ref().map_or(&self.parameters, |it| &it.parameters);
+        let latest = self
+            .waiting_parameters
+            .as_ref()
+            .map_or(&self.parameters, |it| &it.parameters);
         let latest = Arc::clone(latest);
         let wanted = Arc::new(parameter_change::validated(&latest, changes)?);
         let changed = wanted.changed_from(&latest);
@@ -647,8 +729,10 @@ impl Twin {
         let column = self.column_with(&wanted)?;
         let change = match self.run.is_some() && parameter_change::must_wait(&changed) {
             true => {
-                self.waiting_parameters =
-                    Some(Waiting { parameters: Arc::clone(&wanted), source: Arc::clone(source) });
+                self.waiting_parameters = Some(Waiting {
+                    parameters: Arc::clone(&wanted),
+                    source: Arc::clone(source),
+                });
                 Change::Waits
             }
             false => {
@@ -680,7 +764,10 @@ impl Twin {
         if column(wanted) == column(&self.parameters) {
             return Ok(self.at_rest.clone());
         }
-        Err("the column has collapsed or cannot be computed; reset the twin first (~/reset)".to_owned())
+        Err(
+            "the column has collapsed or cannot be computed; reset the twin first (~/reset)"
+                .to_owned(),
+        )
     }
 
     /// Applies what need not wait. While other changes wait, these are applied to both, the present parameters and the
@@ -698,6 +785,7 @@ impl Twin {
             }
             None => self.parameters = Arc::clone(wanted),
         }
+        self.fingerprint = saved_state::fingerprint(&self.parameters).into();
         if self.run.is_none() {
             self.at_rest = column;
             self.forbid_resuming();
@@ -721,6 +809,7 @@ impl Twin {
                 self.at_rest = column;
                 self.forbid_resuming();
                 self.parameters = Arc::clone(&parameters);
+                self.fingerprint = saved_state::fingerprint(&parameters).into();
                 self.reported.due = true;
                 out.put(Output::ParametersChanged(ParametersChanged {
                     stamp: now,
@@ -731,7 +820,8 @@ impl Twin {
                 }));
             }
             Err(reason) => {
-                let reason = format!("the change that waited for the end of the response: {reason}");
+                let reason =
+                    format!("the change that waited for the end of the response: {reason}");
                 self.refuse_change(reason, &source, now, out);
             }
         }
@@ -745,16 +835,29 @@ impl Twin {
         out: &mut impl Outputs,
     ) -> Arc<str> {
         self.counts.parameters_refused += 1;
-        self.refuse(RefusedInput::Parameters, &reason, "".into(), Arc::clone(source), now, out);
+        self.refuse(
+            RefusedInput::Parameters,
+            &reason,
+            "".into(),
+            Arc::clone(source),
+            now,
+            out,
+        );
         Arc::clone(&self.last_refusal_reason)
     }
 
     fn reset(&mut self, source: &str, now: Nanos, out: &mut impl Outputs) {
         if let Some(run) = self.run.take() {
-            let text = format!("the response to impact \"{}\" is broken off by a reset", run.event_id);
+            let text = format!(
+                "the response to impact \"{}\" is broken off by a reset",
+                run.event_id
+            );
             self.notice(Severity::Warning, text, now, out);
             self.corrections += run.state.corrections;
-            self.last = Some(Last { run, resumable: None });
+            self.last = Some(Last {
+                run,
+                resumable: None,
+            });
         }
         self.forbid_resuming();
         self.ahead = None;
@@ -762,11 +865,19 @@ impl Twin {
         self.condition = Condition::Standing;
         // The parameters stood the check when they came; were they to fail now the old model is still a column.
         let virgin = Model::new(&self.parameters.column_properties()).unwrap_or(self.at_rest.model);
-        self.at_rest = AtRest { model: virgin, state: State::at_rest(&virgin) };
+        self.at_rest = AtRest {
+            model: virgin,
+            state: State::at_rest(&virgin),
+        };
         self.seen.clear();
         self.life = Life::default();
         self.apply_waiting_parameters(now, out);
-        self.notice(Severity::Info, format!("reset by {source}: the column is virgin"), now, out);
+        self.notice(
+            Severity::Info,
+            format!("reset by {source}: the column is virgin"),
+            now,
+            out,
+        );
         self.reported.due = true;
         self.save(now, out);
     }
@@ -835,7 +946,11 @@ impl Twin {
     }
 
     fn notice(&self, severity: Severity, text: String, now: Nanos, out: &mut impl Outputs) {
-        out.put(Output::Notice(Notice { stamp: now, severity, text: text.into() }));
+        out.put(Output::Notice(Notice {
+            stamp: now,
+            severity,
+            text: text.into(),
+        }));
     }
 
     fn phase(&self) -> TwinPhase {
@@ -850,7 +965,10 @@ impl Twin {
     /// How the twin is now.
     pub fn status(&self, now: Nanos) -> Status {
         let present = self.at_rest.state.sample(&self.at_rest.model);
-        let plastic_work = self.run.as_ref().map_or(0.0, |run| run.state.ledger.plastic_work);
+        let plastic_work = self
+            .run
+            .as_ref()
+            .map_or(0.0, |run| run.state.ledger.plastic_work);
         let hinges = match &self.run {
             Some(run) => run.state.sample(&run.model).hinges,
             None => present.hinges,
@@ -883,12 +1001,20 @@ impl Twin {
 
     fn report_status(&mut self, now: Nanos, out: &mut impl Outputs) {
         let phase = self.phase();
-        let Reported { at, phase: last, due } = self.reported;
+        let Reported {
+            at,
+            phase: last,
+            due,
+        } = self.reported;
         // A clock that was set back must not silence the twin.
         let long_ago = now < at || now.saturating_sub(at) >= STATUS_PERIOD;
         if due || long_ago || phase != last {
             out.put(Output::Status(self.status(now)));
-            self.reported = Reported { at: now, phase, due: false };
+            self.reported = Reported {
+                at: now,
+                phase,
+                due: false,
+            };
         }
     }
 }
@@ -927,7 +1053,9 @@ fn phase_after(condition: &Condition) -> TwinPhase {
 fn is_same_place(a: &State, b: &State) -> bool {
     const NEAR: f64 = 1e-9; // m and rad
     let (a, b) = (&a.displacement, &b.displacement);
-    [a.v1 - b.v1, a.u1 - b.u1, a.beta1 - b.beta1, a.u2 - b.u2].iter().all(|off| off.abs() < NEAR)
+    [a.v1 - b.v1, a.u1 - b.u1, a.beta1 - b.beta1, a.u2 - b.u2]
+        .iter()
+        .all(|off| off.abs() < NEAR)
 }
 
 fn answer<T>(reply: Option<&SyncSender<T>>, value: T) {
@@ -938,7 +1066,10 @@ fn answer<T>(reply: Option<&SyncSender<T>>, value: T) {
 
 /// A name from outside as it may stand in a message: not too long, and nothing that a terminal would obey.
 fn shortened(name: &str) -> String {
-    cut(name, MAX_EVENT_ID_CHARS).chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+    cut(name, MAX_EVENT_ID_CHARS)
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .collect()
 }
 
 fn cut(text: &str, most_chars: usize) -> String {

@@ -45,8 +45,9 @@ pub(super) fn validated(
     from: &Parameters,
     changes: &[(String, Value)],
 ) -> Result<Parameters, String> {
-    let changed =
-        from.with_changes(changes.iter().cloned()).map_err(|faults| faults.to_string())?;
+    let changed = from
+        .with_changes(changes.iter().cloned())
+        .map_err(|faults| faults.to_string())?;
     let fixed: Vec<_> = changed
         .changed_from(from)
         .into_iter()
@@ -56,12 +57,17 @@ pub(super) fn validated(
     if fixed.is_empty() {
         return Ok(changed);
     }
-    Err(format!("{} cannot be changed while the node runs; restart it with the new value", fixed.join(", ")))
+    Err(format!(
+        "{} cannot be changed while the node runs; restart it with the new value",
+        fixed.join(", ")
+    ))
 }
 
 /// Whether any of these parameters must wait for the end of a response.
 pub(super) fn must_wait(changed: &[&'static Parameter]) -> bool {
-    changed.iter().any(|parameter| parameter.applies != Applies::AtOnce)
+    changed
+        .iter()
+        .any(|parameter| parameter.applies != Applies::AtOnce)
 }
 
 /// The column `present`, at rest, with other parameters.
@@ -76,7 +82,10 @@ pub(super) fn changed_column(
     let mut properties = to.column_properties();
     if !is_damaged(&present.state) {
         let model = Model::new(&properties).map_err(|error| error.to_string())?;
-        return Ok(AtRest { model, state: State::at_rest(&model) });
+        return Ok(AtRest {
+            model,
+            state: State::at_rest(&model),
+        });
     }
     if what_the_column_is(from) != what_the_column_is(to) {
         return Err("the column is damaged, and its lengths, section, steel, resistances, hinges and supports belong to \
@@ -86,7 +95,10 @@ pub(super) fn changed_column(
     move_joint(&mut properties, present.model.properties.length_below);
     let model = Model::new(&properties).map_err(|error| error.to_string())?;
     if same_statics(&model.properties, &present.model.properties) {
-        return Ok(AtRest { model, state: present.state });
+        return Ok(AtRest {
+            model,
+            state: present.state,
+        });
     }
     match equilibrium(&model, &present.state) {
         Some(state) => Ok(AtRest { model, state }),

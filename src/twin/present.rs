@@ -98,7 +98,10 @@ impl Present {
             return Ok(());
         }
         let found = super::shortened(column_id);
-        Err(format!("column_id is \"{found}\"; this twin is of column \"{}\"", self.column_id))
+        Err(format!(
+            "column_id is \"{found}\"; this twin is of column \"{}\"",
+            self.column_id
+        ))
     }
 
     /// The blow with what it leaves open taken from the parameters, every number checked against the one table.
@@ -122,7 +125,11 @@ impl Present {
         .into_iter()
         .flatten()
         .collect();
-        if faults.is_empty() { Ok(impact) } else { Err(faults.join("; ")) }
+        if faults.is_empty() {
+            Ok(impact)
+        } else {
+            Err(faults.join("; "))
+        }
     }
 
     /// Hits a copy of the column.
@@ -136,14 +143,20 @@ impl Present {
                 return Err("the column has collapsed; reset the twin first (~/reset)".to_owned());
             }
             Condition::Faulted(reason) => {
-                return Err(format!("the twin cannot go on ({reason}); reset it first (~/reset)"));
+                return Err(format!(
+                    "the twin cannot go on ({reason}); reset it first (~/reset)"
+                ));
             }
         }
         let (model, mut state) = self.at_height(height)?;
         let duration = self.parameters.response_duration();
         let response = Response::begin(&model, &mut state, impact, duration)
             .map_err(|error| error.to_string())?;
-        Ok(Met { model, state, response })
+        Ok(Met {
+            model,
+            state,
+            response,
+        })
     }
 
     /// The column with its hinges 1a and 1b at the height of an impact.
@@ -187,7 +200,11 @@ impl Present {
         let whole = properties.length_below + properties.length_above;
         let faults = [
             fault_of("height", "geometry.length_below", height),
-            fault_of("what is left of the column above it", "geometry.length_above", whole - height),
+            fault_of(
+                "what is left of the column above it",
+                "geometry.length_above",
+                whole - height,
+            ),
         ];
         if let Some(fault) = faults.into_iter().flatten().next() {
             return Err(format!("{fault}; the column is {whole} m high"));
@@ -219,11 +236,16 @@ pub(super) fn equilibrium(model: &Model, state: &State) -> Option<State> {
     const ROUND_OFF: f64 = 1e-9;
     let residual = residual_state(model, state)?;
     let hinges = residual.sample(model).hinges;
-    hinges.iter().all(|hinge| hinge.utilisation <= 1.0 + ROUND_OFF).then_some(residual)
+    hinges
+        .iter()
+        .all(|hinge| hinge.utilisation <= 1.0 + ROUND_OFF)
+        .then_some(residual)
 }
 
 /// What is wrong with a number that has the range of the parameter `name`.
 fn fault_of(called: &str, name: &str, number: f64) -> Option<String> {
-    let problem = Parameter::named(name)?.check(&Value::Double(number)).err()?;
+    let problem = Parameter::named(name)?
+        .check(&Value::Double(number))
+        .err()?;
     Some(format!("{called} = {number}: {problem}"))
 }

@@ -54,7 +54,11 @@ impl Run {
         steps_per_sample: u64,
         mut history: History,
     ) -> Self {
-        let Met { model, state, response } = met;
+        let Met {
+            model,
+            state,
+            response,
+        } = met;
         history.restart(&state, &response);
         Self {
             event_id,

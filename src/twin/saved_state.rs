@@ -24,7 +24,7 @@ pub struct SavedState {
     /// The column.
     pub column_id: Arc<str>,
     /// Digest of what the column is: its lengths, section, steel, resistances, hinges and supports.
-    pub fingerprint: String,
+    pub fingerprint: Arc<str>,
     /// When it was taken \[ns\] since the epoch.
     pub stamp: Nanos,
     /// Whether it stands.
@@ -66,7 +66,9 @@ pub enum SavedStateError {
     #[error("it is truncated or no state file of column_twin: {0}")]
     Malformed(String),
     /// It is of another format or version.
-    #[error("it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}")]
+    #[error(
+        "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}"
+    )]
     Foreign {
         /// What it says it is.
         format: String,
@@ -145,7 +147,7 @@ impl SavedState {
                 expected: expected.clone(),
             });
         }
-        if read.content.fingerprint != fingerprint(parameters) {
+        if *read.content.fingerprint != *fingerprint(parameters) {
             return Err(SavedStateError::OtherParameters(expected.clone()));
         }
         Ok(read.content)

@@ -60,7 +60,10 @@ mod tests {
         for number in 0..10 * MAX_SEEN_IDS {
             seen.remember(number.to_string().into());
         }
-        assert_eq!((seen.set.len(), seen.in_order.len()), (MAX_SEEN_IDS, MAX_SEEN_IDS));
+        assert_eq!(
+            (seen.set.len(), seen.in_order.len()),
+            (MAX_SEEN_IDS, MAX_SEEN_IDS)
+        );
         assert_eq!(seen.in_order.capacity(), room);
         assert!(seen.contains(&(9 * MAX_SEEN_IDS).to_string()));
         assert!(!seen.contains(&(9 * MAX_SEEN_IDS - 1).to_string()));

@@ -44,7 +44,9 @@ pub enum StateFileError {
         source: io::Error,
     },
     /// It cannot be used, nor be moved out of the way.
-    #[error("the state file {path} cannot be used ({reason}) nor be renamed to keep it: {source}; move it away")]
+    #[error(
+        "the state file {path} cannot be used ({reason}) nor be renamed to keep it: {source}; move it away"
+    )]
     CannotKeep {
         /// The file.
         path: PathBuf,
@@ -54,7 +56,9 @@ pub enum StateFileError {
         source: io::Error,
     },
     /// It cannot be written; the one before is still there.
-    #[error("the state file {path} cannot be written: {source}; the damage since the last one is lost at a restart")]
+    #[error(
+        "the state file {path} cannot be written: {source}; the damage since the last one is lost at a restart"
+    )]
     Unwritable {
         /// The file.
         path: PathBuf,
@@ -108,7 +112,10 @@ pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileErr
             return keep_aside(path, error.to_string());
         }
         Err(source) => {
-            return Err(StateFileError::Unreadable { path: path.to_owned(), source });
+            return Err(StateFileError::Unreadable {
+                path: path.to_owned(),
+                source,
+            });
         }
     };
     match SavedState::from_json(&text, parameters) {
@@ -119,9 +126,12 @@ pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileErr
 
 fn read(path: &Path) -> io::Result<String> {
     let mut text = String::new();
-    File::open(path)?.take(MAX_STATE_FILE_BYTES + 1).read_to_string(&mut text)?;
+    File::open(path)?
+        .take(MAX_STATE_FILE_BYTES + 1)
+        .read_to_string(&mut text)?;
     if text.len() as u64 > MAX_STATE_FILE_BYTES {
-        let reason = format!("it is longer than {MAX_STATE_FILE_BYTES} bytes: no state file of column_twin");
+        let reason =
+            format!("it is longer than {MAX_STATE_FILE_BYTES} bytes: no state file of column_twin");
         return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
     }
     Ok(text)
@@ -134,9 +144,11 @@ fn keep_aside(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
         .unwrap_or_else(|| with_suffix(path, &format!(".rejected-{MAX_REJECTED}")));
     match fs::rename(path, &kept_as) {
         Ok(()) => Ok(Loaded::Rejected { reason, kept_as }),
-        Err(source) => {
-            Err(StateFileError::CannotKeep { path: path.to_owned(), reason, source })
-        }
+        Err(source) => Err(StateFileError::CannotKeep {
+            path: path.to_owned(),
+            reason,
+            source,
+        }),
     }
 }
 
@@ -145,8 +157,10 @@ fn keep_aside(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
 /// # Errors
 /// It cannot be written; the old one is then untouched.
 pub fn store(path: &Path, saved: &SavedState) -> Result<(), StateFileError> {
-    replace(path, saved)
-        .map_err(|source| StateFileError::Unwritable { path: path.to_owned(), source })
+    replace(path, saved).map_err(|source| StateFileError::Unwritable {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 fn replace(path: &Path, saved: &SavedState) -> io::Result<()> {

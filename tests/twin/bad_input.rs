@@ -14,7 +14,10 @@ fn refusal_of(event: ImpactEvent) -> String {
     let reason = refusals[0].reason.to_string();
     let status = bench.status();
     assert_eq!(*status.last_refusal_reason, *reason);
-    assert_eq!((status.counts.events_refused, status.counts.events_accepted), (1, 0));
+    assert_eq!(
+        (status.counts.events_refused, status.counts.events_accepted),
+        (1, 0)
+    );
     let mut after = bench.twin.saved_state(START);
     assert_eq!(after.refused_since_reset, 1);
     after.refused_since_reset = 0;
@@ -27,18 +30,90 @@ fn refusal_of(event: ImpactEvent) -> String {
 fn numbers_that_are_none_or_out_of_range() {
     let good = event("a", START);
     for (bad, expected) in [
-        (ImpactEvent { impact_mass: f64::NAN, ..good.clone() }, "mass = NaN: is not a finite number"),
-        (ImpactEvent { impact_mass: -1500.0, ..good.clone() }, "mass = -1500: is out of range"),
-        (ImpactEvent { impact_mass: f64::INFINITY, ..good.clone() }, "mass = inf"),
-        (ImpactEvent { velocity: 0.0, ..good.clone() }, "velocity = 0: is out of range; allowed: 1e-6 to 60 m/s"),
-        (ImpactEvent { velocity: -10.0, ..good.clone() }, "velocity = -10"),
-        (ImpactEvent { velocity: 1e300, ..good.clone() }, "velocity = 1"),
-        (ImpactEvent { gap: Some(f64::NAN), ..good.clone() }, "gap = NaN"),
-        (ImpactEvent { gap: Some(-0.1), ..good.clone() }, "gap = -0.1"),
-        (ImpactEvent { restitution: Some(1.1), ..good.clone() }, "restitution = 1.1"),
-        (ImpactEvent { height: Some(f64::NAN), ..good.clone() }, "height = NaN"),
-        (ImpactEvent { height: Some(-1.0), ..good.clone() }, "height = -1"),
-        (ImpactEvent { height: Some(4.0), ..good.clone() }, "the column is 4 m high"),
+        (
+            ImpactEvent {
+                impact_mass: f64::NAN,
+                ..good.clone()
+            },
+            "mass = NaN: is not a finite number",
+        ),
+        (
+            ImpactEvent {
+                impact_mass: -1500.0,
+                ..good.clone()
+            },
+            "mass = -1500: is out of range",
+        ),
+        (
+            ImpactEvent {
+                impact_mass: f64::INFINITY,
+                ..good.clone()
+            },
+            "mass = inf",
+        ),
+        (
+            ImpactEvent {
+                velocity: 0.0,
+                ..good.clone()
+            },
+            "velocity = 0: is out of range; allowed: 1e-6 to 60 m/s",
+        ),
+        (
+            ImpactEvent {
+                velocity: -10.0,
+                ..good.clone()
+            },
+            "velocity = -10",
+        ),
+        (
+            ImpactEvent {
+                velocity: 1e300,
+                ..good.clone()
+            },
+            "velocity = 1",
+        ),
+        (
+            ImpactEvent {
+                gap: Some(f64::NAN),
+                ..good.clone()
+            },
+            "gap = NaN",
+        ),
+        (
+            ImpactEvent {
+                gap: Some(-0.1),
+                ..good.clone()
+            },
+            "gap = -0.1",
+        ),
+        (
+            ImpactEvent {
+                restitution: Some(1.1),
+                ..good.clone()
+            },
+            "restitution = 1.1",
+        ),
+        (
+            ImpactEvent {
+                height: Some(f64::NAN),
+                ..good.clone()
+            },
+            "height = NaN",
+        ),
+        (
+            ImpactEvent {
+                height: Some(-1.0),
+                ..good.clone()
+            },
+            "height = -1",
+        ),
+        (
+            ImpactEvent {
+                height: Some(4.0),
+                ..good.clone()
+            },
+            "the column is 4 m high",
+        ),
     ] {
         let reason = refusal_of(bad);
         assert!(reason.contains(expected), "{reason}");
@@ -47,21 +122,49 @@ fn numbers_that_are_none_or_out_of_range() {
 
 #[test]
 fn all_wrong_numbers_are_listed_at_once() {
-    let bad = ImpactEvent { impact_mass: f64::NAN, velocity: 0.0, gap: Some(-1.0), ..event("a", START) };
+    let bad = ImpactEvent {
+        impact_mass: f64::NAN,
+        velocity: 0.0,
+        gap: Some(-1.0),
+        ..event("a", START)
+    };
     let reason = refusal_of(bad);
-    assert!(["mass", "velocity", "gap"].iter().all(|name| reason.contains(name)), "{reason}");
+    assert!(
+        ["mass", "velocity", "gap"]
+            .iter()
+            .all(|name| reason.contains(name)),
+        "{reason}"
+    );
 }
 
 #[test]
 fn names_that_are_wrong() {
     let good = event("a", START);
-    let other = refusal_of(ImpactEvent { column_id: "other\u{1b}[31m".into(), ..good.clone() });
-    assert_eq!(other, "column_id is \"other?[31m\"; this twin is of column \"column\"");
-    let empty = refusal_of(ImpactEvent { event_id: String::new(), ..good.clone() });
+    let other = refusal_of(ImpactEvent {
+        column_id: "other\u{1b}[31m".into(),
+        ..good.clone()
+    });
+    assert_eq!(
+        other,
+        "column_id is \"other?[31m\"; this twin is of column \"column\""
+    );
+    let empty = refusal_of(ImpactEvent {
+        event_id: String::new(),
+        ..good.clone()
+    });
     assert!(empty.contains("event_id is empty"));
     let long = "x".repeat(MAX_EVENT_ID_CHARS + 1);
-    assert!(refusal_of(ImpactEvent { event_id: long, ..good.clone() }).contains("too long"));
-    let control = refusal_of(ImpactEvent { event_id: "a\nb".into(), ..good.clone() });
+    assert!(
+        refusal_of(ImpactEvent {
+            event_id: long,
+            ..good.clone()
+        })
+        .contains("too long")
+    );
+    let control = refusal_of(ImpactEvent {
+        event_id: "a\nb".into(),
+        ..good.clone()
+    });
     assert!(control.contains("control characters"));
 }
 
@@ -69,7 +172,11 @@ fn names_that_are_wrong() {
 fn huge_names_are_not_kept() {
     let mut bench = Bench::new(&[]);
     let huge = "x".repeat(10_000_000);
-    bench.hit(ImpactEvent { event_id: huge.clone(), column_id: huge, ..event("", START) });
+    bench.hit(ImpactEvent {
+        event_id: huge.clone(),
+        column_id: huge,
+        ..event("", START)
+    });
     let refused = bench.refusals()[0].clone();
     assert!(refused.reason.len() < MAX_REASON_CHARS && refused.event_id.len() < 300);
 }
@@ -77,8 +184,14 @@ fn huge_names_are_not_kept() {
 #[test]
 fn stamps_out_of_tolerance() {
     for (stamp, expected) in [
-        (START - 5_001 * MS, "its stamp is 5.001 s old, event.max_age is 5 s"),
-        (START + 1_001 * MS, "its stamp is 1.001 s ahead, event.max_ahead is 1 s"),
+        (
+            START - 5_001 * MS,
+            "its stamp is 5.001 s old, event.max_age is 5 s",
+        ),
+        (
+            START + 1_001 * MS,
+            "its stamp is 1.001 s ahead, event.max_ahead is 1 s",
+        ),
         (0, "s old"),
         (i64::MIN, "s old"),
         (i64::MAX, "s ahead"),
@@ -100,9 +213,16 @@ fn the_same_identifier_twice() {
     bench.hit(event("a", START + MS));
     bench.rest();
     bench.hit(event("a", bench.now));
-    let reasons: Vec<_> = bench.refusals().iter().map(|it| it.reason.to_string()).collect();
+    let reasons: Vec<_> = bench
+        .refusals()
+        .iter()
+        .map(|it| it.reason.to_string())
+        .collect();
     assert_eq!(reasons.len(), 2);
-    assert!(reasons.iter().all(|it| it.contains("was accepted before")), "{reasons:?}");
+    assert!(
+        reasons.iter().all(|it| it.contains("was accepted before")),
+        "{reasons:?}"
+    );
     assert_eq!(bench.reports().len(), 1);
 }
 
@@ -110,9 +230,15 @@ fn the_same_identifier_twice() {
 #[test]
 fn a_refused_identifier_can_be_used_again() {
     let mut bench = Bench::new(&[]);
-    bench.hit(ImpactEvent { velocity: 0.0, ..event("a", START) });
+    bench.hit(ImpactEvent {
+        velocity: 0.0,
+        ..event("a", START)
+    });
     bench.hit(event("a", START));
-    assert_eq!((bench.refusals().len(), bench.twin.is_responding()), (1, true));
+    assert_eq!(
+        (bench.refusals().len(), bench.twin.is_responding()),
+        (1, true)
+    );
 }
 
 #[test]
@@ -124,7 +250,10 @@ fn a_refusal_during_a_response_does_not_disturb_it() {
     loud.hit(event("a", START));
     for k in 0..20 {
         loud.go_on(MS);
-        loud.hit(ImpactEvent { impact_mass: f64::NAN, ..event(&k.to_string(), loud.now) });
+        loud.hit(ImpactEvent {
+            impact_mass: f64::NAN,
+            ..event(&k.to_string(), loud.now)
+        });
     }
     loud.rest();
     assert_eq!(loud.refusals().len(), 20);

@@ -25,17 +25,30 @@ fn it_accumulates_over_impacts_and_ends_with_a_reset() {
         let status = bench.status();
         residuals.push(status.residual_v1);
         works.push(status.plastic_work_since_reset);
-        assert_eq!(bench.reports().last().expect("one").report.outcome, Outcome::Plastic);
+        assert_eq!(
+            bench.reports().last().expect("one").report.outcome,
+            Outcome::Plastic
+        );
     }
-    assert!(residuals.windows(2).all(|pair| pair[0] < pair[1]), "{residuals:?}");
+    assert!(
+        residuals.windows(2).all(|pair| pair[0] < pair[1]),
+        "{residuals:?}"
+    );
     assert!(works.windows(2).all(|pair| pair[0] < pair[1]), "{works:?}");
-    let reports: f64 = bench.reports().iter().map(|it| it.report.plastic_work).sum();
+    let reports: f64 = bench
+        .reports()
+        .iter()
+        .map(|it| it.report.plastic_work)
+        .sum();
     assert!((works[3] - reports).abs() < 1e-9 * reports);
     bench.reset();
     let virgin = Bench::new(&[]).status();
     let status = bench.status();
     assert_eq!(status.plastic_rotation, [0.0; 4]);
-    assert_eq!((status.residual_u2, status.impacts_since_reset), (virgin.residual_u2, 0));
+    assert_eq!(
+        (status.residual_u2, status.impacts_since_reset),
+        (virgin.residual_u2, 0)
+    );
     let stamp = bench.now;
     hit_and_rest(&mut bench, event("a", stamp));
     let reports = bench.reports();
@@ -43,7 +56,12 @@ fn it_accumulates_over_impacts_and_ends_with_a_reset() {
 }
 
 fn restarted(bench: &Bench) -> Bench {
-    let text = bench.saved().last().expect("saved").to_json().expect("JSON");
+    let text = bench
+        .saved()
+        .last()
+        .expect("saved")
+        .to_json()
+        .expect("JSON");
     let saved = SavedState::from_json(&text, bench.twin.parameters()).expect("its own");
     assert_eq!(saved, ***bench.saved().last().expect("saved"));
     let mut again = Bench::with((**bench.twin.parameters()).clone(), Some(&saved));
@@ -57,7 +75,10 @@ fn it_survives_a_restart() {
     let mut bench = Bench::new(&[]);
     hit_and_rest(&mut bench, event("a", START));
     let mut again = restarted(&bench);
-    assert_eq!(again.status().plastic_rotation, bench.status().plastic_rotation);
+    assert_eq!(
+        again.status().plastic_rotation,
+        bench.status().plastic_rotation
+    );
     assert_eq!(again.status().residual_v1, bench.status().residual_v1);
     assert_eq!(&*again.status().event_id, "a");
     let stamp = bench.now;
@@ -85,7 +106,14 @@ fn a_response_that_is_cut_off_is_kept_as_forecast() {
 #[test]
 fn a_collapse_survives_a_restart() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    hit_and_rest(&mut bench, ImpactEvent { impact_mass: 100_000.0, velocity: 50.0, ..event("a", START) });
+    hit_and_rest(
+        &mut bench,
+        ImpactEvent {
+            impact_mass: 100_000.0,
+            velocity: 50.0,
+            ..event("a", START)
+        },
+    );
     let mut again = restarted(&bench);
     assert_eq!(again.status().phase, TwinPhase::Collapsed);
     again.hit(event("b", again.now));
@@ -99,10 +127,17 @@ fn a_new_load_finds_a_new_equilibrium() {
     let saved = bench.saved().last().expect("saved").as_ref().clone();
     let again = Bench::with(parameters(&[("top.load", 6e5.into())]), Some(&saved));
     assert!(again.status().residual_v1 > bench.status().residual_v1);
-    assert_eq!(again.status().plastic_rotation, bench.status().plastic_rotation);
-    let crushed = Bench::with(parameters(&[("top.load", 2.9e6.into())]), Some(&saved));
+    assert_eq!(
+        again.status().plastic_rotation,
+        bench.status().plastic_rotation
+    );
+    let mut crushed = Bench::with(parameters(&[("top.load", 2.9e6.into())]), Some(&saved));
     assert_eq!(crushed.status().phase, TwinPhase::Faulted);
     assert!(crushed.status().fault.contains("no equilibrium"));
+    crushed.hit(event("b", crushed.now));
+    assert!(crushed.refusals()[0].reason.contains("reset it first"));
+    crushed.reset();
+    assert_eq!(crushed.status().phase, TwinPhase::Idle);
 }
 
 fn damaged() -> SavedState {
@@ -130,7 +165,10 @@ fn rejection(path: &Path, changes: &[(&str, Value)]) -> String {
 fn a_state_file_comes_back_as_it_was() {
     in_folder(|folder| {
         let path = folder.join("deeper").join("column.json");
-        assert_eq!(state_file::load(&path, &parameters(&[])).expect("none"), Loaded::Absent);
+        assert_eq!(
+            state_file::load(&path, &parameters(&[])).expect("none"),
+            Loaded::Absent
+        );
         let saved = damaged();
         for _ in 0..2 {
             state_file::store(&path, &saved).expect("written");
@@ -149,7 +187,10 @@ fn a_damaged_state_file_is_refused_and_kept() {
     let text = saved.to_json().expect("JSON");
     let expected = parameters(&[]);
     for end in (0..text.len()).step_by(7) {
-        assert!(SavedState::from_json(&text[..end], &expected).is_err(), "cut at {end}");
+        assert!(
+            SavedState::from_json(&text[..end], &expected).is_err(),
+            "cut at {end}"
+        );
     }
     for place in (0..text.len()).step_by(5) {
         let mut bytes = text.clone().into_bytes();
@@ -166,7 +207,10 @@ fn a_damaged_state_file_is_refused_and_kept() {
         for (content, expected) in [
             (&text.as_bytes()[..text.len() / 2], "truncated"),
             (b"", "truncated"),
-            (b"{\"format\": \"other\", \"version\": 7}", "format \"other\", version 7; expected"),
+            (
+                b"{\"format\": \"other\", \"version\": 7}",
+                "format \"other\", version 7; expected",
+            ),
             (b"\xff\xfe\x00", "UTF-8"),
             (b"{}", "no state file"),
         ] {
@@ -176,7 +220,11 @@ fn a_damaged_state_file_is_refused_and_kept() {
         }
         let aside = std::fs::read_dir(folder).expect("readable").count();
         assert_eq!(aside, 5, "each is kept under its own name");
-        std::fs::write(&path, vec![b' '; state_file::MAX_STATE_FILE_BYTES as usize + 1]).expect("written");
+        std::fs::write(
+            &path,
+            vec![b' '; state_file::MAX_STATE_FILE_BYTES as usize + 1],
+        )
+        .expect("written");
         assert!(rejection(&path, &[]).contains("longer than"));
     });
 }
@@ -187,9 +235,18 @@ fn a_state_file_of_another_column_is_refused_and_kept() {
         let path = folder.join("column.json");
         let saved = damaged();
         for (changes, expected) in [
-            (("column_id", Value::from("A3")), "is of column \"column\"; this twin is of column \"A3\""),
-            (("section.name", "HEB300".into()), "are not those that it was damaged with"),
-            (("geometry.length_below", 1.5.into()), "are not those that it was damaged with"),
+            (
+                ("column_id", Value::from("A3")),
+                "is of column \"column\"; this twin is of column \"A3\"",
+            ),
+            (
+                ("section.name", "HEB300".into()),
+                "are not those that it was damaged with",
+            ),
+            (
+                ("geometry.length_below", 1.5.into()),
+                "are not those that it was damaged with",
+            ),
         ] {
             state_file::store(&path, &saved).expect("written");
             let reason = rejection(&path, &[changes]);
@@ -197,7 +254,10 @@ fn a_state_file_of_another_column_is_refused_and_kept() {
         }
         state_file::store(&path, &saved).expect("written");
         let other_load = parameters(&[("top.load", 4e5.into()), ("solver.dt", 2e-5.into())]);
-        assert!(matches!(state_file::load(&path, &other_load), Ok(Loaded::Damage(_))));
+        assert!(matches!(
+            state_file::load(&path, &other_load),
+            Ok(Loaded::Damage(_))
+        ));
     });
 }
 
@@ -206,7 +266,8 @@ fn a_state_file_that_cannot_be_written_says_so() {
     in_folder(|folder| {
         let occupied = folder.join("file");
         std::fs::write(&occupied, "").expect("written");
-        let error = state_file::store(&occupied.join("column.json"), &damaged()).expect_err("no folder");
+        let error =
+            state_file::store(&occupied.join("column.json"), &damaged()).expect_err("no folder");
         assert!(error.to_string().contains("cannot be written"));
         let error = state_file::load(folder, &parameters(&[])).expect_err("a folder");
         assert!(error.to_string().contains("cannot be read"));
@@ -218,24 +279,36 @@ fn the_state_file_stands_where_the_parameters_say() {
     let of = |changes: &[(&str, Value)]| state_file::path(&parameters(changes));
     assert_eq!(of(&[]).as_deref(), Some(Path::new("state/column.json")));
     assert_eq!(of(&[("state.directory", "".into())]), None);
-    let names = [("column_id", "a/b".into()), ("state.directory", "/var/x".into())];
+    let names = [
+        ("column_id", "a/b".into()),
+        ("state.directory", "/var/x".into()),
+    ];
     assert_eq!(of(&names).as_deref(), Some(Path::new("/var/x/a%2Fb.json")));
 }
 
 /// Hinges 1a and 1b sit at the impact height.
 #[test]
 fn another_height_needs_an_undamaged_joint() {
-    let at = |height, id: &str, stamp| ImpactEvent { height: Some(height), ..event(id, stamp) };
+    let at = |height, id: &str, stamp| ImpactEvent {
+        height: Some(height),
+        ..event(id, stamp)
+    };
     let mut bench = Bench::new(&[]);
     // Elastic: the hinges can go elsewhere, and back.
-    bench.hit(ImpactEvent { height: Some(0.6), ..light("a", START) });
+    bench.hit(ImpactEvent {
+        height: Some(0.6),
+        ..light("a", START)
+    });
     bench.rest();
     hit_and_rest(&mut bench, light("b", START + 500 * MS));
     assert_eq!((bench.refusals().len(), bench.reports().len()), (0, 2));
     // Plastic at 0.6 m: there they stay, over a restart too.
     let stamp = bench.now;
     hit_and_rest(&mut bench, at(0.6, "c", stamp));
-    let lower = Bench::new(&[("geometry.length_below", 0.6.into()), ("geometry.length_above", 3.4.into())]);
+    let lower = Bench::new(&[
+        ("geometry.length_below", 0.6.into()),
+        ("geometry.length_above", 3.4.into()),
+    ]);
     let mut lower = lower;
     hit_and_rest(&mut lower, event("c", START));
     let (here, there) = (bench.reports()[2].report, lower.reports()[0].report);
@@ -247,10 +320,16 @@ fn another_height_needs_an_undamaged_joint() {
         bench.hit(at(1.2, "e", bench.now));
         let refusals = bench.refusals();
         assert_eq!(refusals.len(), before + 2);
-        assert!(refusals[before].reason.contains("where they are damaged"), "{refusals:?}");
+        assert!(
+            refusals[before].reason.contains("where they are damaged"),
+            "{refusals:?}"
+        );
         let stamp = bench.now;
         hit_and_rest(bench, at(0.6004, "f", stamp));
-        assert_eq!(bench.reports().last().expect("one").report.outcome, Outcome::Plastic);
+        assert_eq!(
+            bench.reports().last().expect("one").report.outcome,
+            Outcome::Plastic
+        );
     }
     bench.reset();
     let stamp = bench.now;
@@ -263,6 +342,13 @@ fn another_height_is_refused_while_the_column_responds() {
     let mut bench = Bench::new(&[]);
     bench.hit(light("a", START));
     bench.go_on(MS);
-    bench.hit(ImpactEvent { height: Some(2.0), ..light("b", bench.now) });
-    assert!(bench.refusals()[0].reason.contains("while the column responds"));
+    bench.hit(ImpactEvent {
+        height: Some(2.0),
+        ..light("b", bench.now)
+    });
+    assert!(
+        bench.refusals()[0]
+            .reason
+            .contains("while the column responds")
+    );
 }

@@ -41,7 +41,11 @@ impl Bench {
     pub fn with(parameters: Parameters, saved: Option<&SavedState>) -> Self {
         let stopwatch = Box::new(|| 0);
         let twin = Twin::new(parameters, saved, stopwatch, START).expect("the column stands");
-        Self { twin, now: START, out: Vec::new() }
+        Self {
+            twin,
+            now: START,
+            out: Vec::new(),
+        }
     }
 
     pub fn handle(&mut self, input: Input) {
@@ -79,37 +83,82 @@ impl Bench {
     }
 
     pub fn change(&mut self, changes: &[(&str, Value)]) {
-        let changes = changes.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
+        let changes = changes
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), value.clone()));
         let changes = changes.collect();
-        self.handle(Input::Parameters { changes, source: "test".into(), reply: None });
+        self.handle(Input::Parameters {
+            changes,
+            source: "test".into(),
+            reply: None,
+        });
     }
 
     pub fn reset(&mut self) {
-        self.handle(Input::Reset { source: "test".into(), reply: None });
+        self.handle(Input::Reset {
+            source: "test".into(),
+            reply: None,
+        });
     }
 
     pub fn states(&self) -> Vec<&StateOutput> {
-        self.all(|it| if let Output::State(state) = it { Some(state) } else { None })
+        self.all(|it| {
+            if let Output::State(state) = it {
+                Some(state)
+            } else {
+                None
+            }
+        })
     }
 
     pub fn forecasts(&self) -> Vec<&ReportOutput> {
-        self.all(|it| if let Output::Forecast(report) = it { Some(report) } else { None })
+        self.all(|it| {
+            if let Output::Forecast(report) = it {
+                Some(report)
+            } else {
+                None
+            }
+        })
     }
 
     pub fn reports(&self) -> Vec<&ReportOutput> {
-        self.all(|it| if let Output::Report(report) = it { Some(report) } else { None })
+        self.all(|it| {
+            if let Output::Report(report) = it {
+                Some(report)
+            } else {
+                None
+            }
+        })
     }
 
     pub fn refusals(&self) -> Vec<&Refused> {
-        self.all(|it| if let Output::Refused(refused) = it { Some(refused) } else { None })
+        self.all(|it| {
+            if let Output::Refused(refused) = it {
+                Some(refused)
+            } else {
+                None
+            }
+        })
     }
 
     pub fn saved(&self) -> Vec<&Arc<SavedState>> {
-        self.all(|it| if let Output::Save(saved) = it { Some(saved) } else { None })
+        self.all(|it| {
+            if let Output::Save(saved) = it {
+                Some(saved)
+            } else {
+                None
+            }
+        })
     }
 
     pub fn statuses(&self) -> Vec<&Status> {
-        self.all(|it| if let Output::Status(status) = it { Some(status) } else { None })
+        self.all(|it| {
+            if let Output::Status(status) = it {
+                Some(status)
+            } else {
+                None
+            }
+        })
     }
 
     /// The status as it is now.
@@ -138,5 +187,9 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
 
 /// Too light to leave a trace.
 pub fn light(id: &str, stamp: Nanos) -> ImpactEvent {
-    ImpactEvent { impact_mass: 10.0, velocity: 0.5, ..event(id, stamp) }
+    ImpactEvent {
+        impact_mass: 10.0,
+        velocity: 0.5,
+        ..event(id, stamp)
+    }
 }

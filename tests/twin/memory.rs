@@ -41,7 +41,10 @@ fn a_response_takes_no_memory() {
     let mut twin = twin(1e-4);
     let mut out = Counted::default();
     // A gap, so that approach, contact, release and free vibration are in it.
-    let event = ImpactEvent { gap: Some(0.5), ..event("a", START) };
+    let event = ImpactEvent {
+        gap: Some(0.5),
+        ..event("a", START)
+    };
     twin.handle(Input::Impact(event), START, &mut out);
     let mut now = START;
     let memory = allocation_counter::measure(|| {
@@ -52,7 +55,12 @@ fn a_response_takes_no_memory() {
         }
     });
     assert!(twin.is_responding() && twin.is_looking_ahead());
-    assert!(out.states > 75 && out.statuses > 1, "{} {}", out.states, out.statuses);
+    assert!(
+        out.states > 75 && out.statuses > 1,
+        "{} {}",
+        out.states,
+        out.statuses
+    );
     assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
 }
 
@@ -66,11 +74,20 @@ fn an_hour_of_traffic_keeps_no_memory() {
         for k in events {
             let id = format!("impact-{k:06}");
             let input = match k % 10 {
-                0 => Input::Impact(ImpactEvent { impact_mass: f64::NAN, ..event(&id, now) }),
+                0 => Input::Impact(ImpactEvent {
+                    impact_mass: f64::NAN,
+                    ..event(&id, now)
+                }),
                 1 => Input::Impact(light("impact-000002", now)),
                 2 => Input::Impact(event(&id, now)),
-                3 if k % 100 == 3 => Input::Reset { source: "test".into(), reply: None },
-                4 => Input::Impact(ImpactEvent { gap: Some(0.02), ..light(&id, now - 30 * MS) }),
+                3 if k % 100 == 3 => Input::Reset {
+                    source: "test".into(),
+                    reply: None,
+                },
+                4 => Input::Impact(ImpactEvent {
+                    gap: Some(0.02),
+                    ..light(&id, now - 30 * MS)
+                }),
                 _ => Input::Impact(light(&id, now)),
             };
             twin.handle(input, now, out);
@@ -85,11 +102,23 @@ fn an_hour_of_traffic_keeps_no_memory() {
     hour(0..2_000, &mut out);
     let memory = allocation_counter::measure(|| hour(2_000..10_000, &mut out));
     // Strings of the present identifiers and reasons come and go; their lengths differ by a few bytes.
-    assert!(memory.bytes_current.abs() < 4_096, "{} bytes are kept", memory.bytes_current);
+    assert!(
+        memory.bytes_current.abs() < 4_096,
+        "{} bytes are kept",
+        memory.bytes_current
+    );
     assert_eq!(now - START, 3_600_000 * MS);
     let status = twin.status(now);
-    assert!(out.refused >= 1_900 && out.reports > 5_000, "{} {}", out.refused, out.reports);
-    assert_eq!(status.counts.events_accepted + status.counts.events_refused, 9_900);
+    assert!(
+        out.refused >= 1_900 && out.reports > 5_000,
+        "{} {}",
+        out.refused,
+        out.reports
+    );
+    assert_eq!(
+        status.counts.events_accepted + status.counts.events_refused,
+        9_900
+    );
     assert!(out.statuses < 100_000 && out.saved < 30_000 && out.forecasts >= out.reports);
     assert!(twin.saved_state(now).seen_ids.len() <= MAX_SEEN_IDS);
 }

@@ -8,7 +8,13 @@ use column_twin::twin::{Change, Input, Output, ParametersChanged, RefusedInput};
 use crate::{Bench, MS, START, event};
 
 fn changed(bench: &Bench) -> Vec<&ParametersChanged> {
-    bench.all(|it| if let Output::ParametersChanged(it) = it { Some(it) } else { None })
+    bench.all(|it| {
+        if let Output::ParametersChanged(it) = it {
+            Some(it)
+        } else {
+            None
+        }
+    })
 }
 
 fn value(bench: &Bench, name: &str) -> Value {
@@ -18,10 +24,16 @@ fn value(bench: &Bench, name: &str) -> Value {
 #[test]
 fn at_rest_they_apply_at_once() {
     let mut bench = Bench::new(&[]);
-    bench.change(&[("section.name", "HEB300".into()), ("impact.gap", 0.1.into())]);
+    bench.change(&[
+        ("section.name", "HEB300".into()),
+        ("impact.gap", 0.1.into()),
+    ]);
     assert_eq!(changed(&bench)[0].change, Change::Applied);
     assert_eq!(changed(&bench)[0].names, ["section.name", "impact.gap"]);
-    let mut other = Bench::new(&[("section.name", "HEB300".into()), ("impact.gap", 0.1.into())]);
+    let mut other = Bench::new(&[
+        ("section.name", "HEB300".into()),
+        ("impact.gap", 0.1.into()),
+    ]);
     for bench in [&mut bench, &mut other] {
         bench.hit(event("a", START));
         bench.rest();
@@ -44,11 +56,20 @@ fn one_wrong_value_refuses_all_of_them() {
         reply: Some(reply),
     });
     let reason = answer.try_recv().expect("an answer").expect_err("refused");
-    assert!(reason.contains("impact.velocity") && reason.contains("impact.mass"), "{reason}");
+    assert!(
+        reason.contains("impact.velocity") && reason.contains("impact.mass"),
+        "{reason}"
+    );
     assert_eq!(*bench.twin.parameters(), before);
     assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
     let status = bench.status();
-    assert_eq!((status.counts.parameters_refused, status.counts.parameters_accepted), (1, 0));
+    assert_eq!(
+        (
+            status.counts.parameters_refused,
+            status.counts.parameters_accepted
+        ),
+        (1, 0)
+    );
     assert_eq!(status.last_refusal_reason, reason);
 }
 
@@ -56,7 +77,11 @@ fn one_wrong_value_refuses_all_of_them() {
 fn a_column_that_would_not_stand_is_refused() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 1e9.into())]);
-    assert!(bench.refusals()[0].reason.contains("squash"), "{:?}", bench.refusals());
+    assert!(
+        bench.refusals()[0].reason.contains("squash"),
+        "{:?}",
+        bench.refusals()
+    );
     assert_eq!(value(&bench, "top.load"), Value::Double(5e5));
 }
 
@@ -64,7 +89,11 @@ fn a_column_that_would_not_stand_is_refused() {
 fn what_needs_a_restart_is_read_only() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("column_id", "other".into()), ("top.load", 4e5.into())]);
-    assert!(bench.refusals()[0].reason.contains("column_id cannot be changed while the node runs"));
+    assert!(
+        bench.refusals()[0]
+            .reason
+            .contains("column_id cannot be changed while the node runs")
+    );
     assert_eq!(value(&bench, "top.load"), Value::Double(5e5));
 }
 
@@ -80,7 +109,11 @@ fn during_a_response_they_wait_for_its_end() {
     let waiting: Vec<_> = changed(&bench).iter().map(|it| it.change).collect();
     assert_eq!(waiting, [Change::Waits, Change::Waits]);
     assert_eq!(value(&bench, "top.load"), Value::Double(5e5));
-    assert_eq!(value(&bench, "impact.gap"), Value::Double(0.0), "nothing is half applied");
+    assert_eq!(
+        value(&bench, "impact.gap"),
+        Value::Double(0.0),
+        "nothing is half applied"
+    );
     bench.rest();
     undisturbed.rest();
     assert_eq!(bench.reports()[0].report, undisturbed.reports()[0].report);
@@ -119,12 +152,20 @@ fn a_damaged_column_stays_the_column_that_it_is() {
         let before = bench.refusals().len();
         bench.change(&[change]);
         assert_eq!(bench.refusals().len(), before + 1);
-        assert!(bench.refusals()[before].reason.contains("reset the twin first"));
+        assert!(
+            bench.refusals()[before]
+                .reason
+                .contains("reset the twin first")
+        );
     }
     bench.change(&[("top.load", 4e5.into()), ("solver.dt", 2e-5.into())]);
     assert_eq!(bench.refusals().len(), 4);
     bench.change(&[("top.load", 2.9e6.into())]);
-    assert!(bench.refusals()[4].reason.contains("does not stand"), "{:?}", bench.refusals()[4]);
+    assert!(
+        bench.refusals()[4].reason.contains("does not stand"),
+        "{:?}",
+        bench.refusals()[4]
+    );
     bench.reset();
     bench.change(&[("section.name", "HEB300".into())]);
     assert_eq!(bench.refusals().len(), 5);
@@ -139,7 +180,11 @@ fn a_change_that_waited_can_still_be_refused() {
     bench.change(&[("section.name", "HEB300".into())]);
     assert!(bench.refusals().is_empty());
     bench.rest();
-    assert!(bench.refusals()[0].reason.contains("waited for the end of the response"));
+    assert!(
+        bench.refusals()[0]
+            .reason
+            .contains("waited for the end of the response")
+    );
     assert_eq!(value(&bench, "section.name"), Value::from("HEB220"));
 }
 

@@ -17,9 +17,14 @@ fn simulated(parameters: &Parameters, event: &ImpactEvent) -> (Vec<Sample>, Repo
     };
     let mut samples = Vec::new();
     let properties = parameters.column_properties();
-    let report = simulate(&properties, &impact, parameters.response_duration(), &mut |sample| {
-        samples.push(*sample);
-    });
+    let report = simulate(
+        &properties,
+        &impact,
+        parameters.response_duration(),
+        &mut |sample| {
+            samples.push(*sample);
+        },
+    );
     (samples, report.expect("it can be simulated"))
 }
 
@@ -38,7 +43,11 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactEvent) {
     let mut compared = 0;
     for state in &states {
         let since = (state.stamp - event.stamp) as f64 * 1e-9;
-        assert!((since - state.sample.time).abs() < 1e-12, "{since} {}", state.sample.time);
+        assert!(
+            (since - state.sample.time).abs() < 1e-12,
+            "{since} {}",
+            state.sample.time
+        );
         // The percussion is the sum since the sample before, the simulation's that of one step.
         let percussion = steps
             .iter()
@@ -47,7 +56,13 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactEvent) {
         last_time = state.sample.time;
         match steps.iter().find(|step| step.time == state.sample.time) {
             Some(step) => {
-                assert_eq!(state.sample, Sample { percussion, ..*step });
+                assert_eq!(
+                    state.sample,
+                    Sample {
+                        percussion,
+                        ..*step
+                    }
+                );
                 compared += 1;
             }
             // The simulation passes the approach to the column at rest in one stride.
@@ -67,14 +82,21 @@ fn the_stream_equals_the_simulation() {
 #[test]
 fn the_stream_equals_the_simulation_with_a_gap_and_rebounds() {
     for gap in [0.0123, 0.2, 1.7] {
-        let event = ImpactEvent { gap: Some(gap), restitution: Some(0.6), ..event("gap", START) };
+        let event = ImpactEvent {
+            gap: Some(gap),
+            restitution: Some(0.6),
+            ..event("gap", START)
+        };
         check_against_simulation(&[], &event);
     }
 }
 
 #[test]
 fn the_stream_equals_the_simulation_with_the_papers_scheme() {
-    check_against_simulation(&[("solver.scheme", "midpoint".into())], &event("midpoint", START));
+    check_against_simulation(
+        &[("solver.scheme", "midpoint".into())],
+        &event("midpoint", START),
+    );
 }
 
 #[test]
@@ -134,14 +156,24 @@ fn the_forecast_comes_at_once_and_says_how_long_it_took() {
     let mut twin = column_twin::twin::Twin::new(parameters(&[]), None, Box::new(stopwatch), START)
         .expect("the column stands");
     let mut out = Vec::new();
-    twin.handle(column_twin::twin::Input::Impact(event("a", START)), START, &mut out);
+    twin.handle(
+        column_twin::twin::Input::Impact(event("a", START)),
+        START,
+        &mut out,
+    );
     assert!(twin.is_looking_ahead());
     while twin.is_looking_ahead() {
         twin.run_ahead(64, START, &mut out);
     }
     let forecast = out
         .iter()
-        .find_map(|it| if let Output::Forecast(report) = it { Some(report) } else { None })
+        .find_map(|it| {
+            if let Output::Forecast(report) = it {
+                Some(report)
+            } else {
+                None
+            }
+        })
         .expect("a forecast before the clock has moved");
     assert_eq!((&*forecast.event_id, forecast.stamp), ("a", START));
     // Every slice took one tick of this stopwatch.
@@ -167,12 +199,18 @@ fn late_events_and_uneven_clocks_give_the_same_samples() {
         if !uneven.twin.is_responding() {
             break;
         }
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
         uneven.now += (state >> 40) as i64; // up to 17 ms
         uneven.twin.advance_to(uneven.now, &mut uneven.out);
     }
     let of = |bench: &Bench| -> Vec<_> {
-        bench.states().iter().map(|it| (it.stamp, it.phase, it.sample)).collect()
+        bench
+            .states()
+            .iter()
+            .map(|it| (it.stamp, it.phase, it.sample))
+            .collect()
     };
     assert!(of(&even).len() > 30);
     assert_eq!(of(&even), of(&late));
@@ -189,7 +227,10 @@ fn catching_up_is_bounded_per_call() {
     bench.now += 1_000 * MS;
     bench.twin.advance_to(bench.now, &mut bench.out);
     let steps = bench.twin.statistics().steps;
-    assert!(steps <= u64::from(column_twin::twin::MAX_STEPS_PER_CALL), "{steps}");
+    assert!(
+        steps <= u64::from(column_twin::twin::MAX_STEPS_PER_CALL),
+        "{steps}"
+    );
     assert!(bench.twin.is_responding() && bench.twin.next_deadline(bench.now) <= bench.now);
 }
 
@@ -224,14 +265,28 @@ fn an_event_ahead_of_the_clock_waits_for_its_instant() {
 #[test]
 fn a_collapse_is_a_result_and_ends_with_a_reset() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactEvent { impact_mass: 100_000.0, velocity: 50.0, ..event("truck", START) });
+    bench.hit(ImpactEvent {
+        impact_mass: 100_000.0,
+        velocity: 50.0,
+        ..event("truck", START)
+    });
     bench.rest();
     let report = bench.reports()[0].report;
-    assert_eq!((report.outcome, report.residual_v1), (Outcome::Collapsed, None));
-    assert_eq!(bench.states().last().expect("some").phase, TwinPhase::Collapsed);
+    assert_eq!(
+        (report.outcome, report.residual_v1),
+        (Outcome::Collapsed, None)
+    );
+    assert_eq!(
+        bench.states().last().expect("some").phase,
+        TwinPhase::Collapsed
+    );
     assert_eq!(bench.status().phase, TwinPhase::Collapsed);
     bench.hit(event("next", bench.now));
-    assert!(bench.refusals()[0].reason.contains("collapsed; reset"), "{:?}", bench.refusals());
+    assert!(
+        bench.refusals()[0].reason.contains("collapsed; reset"),
+        "{:?}",
+        bench.refusals()
+    );
     bench.reset();
     assert_eq!(bench.status().phase, TwinPhase::Idle);
     bench.hit(light("next", bench.now));
@@ -255,7 +310,10 @@ fn the_status_comes_once_a_second_and_on_every_change() {
     let report = bench.reports()[0].report;
     assert_eq!(Some(last.residual_v1), report.residual_v1);
     assert_eq!(last.plastic_work_since_reset, report.plastic_work);
-    assert_eq!(last.plastic_rotation, report.hinges.map(|hinge| hinge.plastic_rotation));
+    assert_eq!(
+        last.plastic_rotation,
+        report.hinges.map(|hinge| hinge.plastic_rotation)
+    );
 }
 
 #[test]
@@ -263,17 +321,37 @@ fn a_what_if_does_not_touch_the_twin() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.rest();
-    let before = (bench.twin.present().predict("", &event("x", 0).blow(), &|| 0), bench.status());
+    let before = (
+        bench
+            .twin
+            .present()
+            .predict("", &event("x", 0).blow(), &|| 0),
+        bench.status(),
+    );
     let present = bench.twin.present();
     let second = event("b", bench.now);
-    let predicted = present.predict("column", &second.blow(), &|| 0).expect("a prediction");
+    let predicted = present
+        .predict("column", &second.blow(), &|| 0)
+        .expect("a prediction");
     assert_eq!(Ok(&predicted), before.0.as_ref());
     assert_eq!(bench.status(), before.1);
     bench.hit(second.clone());
     bench.rest();
     assert_eq!(bench.reports()[1].report, predicted.report);
     let present = bench.twin.present();
-    let faults = present.predict("", &ImpactEvent { velocity: 0.0, ..second }.blow(), &|| 0);
+    let faults = present.predict(
+        "",
+        &ImpactEvent {
+            velocity: 0.0,
+            ..second
+        }
+        .blow(),
+        &|| 0,
+    );
     assert!(faults.expect_err("no velocity").contains("velocity = 0"));
-    assert!(present.predict("other", &event("x", 0).blow(), &|| 0).is_err());
+    assert!(
+        present
+            .predict("other", &event("x", 0).blow(), &|| 0)
+            .is_err()
+    );
 }

@@ -1,0 +1,370 @@
+//! The twin in its own thread. Simulated clocks where the instants matter; no test measures time.
+
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use column_twin::live::{
+    AskError, Clock, Grant, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver,
+    SOLVER_THREAD, SimClock, SystemClock, WhenFull,
+};
+use column_twin::parameters::{Parameters, Value};
+use column_twin::twin::state_file::{self, Loaded};
+use column_twin::twin::{
+    Blow, Change, ImpactEvent, Input, Nanos, Output, Severity, StateOutput, Twin,
+};
+
+const START: Nanos = 1_800_000_000_000_000_000;
+const MS: Nanos = 1_000_000;
+
+/// A test that has not ended by then fails.
+const DEADLINE: Duration = Duration::from_secs(120);
+
+fn parameters() -> Parameters {
+    Parameters::from_values([("solver.dt", Value::from(1e-4))]).expect("admissible")
+}
+
+fn twin(now: Nanos) -> Twin {
+    Twin::new(parameters(), None, Box::new(|| 0), now).expect("the column stands")
+}
+
+fn options() -> LiveOptions {
+    LiveOptions {
+        real_time: RealTime::none(),
+        ..LiveOptions::default()
+    }
+}
+
+fn event(id: &str, stamp: Nanos) -> ImpactEvent {
+    ImpactEvent {
+        event_id: id.to_owned(),
+        column_id: "column".to_owned(),
+        stamp,
+        impact_mass: 1500.0,
+        velocity: 10.0,
+        gap: None,
+        restitution: None,
+        height: None,
+    }
+}
+
+/// Everything up to what `last` says yes to.
+fn receive(receiver: &mut Receiver, mut last: impl FnMut(&Output) -> bool) -> Vec<Output> {
+    let given_up = Instant::now() + DEADLINE;
+    let mut received = Vec::new();
+    while Instant::now() < given_up {
+        match receiver.try_next() {
+            Some(output) => {
+                received.push(output);
+                if received.last().is_some_and(&mut last) {
+                    return received;
+                }
+            }
+            None => receiver.wait(Duration::from_millis(50)),
+        }
+    }
+    panic!("not received: {received:?}");
+}
+
+fn states(outputs: &[Output]) -> Vec<&StateOutput> {
+    outputs
+        .iter()
+        .filter_map(|it| match it {
+            Output::State(state) => Some(state),
+            _ => None,
+        })
+        .collect()
+}
+
+fn is_report(output: &Output) -> bool {
+    matches!(output, Output::Report(_))
+}
+
+/// What a twin without a thread gives out.
+fn expected(event: &ImpactEvent) -> Vec<Output> {
+    let mut twin = twin(event.stamp);
+    let mut out = Vec::new();
+    twin.handle(Input::Impact(event.clone()), event.stamp, &mut out);
+    let mut now = event.stamp;
+    while twin.is_responding() {
+        now += MS;
+        twin.advance_to(now, &mut out);
+    }
+    out
+}
+
+fn check_stream(received: &[Output], event: &ImpactEvent) {
+    let values = |outputs: &[Output]| -> Vec<_> {
+        states(outputs)
+            .iter()
+            .map(|it| (it.stamp, it.phase, it.sample))
+            .collect()
+    };
+    assert_eq!(values(received), values(&expected(event)));
+    let place = |wanted: fn(&Output) -> bool| received.iter().position(wanted);
+    let forecast = place(|it| matches!(it, Output::Forecast(_))).expect("a forecast");
+    let last_state = received
+        .iter()
+        .rposition(|it| matches!(it, Output::State(_)));
+    let report = place(is_report).expect("a report");
+    assert!(forecast < report && last_state < Some(report));
+}
+
+#[test]
+fn it_follows_a_simulated_clock() {
+    let clock = Arc::new(SimClock::new(START));
+    let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("the first time");
+    assert!(live.outputs("ros").is_none() && live.outputs("nobody").is_none());
+    let event = event("a", START);
+    live.submit(Input::Impact(event.clone())).expect("room");
+    let mut received = receive(&mut receiver, |it| matches!(it, Output::Forecast(_)));
+    // A bag that is played in jumps.
+    let player = thread::spawn({
+        let clock = Arc::clone(&clock);
+        move || (1..=200).for_each(|k| clock.set(START + k * 7 * MS))
+    });
+    received.extend(receive(&mut receiver, is_report));
+    player.join().expect("no panic");
+    check_stream(&received, &event);
+    live.stop().expect("no panic");
+}
+
+#[test]
+fn it_follows_the_time_of_day() {
+    let clock = SystemClock::new();
+    let now = clock.now();
+    let live = Live::start(twin(now), clock, options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("the first time");
+    let event = event("a", now);
+    live.submit(Input::Impact(event.clone())).expect("room");
+    let received = receive(&mut receiver, is_report);
+    check_stream(&received, &event);
+    let statistics = live.statistics();
+    assert!(statistics.turns > 1 && statistics.newton_corrections > 0);
+    assert!(live.is_running());
+    live.stop().expect("no panic");
+}
+
+/// A slow reader loses its own samples, counted, and no report; another reader loses nothing.
+#[test]
+fn a_slow_reader_loses_its_own_samples_only() {
+    let queue = |name: &str, states, when_full| OutputQueue {
+        name: name.to_owned(),
+        states,
+        others: 100,
+        when_full,
+    };
+    let clock = Arc::new(SimClock::new(START));
+    let outputs = vec![
+        queue("oldest", 8, WhenFull::DropOldest),
+        queue("newest", 8, WhenFull::DropNewest),
+        queue("all", 1_000, WhenFull::DropOldest),
+    ];
+    let options = LiveOptions {
+        outputs,
+        ..options()
+    };
+    let live = Live::start(twin(START), Arc::clone(&clock), options).expect("starts");
+    let event = event("a", START);
+    live.submit(Input::Impact(event.clone())).expect("room");
+    let mut all = live.outputs("all").expect("there");
+    let mut received = receive(&mut all, |it| matches!(it, Output::Forecast(_)));
+    clock.set(START + 1_000 * MS);
+    received.extend(receive(&mut all, is_report));
+    check_stream(&received, &event);
+    let sent = states(&received).len();
+    let stamps = |outputs: &[Output]| {
+        states(outputs)
+            .iter()
+            .map(|it| it.stamp)
+            .collect::<Vec<_>>()
+    };
+    let every = stamps(&received);
+    for (name, kept) in [("oldest", &every[sent - 8..]), ("newest", &every[..8])] {
+        let mut receiver = live.outputs(name).expect("there");
+        let late = receive(&mut receiver, is_report);
+        assert_eq!(stamps(&late), kept);
+        assert!(late.iter().any(|it| matches!(it, Output::Forecast(_))));
+        let queues = live.statistics().queues;
+        let queue = queues
+            .iter()
+            .find(|it| it.name == format!("states to {name}"))
+            .expect("named");
+        assert_eq!(
+            (queue.pushed, queue.dropped),
+            (sent as u64, sent as u64 - 8)
+        );
+    }
+    live.stop().expect("no panic");
+}
+
+#[test]
+fn questions_are_answered() {
+    let live = Live::start(twin(START), SimClock::new(START), options()).expect("starts");
+    let change = |name: &str, value: f64| vec![(name.to_owned(), Value::from(value))];
+    assert_eq!(
+        live.change_parameters(change("impact.gap", 0.1), "test"),
+        Ok(Change::Applied)
+    );
+    let refused = live.change_parameters(change("impact.velocity", -1.0), "test");
+    assert!(matches!(&refused, Err(AskError::Refused(reason)) if reason.contains("out of range")));
+    let blow = Blow {
+        mass: 1500.0,
+        velocity: 10.0,
+        gap: None,
+        restitution: None,
+        height: None,
+    };
+    let prediction = live.predict("", &blow).expect("a prediction");
+    assert_eq!(
+        prediction
+            .report
+            .first_contact_time
+            .map(|it| (it * 1e6).round()),
+        Some(10_000.0)
+    );
+    assert!(
+        live.predict(
+            "",
+            &Blow {
+                mass: f64::NAN,
+                ..blow
+            }
+        )
+        .is_err()
+    );
+    assert_eq!(live.reset("test"), Ok(()));
+    live.stop().expect("no panic");
+}
+
+/// Every event of a flood is either refused at once, or has an answer.
+#[test]
+fn a_flood_of_events_is_bounded_and_counted() {
+    let outputs = vec![OutputQueue {
+        others: 20_000,
+        ..OutputQueue::ros()
+    }];
+    let options = LiveOptions {
+        outputs,
+        ..options()
+    };
+    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
+    let refused = (0..10_000)
+        .filter(|k| {
+            let bad = ImpactEvent {
+                velocity: 0.0,
+                ..event(&k.to_string(), START)
+            };
+            live.submit(Input::Impact(bad)).is_err()
+        })
+        .count();
+    let mut answers = 0;
+    let mut receiver = live.outputs("ros").expect("there");
+    if refused < 10_000 {
+        receive(&mut receiver, |it| {
+            answers += usize::from(matches!(it, Output::Refused(_)));
+            answers == 10_000 - refused
+        });
+    }
+    let inputs = live.statistics().queues[0].clone();
+    assert_eq!((inputs.pushed, inputs.dropped), (10_000, refused as u64));
+    assert_eq!((inputs.capacity, inputs.when_full), (64, WhenFull::Refuse));
+    assert_eq!(live.reset("test"), Ok(()));
+    live.stop().expect("no panic");
+}
+
+fn stopped(live: LiveHandle, path: &std::path::Path) -> Loaded {
+    live.stop().expect("no panic");
+    state_file::load(path, &parameters()).expect("readable")
+}
+
+#[test]
+fn a_stop_during_a_response_keeps_its_damage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("column.json");
+    let options = LiveOptions {
+        state_file: Some(path.clone()),
+        ..options()
+    };
+    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
+    let event = event("a", START);
+    live.submit(Input::Impact(event.clone())).expect("room");
+    live.look().expect("an answer: the event was taken");
+    let Loaded::Damage(saved) = stopped(live, &path) else {
+        panic!("no damage");
+    };
+    let whole = expected(&event);
+    let last = states(&whole).last().expect("some").sample;
+    assert_eq!(
+        saved.plastic.below.rotation[0],
+        last.hinges[0].plastic_rotation
+    );
+    assert_eq!(saved.impacts_since_reset, 1);
+}
+
+#[test]
+fn a_state_file_that_cannot_be_written_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let occupied = folder.path().join("file");
+    std::fs::write(&occupied, "").expect("written");
+    let options = LiveOptions {
+        state_file: Some(occupied.join("column.json")),
+        ..options()
+    };
+    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
+    let mut receiver = live.outputs("ros").expect("there");
+    live.reset("test").expect("an answer");
+    receive(&mut receiver, |it| {
+        matches!(it, Output::Notice(notice)
+            if notice.severity == Severity::Error && notice.text.contains("cannot be written"))
+    });
+    assert!(live.statistics().state_file_failures > 0);
+    live.stop().expect("no panic");
+}
+
+/// What the system does not grant is a warning with a hint, and the twin lives.
+#[test]
+fn what_is_not_granted_is_a_warning() {
+    let real_time = RealTime {
+        fifo_priority: Some(100),
+        processors: vec![100_000],
+        lock_memory: false,
+    };
+    let options = LiveOptions {
+        real_time,
+        ..options()
+    };
+    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
+    let grants = live.statistics().real_time;
+    assert_eq!(grants.memory, Grant::NotAsked);
+    let warnings: Vec<_> = grants.warnings().collect();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("SCHED_FIFO not granted") && warnings[0].contains("limits.conf"));
+    assert!(warnings[1].contains("no processor 100000"));
+    assert!(live.look().is_ok());
+    live.stop().expect("no panic");
+}
+
+/// Found by the name that `top -H` shows, of which the system keeps 15 characters.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_have_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let state_file = Some(folder.path().join("column.json"));
+    let options = LiveOptions {
+        state_file,
+        ..options()
+    };
+    let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
+    live.look().expect("an answer");
+    let names: Vec<_> = std::fs::read_dir("/proc/self/task")
+        .expect("readable")
+        .filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok())
+        .collect();
+    assert!(
+        names.iter().any(|it| it.trim() == &SOLVER_THREAD[..15]),
+        "{names:?}"
+    );
+    live.stop().expect("no panic");
+}
