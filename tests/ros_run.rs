@@ -1,6 +1,8 @@
 //! `run` and `watch` from their arguments to SIGTERM, with names of their own. One test in a process of its own: a second
 //! signal ends the process at once.
 #![cfg(feature = "ros")]
+// A test may start an unnamed thread and listen without a bound: it ends with the test.
+#![allow(clippy::disallowed_methods)]
 
 #[path = "ros/domain.rs"]
 mod domain;

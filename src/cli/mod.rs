@@ -1,10 +1,16 @@
 //! The command line: what can be asked for, and how a command ends.
 
 mod history;
+#[cfg(feature = "ros")]
+mod impact;
+#[cfg(feature = "ros")]
+mod run;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+#[cfg(feature = "ros")]
+mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -30,6 +36,15 @@ Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some data was lo
 enum Command {
     /// Simulate one impact and say what it does to the column
     Simulate(SimulateArgs),
+    /// Run the twin as a ROS 2 node until it is told to stop
+    #[cfg(feature = "ros")]
+    Run(run::RunArgs),
+    /// Publish one impact event, and say what the twin forecasts
+    #[cfg(feature = "ros")]
+    Impact(impact::ImpactArgs),
+    /// Print what a running twin publishes, until it is told to stop
+    #[cfg(feature = "ros")]
+    Watch(watch::WatchArgs),
 }
 
 /// Exit codes of commands that do not end well.
@@ -60,6 +75,15 @@ impl Failure {
             report: miette::Report::new(fault),
         }
     }
+
+    /// A failure with the reason that a plain error gives.
+    #[cfg(feature = "ros")]
+    fn plain(exit: Exit, fault: impl std::fmt::Display) -> Self {
+        Self {
+            exit,
+            report: miette::Report::msg(fault.to_string()),
+        }
+    }
 }
 
 /// Runs the command that the arguments, the program's name first, ask for; results go to the standard output, what
@@ -69,6 +93,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let _ = miette::set_hook(Box::new(|_| {
         Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
     }));
+    #[cfg(feature = "ros")]
+    let (arguments, ros) = match crate::ros::RosArguments::split(arguments) {
+        Ok(split) => split,
+        Err(faults) => {
+            for fault in faults {
+                eprintln!("{fault}");
+            }
+            return ExitCode::from(Exit::BadInput as u8);
+        }
+    };
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(request) => {
@@ -79,6 +113,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ended = match &cli.command {
         Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "ros")]
+        Command::Run(arguments) => run::run(arguments, ros),
+        #[cfg(feature = "ros")]
+        Command::Impact(arguments) => impact::run(arguments, &ros),
+        #[cfg(feature = "ros")]
+        Command::Watch(arguments) => watch::run(arguments, &ros),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

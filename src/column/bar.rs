@@ -74,6 +74,11 @@ pub struct PlasticFlow {
 }
 
 impl PlasticFlow {
+    /// Whether hinge `k` (0 at the impact point, 1 at the bar's other end) is deformed at all.
+    pub fn has_flowed(&self, k: usize) -> bool {
+        self.rotation[k] != 0.0 || self.elongation[k] != 0.0
+    }
+
     /// `self + factor * flow`.
     pub(crate) fn plus(self, factor: f64, flow: &Self) -> Self {
         let add = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];

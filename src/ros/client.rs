@@ -370,7 +370,8 @@ fn state_line(state: &ColumnState) -> String {
     )
 }
 
-fn report_line(kind: &str, report: &ImpactReport) -> String {
+/// One line for a person about a forecast or a result; `kind` says which.
+pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     let outcome = match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",

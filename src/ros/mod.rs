@@ -31,7 +31,9 @@ mod task;
 mod twin_node;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
-pub use client::{ClientError, ImpactOptions, ImpactOutcome, WatchError, send_impact, watch};
+pub use client::{
+    ClientError, ImpactOptions, ImpactOutcome, WatchError, report_line, send_impact, watch,
+};
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use live_twin::{LiveTwinError, start_live_twin};
 pub use matches::Matches;

@@ -222,12 +222,14 @@ pub(super) fn same_height(a: f64, b: f64) -> bool {
 
 /// Whether a hinge at the impact point has flowed.
 fn is_joint_damaged(state: &State) -> bool {
-    state.plastic.below.flows(0) || state.plastic.above.flows(0)
+    state.plastic.below.has_flowed(0) || state.plastic.above.has_flowed(0)
 }
 
 /// Whether any hinge has flowed.
 pub(super) fn is_damaged(state: &State) -> bool {
-    is_joint_damaged(state) || state.plastic.below.flows(1) || state.plastic.above.flows(1)
+    is_joint_damaged(state)
+        || state.plastic.below.has_flowed(1)
+        || state.plastic.above.has_flowed(1)
 }
 
 /// The equilibrium of a damaged column under another load, or with its joint elsewhere, if it can stand there without

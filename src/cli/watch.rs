@@ -1,0 +1,25 @@
+//! `column-twin watch`: what a running twin publishes, in the terminal.
+
+use clap::Args;
+
+use super::{Exit, Failure, run::environment};
+use crate::ros::{RosArguments, watch};
+
+/// What `column-twin watch` is told besides the ROS arguments.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct WatchArgs {}
+
+const EXAMPLE: &str = "\
+Example: a twin in the namespace /garage, on this machine only
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin watch --ros-args -r __ns:=/garage
+
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
+
+/// Prints until SIGINT or SIGTERM.
+pub fn run(_: &WatchArgs, ros: &RosArguments) -> Result<(), Failure> {
+    watch(&environment()?, &ros.remap_rules, &mut |line| {
+        println!("{line}")
+    })
+    .map_err(|error| Failure::plain(Exit::Failed, error))
+}
