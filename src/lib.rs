@@ -1,4 +1,20 @@
 //! Digital twin of a steel column hit by a vehicle.
+//!
+//! ```
+//! use column_twin::column::{Impact, simulate};
+//! use column_twin::parameters::Parameters;
+//!
+//! // The default column: HEB 220 in S355.
+//! let column = Parameters::default().column_properties();
+//! let car = Impact { mass: 1500.0, velocity: 10.0, gap: 0.0, restitution: 0.0 };
+//! let report = simulate(&column, &car, 2.0, &mut |_| {})?;
+//! assert!(report.max_v1 > 0.1 && report.residual_v1.is_some());
+//! # Ok::<(), column_twin::column::SimulationError>(())
+//! ```
+//!
+//! The mechanics is in [`mod@column`], what describes a column in [`parameters`], the damage that accumulates over impacts in
+//! [`twin`], the solver's thread in [`live`]. `ARCHITECTURE.md` is the map.
+
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod column;
