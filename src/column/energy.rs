@@ -14,7 +14,6 @@ use super::model::Model;
 use super::motion::Motion;
 use super::newton::{self, Stage};
 use super::state::State;
-use super::statics;
 use super::stepping::{NEGLIGIBLE_PART, Part};
 
 /// Most closings and releases in one step; past them contact stays as it is to the step's end.
@@ -113,21 +112,13 @@ impl Stage for Conserving<'_> {
         self.motion.scale()
     }
 
-    fn elastic_scale(&self) -> [f64; 2] {
-        statics::elastic_scale(self.model)
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.model.shorter_bar()
+    fn model(&self) -> &Model {
+        self.model
     }
 
     fn tolerance(&self) -> f64 {
         // The energy balance is as exact as the equations are solved.
         1e-13
-    }
-
-    fn top_is_massless(&self) -> bool {
-        self.model.top_is_massless()
     }
 }
 

@@ -76,21 +76,13 @@ impl Stage for Midpoint<'_> {
         self.motion.scale()
     }
 
-    fn elastic_scale(&self) -> [f64; 2] {
-        statics::elastic_scale(self.model)
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.model.shorter_bar()
+    fn model(&self) -> &Model {
+        self.model
     }
 
     fn tolerance(&self) -> f64 {
         // Four orders below the energy that the scheme itself loses.
         1e-11
-    }
-
-    fn top_is_massless(&self) -> bool {
-        self.model.top_is_massless()
     }
 }
 

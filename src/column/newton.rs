@@ -3,6 +3,8 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::geometry::Displacement;
+use super::model::Model;
+use super::statics;
 
 /// Bound of the iterations; two are the rule.
 pub(crate) const MAX_NEWTON_ITERATIONS: u32 = 40;
@@ -59,17 +61,11 @@ pub(crate) trait Stage {
     /// Size of the terms that the residual is the sum of, row by row.
     fn scale(&self) -> Vector4<f64>;
 
-    /// Elastic stiffness of `beta1` \[N m/rad\] and `u2` \[N/m\].
-    fn elastic_scale(&self) -> [f64; 2];
-
-    /// Length of the shorter bar \[m\].
-    fn length_scale(&self) -> f64;
+    /// The column.
+    fn model(&self) -> &Model;
 
     /// Relative residual at which the iteration ends.
     fn tolerance(&self) -> f64;
-
-    /// Whether `u2` is an algebraic unknown.
-    fn top_is_massless(&self) -> bool;
 }
 
 /// A solved stage.
@@ -101,9 +97,12 @@ pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S
             });
         }
         enough = stage.tolerance();
-        let correction =
-            condensed_solve(&stage.jacobian(&point), &residual, stage.elastic_scale())?;
-        let correction = limited(correction, stage.length_scale());
+        let correction = condensed_solve(
+            &stage.jacobian(&point),
+            &residual,
+            statics::elastic_scale(stage.model()),
+        )?;
+        let correction = limited(correction, stage.model().shorter_bar());
         let full = increment.minus(correction);
         let (full_point, full_residual) = stage.evaluate(&full);
         let full_size = size_of(&full_residual);
@@ -205,7 +204,7 @@ fn balance_massless<S: Stage>(
     from: Displacement,
     with_top: bool,
 ) -> (Displacement, S::Point, Vector4<f64>) {
-    let [joint, top] = stage.elastic_scale();
+    let [joint, top] = statics::elastic_scale(stage.model());
     let joint_balanced = |u: Displacement| {
         let turned = |turn: f64| Displacement {
             beta1: u.beta1 + turn,
@@ -214,7 +213,7 @@ fn balance_massless<S: Stage>(
         let unbalanced = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
         turned(zero_near(unbalanced, joint, MOST_ROTATION))
     };
-    let increment = if with_top && stage.top_is_massless() {
+    let increment = if with_top && stage.model().top_is_massless() {
         let lowered = |fall: f64| {
             joint_balanced(Displacement {
                 u2: from.u2 + fall,
@@ -222,7 +221,7 @@ fn balance_massless<S: Stage>(
             })
         };
         let unbalanced = |fall: f64| stage.evaluate(&lowered(fall)).1[U2];
-        let reach = MAX_CORRECTION * stage.length_scale();
+        let reach = MAX_CORRECTION * stage.model().shorter_bar();
         lowered(zero_near(unbalanced, top, reach))
     } else {
         joint_balanced(from)

@@ -54,20 +54,12 @@ impl Stage for Frozen<'_> {
         Vector4::new(force, force, p.resistance_moment, force)
     }
 
-    fn elastic_scale(&self) -> [f64; 2] {
-        elastic_scale(self.model)
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.model.shorter_bar()
+    fn model(&self) -> &Model {
+        self.model
     }
 
     fn tolerance(&self) -> f64 {
         1e-13
-    }
-
-    fn top_is_massless(&self) -> bool {
-        self.model.top_is_massless()
     }
 }
 
