@@ -97,7 +97,7 @@ impl Present {
         if *column_id == *self.column_id {
             return Ok(());
         }
-        let found = super::shortened(column_id);
+        let found = super::impacts::shortened(column_id);
         Err(format!(
             "column_id is \"{found}\"; this twin is of column \"{}\"",
             self.column_id

@@ -7,8 +7,14 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::input::Nanos;
-use super::parameter_change::what_the_column_is;
-use crate::column::{Displacement, PerBar, PlasticFlow};
+use super::output::{Output, Outputs};
+use super::parameter_change::{self, AtRest, what_the_column_is};
+use super::present::{Condition, equilibrium};
+use super::stepping::{condition_after, no_equilibrium};
+use super::{Life, Twin};
+use crate::column::{
+    Displacement, Model, ModelError, PerBar, PlasticFlow, Report, State, residual_state,
+};
 use crate::parameters::Parameters;
 
 /// First entry of a state file.
@@ -133,7 +139,7 @@ impl SavedState {
         let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
         let Label { format, version } = serde_json::from_str(text).map_err(malformed)?;
         if format != FORMAT || version != VERSION {
-            let format = super::shortened(&format);
+            let format = super::impacts::shortened(&format);
             return Err(SavedStateError::Foreign { format, version });
         }
         let read: Envelope<Self> = serde_json::from_str(text).map_err(malformed)?;
@@ -143,7 +149,7 @@ impl SavedState {
         let expected = &parameters.settings().column_id;
         if *read.content.column_id != **expected {
             return Err(SavedStateError::OtherColumn {
-                found: super::shortened(&read.content.column_id),
+                found: super::impacts::shortened(&read.content.column_id),
                 expected: expected.clone(),
             });
         }
@@ -170,4 +176,98 @@ fn hex(bytes: &[u8]) -> String {
         let _ = write!(text, "{byte:02x}"); // a String takes everything
         text
     })
+}
+
+impl Twin {
+    /// The damage as it is to be kept: without what the present response will add.
+    pub fn saved_state(&self, now: Nanos) -> SavedState {
+        let condition = match &self.condition {
+            Condition::Standing => SavedCondition::Standing,
+            Condition::Collapsed => SavedCondition::Collapsed,
+            Condition::Faulted(reason) => SavedCondition::Faulted(Arc::clone(reason)),
+        };
+        SavedState {
+            column_id: Arc::clone(&self.column_id),
+            fingerprint: Arc::clone(&self.fingerprint),
+            stamp: now,
+            condition,
+            impact_height: self.at_rest.model.properties.length_below,
+            displacement: self.at_rest.state.displacement,
+            plastic: self.at_rest.state.plastic,
+            plastic_work_since_reset: self.life.plastic_work,
+            impacts_since_reset: self.life.impacts,
+            refused_since_reset: self.life.refused,
+            last_event_id: Arc::clone(&self.life.last_event_id),
+            seen_ids: self.seen.to_vec(),
+        }
+    }
+
+    /// As it was when it was saved; where the load is another one now, in its new equilibrium.
+    pub(super) fn restore(&mut self, saved: &SavedState) -> Result<(), ModelError> {
+        let mut properties = self.parameters.column_properties();
+        parameter_change::move_joint(&mut properties, saved.impact_height);
+        let model = Model::new(&properties)?;
+        let mut state = State::settled(&model, saved.displacement, saved.plastic);
+        self.condition = match &saved.condition {
+            SavedCondition::Standing => Condition::Standing,
+            SavedCondition::Collapsed => Condition::Collapsed,
+            SavedCondition::Faulted(reason) => Condition::Faulted(Arc::clone(reason)),
+        };
+        if self.condition == Condition::Standing {
+            let is_as_saved =
+                residual_state(&model, &state).is_some_and(|now| is_same_place(&now, &state));
+            match equilibrium(&model, &state) {
+                _ if is_as_saved => {}
+                Some(now) => state = now,
+                None => self.condition = no_equilibrium(),
+            }
+        }
+        self.at_rest = AtRest { model, state };
+        self.life = Life {
+            impacts: saved.impacts_since_reset,
+            refused: saved.refused_since_reset,
+            plastic_work: saved.plastic_work_since_reset,
+            last_event_id: Arc::clone(&saved.last_event_id),
+        };
+        Ok(())
+    }
+
+    pub(super) fn save(&self, now: Nanos, out: &mut impl Outputs) {
+        out.put(Output::Save(Arc::new(self.saved_state(now))));
+    }
+
+    /// The state as it will be when the present response is over.
+    pub(super) fn save_forecast(
+        &self,
+        report: &Report,
+        residual: Option<State>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let Some(run) = &self.run else {
+            return;
+        };
+        let mut saved = self.saved_state(now);
+        saved.condition = match condition_after(report, residual.as_ref()) {
+            Condition::Standing => SavedCondition::Standing,
+            Condition::Collapsed => SavedCondition::Collapsed,
+            Condition::Faulted(reason) => SavedCondition::Faulted(reason),
+        };
+        if let Some(residual) = residual {
+            saved.displacement = residual.displacement;
+            saved.plastic = residual.plastic;
+        }
+        saved.impact_height = run.model.properties.length_below;
+        saved.plastic_work_since_reset += report.plastic_work;
+        out.put(Output::Save(Arc::new(saved)));
+    }
+}
+
+/// Whether two equilibria are one, found twice: nearer to each other than anybody can measure.
+fn is_same_place(a: &State, b: &State) -> bool {
+    const NEAR: f64 = 1e-9; // m and rad
+    let (a, b) = (&a.displacement, &b.displacement);
+    [a.v1 - b.v1, a.u1 - b.u1, a.beta1 - b.beta1, a.u2 - b.u2]
+        .iter()
+        .all(|off| off.abs() < NEAR)
 }

@@ -3,6 +3,9 @@
 use std::sync::Arc;
 
 use super::input::Nanos;
+use super::output::{Notice, Output, Outputs, Severity};
+use super::present::Condition;
+use super::{Reported, STATUS_PERIOD, Twin};
 use crate::column::{HINGES, Phase};
 
 /// Where column and twin are in the course of an impact.
@@ -79,4 +82,85 @@ pub struct Counts {
     pub parameters_accepted: u64,
     /// Changes of parameters refused.
     pub parameters_refused: u64,
+}
+
+impl Twin {
+    pub(super) fn notice(
+        &self,
+        severity: Severity,
+        text: String,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        out.put(Output::Notice(Notice {
+            stamp: now,
+            severity,
+            text: text.into(),
+        }));
+    }
+
+    pub(super) fn phase(&self) -> TwinPhase {
+        match (&self.condition, &self.run) {
+            (Condition::Collapsed, _) => TwinPhase::Collapsed,
+            (Condition::Faulted(_), _) => TwinPhase::Faulted,
+            (Condition::Standing, Some(run)) => run.phase(),
+            (Condition::Standing, None) => TwinPhase::Idle,
+        }
+    }
+
+    /// How the twin is now.
+    pub fn status(&self, now: Nanos) -> Status {
+        let present = self.at_rest.state.sample(&self.at_rest.model);
+        let plastic_work = self
+            .run
+            .as_ref()
+            .map_or(0.0, |run| run.state.ledger.plastic_work);
+        let hinges = match &self.run {
+            Some(run) => run.state.sample(&run.model).hinges,
+            None => present.hinges,
+        };
+        let mut plastic_rotation = [0.0; HINGES];
+        let mut plastic_elongation = [0.0; HINGES];
+        for (index, hinge) in hinges.iter().enumerate() {
+            plastic_rotation[index] = hinge.plastic_rotation;
+            plastic_elongation[index] = hinge.plastic_elongation;
+        }
+        Status {
+            stamp: now,
+            phase: self.phase(),
+            event_id: Arc::clone(&self.life.last_event_id),
+            counts: self.counts,
+            last_refusal_reason: Arc::clone(&self.last_refusal_reason),
+            last_refusal_event_id: Arc::clone(&self.last_refusal_event_id),
+            fault: match &self.condition {
+                Condition::Faulted(reason) => Arc::clone(reason),
+                Condition::Standing | Condition::Collapsed => Arc::default(),
+            },
+            impacts_since_reset: self.life.impacts,
+            residual_v1: present.v1,
+            residual_u2: present.u2,
+            plastic_work_since_reset: self.life.plastic_work + plastic_work,
+            plastic_rotation,
+            plastic_elongation,
+        }
+    }
+
+    pub(super) fn report_status(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let phase = self.phase();
+        let Reported {
+            at,
+            phase: last,
+            due,
+        } = self.reported;
+        // A clock that was set back must not silence the twin.
+        let long_ago = now < at || now.saturating_sub(at) >= STATUS_PERIOD;
+        if due || long_ago || phase != last {
+            out.put(Output::Status(self.status(now)));
+            self.reported = Reported {
+                at: now,
+                phase,
+                due: false,
+            };
+        }
+    }
 }
