@@ -2,6 +2,8 @@
 
 mod history;
 #[cfg(feature = "ros")]
+mod idl;
+#[cfg(feature = "ros")]
 mod impact;
 #[cfg(feature = "ros")]
 mod run;
@@ -45,6 +47,9 @@ enum Command {
     /// Print what a running twin publishes, until it is told to stop
     #[cfg(feature = "ros")]
     Watch(watch::WatchArgs),
+    /// Print the node's topics and messages as OMG IDL, for programs in plain DDS
+    #[cfg(feature = "ros")]
+    Idl(idl::IdlArgs),
 }
 
 /// Exit codes of commands that do not end well.
@@ -119,6 +124,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Impact(arguments) => impact::run(arguments, &ros),
         #[cfg(feature = "ros")]
         Command::Watch(arguments) => watch::run(arguments, &ros),
+        #[cfg(feature = "ros")]
+        Command::Idl(arguments) => idl::run(arguments, &mut std::io::stdout().lock()),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

@@ -20,7 +20,6 @@ use super::diagnostics::NodeCounters;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
-use super::replies::{Reply, fitting};
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
@@ -192,23 +191,23 @@ async fn answer<Request, Response>(
     mut reply: impl FnMut(Request) -> Response,
 ) where
     Request: ros2_client::Message + Clone + 'static,
-    Response: ros2_client::Message + Reply + 'static,
+    Response: ros2_client::Message + 'static,
 {
     let mut requests = server.receive_request_stream();
     while let Some(request) = requests.next().await {
         match request {
             Ok((id, request)) => {
-                if let Err(error) = server
-                    .async_send_response(id, fitting(reply(request), endpoint.name))
-                    .await
-                {
+                if let Err(error) = server.async_send_response(id, reply(request)).await {
                     NodeCounters::count(&counters.unpublished);
-                    tracing::warn!("a reply cannot be sent: {error:?}");
+                    tracing::warn!("a reply of {} cannot be sent: {error:?}", endpoint.name);
                 }
             }
             Err(error) => {
                 NodeCounters::count(&counters.unreadable);
-                tracing::warn!("a request cannot be read: {error}; compare its sender's type");
+                tracing::warn!(
+                    "a request to {} cannot be read: {error}; compare its sender's type",
+                    endpoint.name
+                );
             }
         }
     }

@@ -23,7 +23,6 @@ mod parameter_services;
 mod participant;
 mod publishing;
 pub mod qos;
-mod replies;
 mod rosout;
 mod run;
 mod signals;
