@@ -1,5 +1,7 @@
 //! The command line: what can be asked for, and how a command ends.
 
+#[cfg(all(feature = "ros", feature = "record"))]
+mod demo;
 mod history;
 #[cfg(feature = "ros")]
 mod idl;
@@ -36,6 +38,9 @@ Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some data was lo
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Show all of it on this machine: node, impact, forecast, recording, figures, proof
+    #[cfg(all(feature = "ros", feature = "record"))]
+    Demo(demo::DemoArgs),
     /// Simulate one impact and say what it does to the column
     Simulate(SimulateArgs),
     /// Run the twin as a ROS 2 node until it is told to stop
@@ -117,6 +122,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let ended = match &cli.command {
+        #[cfg(all(feature = "ros", feature = "record"))]
+        Command::Demo(arguments) => demo::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
         #[cfg(feature = "ros")]
         Command::Run(arguments) => run::run(arguments, ros),

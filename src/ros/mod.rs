@@ -12,6 +12,7 @@ pub mod bridge;
 mod client;
 mod diagnostics;
 mod environment;
+mod fresh_domain;
 mod inputs;
 mod joint_states;
 mod live_twin;
@@ -31,9 +32,11 @@ mod twin_node;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, WatchError, report_line, send_impact, watch,
+    ClientError, ImpactOptions, ImpactOutcome, Seen, WatchError, follow_impact, report_line,
+    send_impact, watch,
 };
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use fresh_domain::FreshDomain;
 pub use live_twin::{LiveTwinError, start_live_twin};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
