@@ -18,10 +18,12 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod column;
+pub mod endpoints;
 #[cfg(feature = "cli")]
 pub mod figures;
 pub mod live;
 pub mod messages;
+pub mod outgoing;
 pub mod parameters;
 #[cfg(feature = "ros")]
 pub mod ros;

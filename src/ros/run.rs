@@ -6,10 +6,11 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use crate::parameters::{Override, ParameterFaults, Parameters};
+use crate::twin::Output;
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
-use super::bridge::{Output, Outputs, Twin};
+use super::bridge::{Outputs, Twin};
 use super::environment::{DiscoveryRange, Environment};
 use super::names::{NameError, Names};
 use super::node::NodeError;
