@@ -73,10 +73,16 @@ impl Endpoint {
     /// Package and bare name of the type.
     #[must_use]
     pub fn package_and_type(&self) -> (&'static str, &'static str) {
-        let package = self.type_name.split('/').next().unwrap_or_default();
-        let name = self.type_name.rsplit('/').next().unwrap_or_default();
-        (package, name)
+        package_and_type(self.type_name)
     }
+}
+
+/// Package and bare name of a type, of `column_twin/msg/ColumnState` say.
+#[must_use]
+pub fn package_and_type(type_name: &str) -> (&str, &str) {
+    let package = type_name.split('/').next().unwrap_or_default();
+    let name = type_name.rsplit('/').next().unwrap_or_default();
+    (package, name)
 }
 
 macro_rules! endpoints {

@@ -22,6 +22,8 @@ mod participant;
 mod publishing;
 pub mod qos;
 mod raw;
+#[cfg(feature = "record")]
+pub mod replay;
 mod replies;
 mod rosout;
 mod run;
