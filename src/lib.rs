@@ -23,8 +23,10 @@ pub mod figures;
 pub mod live;
 pub mod messages;
 pub mod parameters;
+#[cfg(feature = "record")]
+pub mod recording;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod twin;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "record"))]
 pub mod whole_file;
