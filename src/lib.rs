@@ -25,8 +25,10 @@ pub mod live;
 pub mod messages;
 pub mod outgoing;
 pub mod parameters;
+#[cfg(feature = "record")]
+pub mod recording;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod twin;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "record"))]
 pub mod whole_file;

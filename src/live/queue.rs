@@ -39,7 +39,7 @@ pub struct QueueStats {
 
 /// A bounded queue without locks; its memory is taken at the start.
 #[derive(Debug)]
-pub(super) struct Queue<T> {
+pub(crate) struct Queue<T> {
     name: String,
     entries: ArrayQueue<T>,
     when_full: WhenFull,

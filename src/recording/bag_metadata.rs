@@ -171,12 +171,18 @@ pub(super) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
     let read = |source| RecordingError::io("read", path, source);
     let length = std::fs::metadata(path).map_err(read)?.len();
     if length > LONGEST {
-        return Err(bad(format!("expected at most {LONGEST} bytes, found {length}")));
+        return Err(bad(format!(
+            "expected at most {LONGEST} bytes, found {length}"
+        )));
     }
     let bytes = std::fs::read(path).map_err(read)?;
-    let text = String::from_utf8(bytes).map_err(|_| bad("expected text, found other bytes".to_owned()))?;
-    let document: ReadDocument = serde_yaml_ng::from_str(&text)
-        .map_err(|error| bad(format!("expected the metadata of a rosbag2 recording: {error}")))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| bad("expected text, found other bytes".to_owned()))?;
+    let document: ReadDocument = serde_yaml_ng::from_str(&text).map_err(|error| {
+        bad(format!(
+            "expected the metadata of a rosbag2 recording: {error}"
+        ))
+    })?;
     let metadata = document.rosbag2_bagfile_information;
     if metadata.storage_identifier != "mcap" {
         return Err(RecordingError::OtherStorage {
@@ -199,7 +205,9 @@ pub(super) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
     };
     let names: Vec<String> = names.filter_map(plain).collect();
     if names.is_empty() {
-        return Err(bad("expected names of files in relative_file_paths, found none".to_owned()));
+        return Err(bad(
+            "expected names of files in relative_file_paths, found none".to_owned(),
+        ));
     }
     Ok(names)
 }

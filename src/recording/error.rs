@@ -175,7 +175,9 @@ pub enum RecordingError {
         path: PathBuf,
     },
     /// A schema that cannot be understood.
-    #[error("topic {topic}: the definition of {type_name} in the recording cannot be read: {reason}")]
+    #[error(
+        "topic {topic}: the definition of {type_name} in the recording cannot be read: {reason}"
+    )]
     Schema {
         /// Its name.
         topic: String,
@@ -185,7 +187,9 @@ pub enum RecordingError {
         reason: String,
     },
     /// A message that does not fit its definition.
-    #[error("topic {topic}, message at {log_time} ns: {reason}; it does not fit the definition of {type_name} in the recording")]
+    #[error(
+        "topic {topic}, message at {log_time} ns: {reason}; it does not fit the definition of {type_name} in the recording"
+    )]
     Content {
         /// Its name.
         topic: String,

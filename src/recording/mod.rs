@@ -24,6 +24,7 @@ mod recorder;
 mod records;
 mod reordering;
 mod repair;
+mod retention;
 mod session;
 mod statistics;
 mod storage;
@@ -35,10 +36,12 @@ pub use error::RecordingError;
 pub use events::{EventSummary, summarise_events};
 pub use names::{directory_name, directory_time};
 pub use reader::{MAX_OUT_OF_ORDER, Message, Messages, Reader, RecordedTopic, Wholeness};
-pub use recorder::{Recorder, RecorderHandle, RecorderSender, RECORDER_THREAD};
+pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle, RecorderSender};
 pub use records::MAX_CHUNK;
-pub use repair::{Repaired, repair};
+pub use repair::{REPAIR_RECORD, Repaired, repair};
 pub use session::{RecorderOptions, RecorderReport};
 pub use statistics::RecorderStatistics;
 pub use topic::{OfferedQos, TopicInfo};
-pub use writer::{Entry, FLUSH_WITHIN, Finished, LOSSES_RECORD, START_RECORD, Writer, WriterOptions};
+pub use writer::{
+    Entry, FLUSH_WITHIN, Finished, LOSSES_RECORD, START_RECORD, Writer, WriterOptions,
+};

@@ -10,7 +10,10 @@ const SECONDS_PER_DAY: u64 = 86_400;
 /// The name of a recording that begins at `time`.
 #[must_use]
 pub fn directory_name(time: SystemTime) -> String {
-    let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+    let seconds = time
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default()
+        .as_secs();
     let (year, month, day) = date_of(seconds / SECONDS_PER_DAY);
     let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
     format!("{PREFIX}{year:04}_{month:02}_{day:02}-{hour:02}_{minute:02}_{second:02}")
@@ -90,7 +93,13 @@ mod tests {
     fn what_follows_the_time_does_not_matter() {
         let time = directory_time("column_twin_2026_11_21-07_40_00_2_repaired");
         assert_eq!(time, Some(at(1_795_246_800)));
-        for other in ["rosbag2_2026_11_21-07_40_00", "column_twin_2026", "column_twin_2026_13_21-07_40_00", "column_twin_äöü", ""] {
+        for other in [
+            "rosbag2_2026_11_21-07_40_00",
+            "column_twin_2026",
+            "column_twin_2026_13_21-07_40_00",
+            "column_twin_äöü",
+            "",
+        ] {
             assert_eq!(directory_time(other), None, "{other}");
         }
     }

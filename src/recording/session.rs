@@ -15,8 +15,7 @@ use super::repair::Repaired;
 use super::retention::{Kept, delete_what_is_too_much};
 use super::topic::TopicInfo;
 use super::writer::{Ended, Entry, Finished, Writer, WriterOptions};
-use crate::parameters::settings::Record;
-use crate::parameters::Compression;
+use crate::parameters::{Compression, Record};
 use crate::twin::Severity;
 
 /// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
@@ -184,9 +183,10 @@ impl RecorderReport {
         match self {
             Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => Severity::Info,
             Self::Repaired(_) => Severity::Warning,
-            Self::NotRepaired { .. } | Self::Failing { .. } | Self::Resumed { .. } | Self::Lost { .. } => {
-                Severity::Error
-            }
+            Self::NotRepaired { .. }
+            | Self::Failing { .. }
+            | Self::Resumed { .. }
+            | Self::Lost { .. } => Severity::Error,
         }
     }
 }
@@ -196,25 +196,46 @@ impl fmt::Display for RecorderReport {
         match self {
             Self::Began { directory } => write!(f, "recording to {}", directory.display()),
             Self::Finished(it) => {
-                write!(f, "recorded {} messages, {} bytes in {}", it.messages, it.bytes, it.directory.display())?;
+                write!(
+                    f,
+                    "recorded {} messages, {} bytes in {}",
+                    it.messages,
+                    it.bytes,
+                    it.directory.display()
+                )?;
                 if it.lost > 0 {
                     write!(f, "; {} messages are missing", it.lost)?;
                 }
                 Ok(())
             }
             Self::Deleted { directory } => {
-                write!(f, "deleted the old recording {}, as record.max_* say", directory.display())
+                write!(
+                    f,
+                    "deleted the old recording {}, as record.max_* say",
+                    directory.display()
+                )
             }
             Self::Repaired(it) => write!(f, "{it}"),
             Self::NotRepaired { directory, reason } => {
-                write!(f, "the recording {} was cut off and is not repaired: {reason}", directory.display())
+                write!(
+                    f,
+                    "the recording {} was cut off and is not repaired: {reason}",
+                    directory.display()
+                )
             }
             Self::Failing { reason } => write!(f, "nothing is recorded: {reason}"),
             Self::Resumed { directory, lost } => {
-                write!(f, "recording again, to {}; {lost} messages are in no recording", directory.display())
+                write!(
+                    f,
+                    "recording again, to {}; {lost} messages are in no recording",
+                    directory.display()
+                )
             }
             Self::Lost { messages } => {
-                write!(f, "{messages} messages are not recorded: the disk is too slow for them")
+                write!(
+                    f,
+                    "{messages} messages are not recorded: the disk is too slow for them"
+                )
             }
         }
     }
@@ -225,6 +246,8 @@ impl fmt::Display for RecorderReport {
 pub(super) struct Counters {
     pub written: AtomicU64,
     pub written_bytes: AtomicU64,
+    /// Messages that did not get into the queue.
+    pub refused: AtomicU64,
     /// Messages that were taken from the queue and could not be written.
     pub unwritten: AtomicU64,
     pub write_errors: AtomicU64,
@@ -279,7 +302,11 @@ impl Session {
             self.starting_point = Some(entry.clone());
         }
         let times = if entry.starting_point { 1 } else { HARD_LIMIT };
-        if self.writer.as_ref().is_some_and(|current| self.is_past_limits(current, now, times)) {
+        if self
+            .writer
+            .as_ref()
+            .is_some_and(|current| self.is_past_limits(current, now, times))
+        {
             self.end(Ended::Rotated);
         }
         if self.writer.is_none() && !self.begin(&entry, now) {
@@ -292,7 +319,9 @@ impl Session {
     fn is_past_limits(&self, current: &Current, now: Duration, times: u32) -> bool {
         let options = &self.options;
         let size = options.max_file_size.saturating_mul(u64::from(times));
-        let age = options.max_duration.map(|limit| limit.saturating_mul(times));
+        let age = options
+            .max_duration
+            .map(|limit| limit.saturating_mul(times));
         current.writer.bytes() >= size
             || age.is_some_and(|age| now.saturating_sub(current.began) >= age)
             || current.writer.chunks() >= MOST_CHUNKS * u64::from(times)
@@ -303,11 +332,19 @@ impl Session {
         if self.retry_at.is_some_and(|at| now < at) {
             return false;
         }
-        let room = if self.retry_at.is_some() { ROOM_TO_RESUME } else { 0 };
+        let room = if self.retry_at.is_some() {
+            ROOM_TO_RESUME
+        } else {
+            0
+        };
         match self.create(now, room) {
             Ok(writer) => {
                 self.begun(writer, now);
-                if let Some(point) = self.starting_point.clone().filter(|_| !first.starting_point) {
+                if let Some(point) = self
+                    .starting_point
+                    .clone()
+                    .filter(|_| !first.starting_point)
+                {
                     self.write(&point, now);
                 }
                 self.writer.is_some()
@@ -324,20 +361,32 @@ impl Session {
         set(&self.counters.current, Some(directory.clone()));
         set(&self.counters.failing, None);
         let report = match self.retry_at.take() {
-            None => RecorderReport::Began { directory: directory.clone() },
+            None => RecorderReport::Began {
+                directory: directory.clone(),
+            },
             Some(_) => RecorderReport::Resumed {
                 directory: directory.clone(),
-                lost: self.counters.unwritten.load(Ordering::Relaxed),
+                lost: self.lost(),
             },
         };
         self.options.say(&report);
-        self.writer = Some(Current { writer, began: now, last_flush: now, unflushed: false });
+        self.writer = Some(Current {
+            writer,
+            began: now,
+            last_flush: now,
+            unflushed: false,
+        });
         self.delete_old(&directory, now);
     }
 
     fn create(&self, now: Duration, room: u64) -> Result<Writer, RecordingError> {
         let directory = self.claim_directory(now)?;
-        let created = Writer::create_with_room(&directory, &self.options.writer_options(), &self.topics, room);
+        let created = Writer::create_with_room(
+            &directory,
+            &self.options.writer_options(),
+            &self.topics,
+            room,
+        );
         if created.is_err() {
             // It was made a moment ago; what is not there need not be removed.
             let _ = fs::remove_dir_all(&directory);
@@ -357,10 +406,18 @@ impl Session {
             match fs::create_dir(&directory) {
                 Ok(()) => return Ok(directory),
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(source) => return Err(RecordingError::io("create the directory", &directory, source)),
+                Err(source) => {
+                    return Err(RecordingError::io(
+                        "create the directory",
+                        &directory,
+                        source,
+                    ));
+                }
             }
         }
-        Err(RecordingError::Exists { path: parent.join(name) })
+        Err(RecordingError::Exists {
+            path: parent.join(name),
+        })
     }
 
     fn delete_old(&self, current: &Path, now: Duration) {
@@ -369,18 +426,27 @@ impl Session {
             total_size: self.options.max_total_size,
             age: self.options.max_age,
         };
-        for directory in delete_what_is_too_much(&self.options.directory, current, self.options.started + now, kept) {
+        for directory in delete_what_is_too_much(
+            &self.options.directory,
+            current,
+            self.options.started + now,
+            kept,
+        ) {
             self.options.say(&RecorderReport::Deleted { directory });
         }
     }
 
     fn write(&mut self, entry: &Entry, now: Duration) {
-        let Some(current) = &mut self.writer else { return };
+        let Some(current) = &mut self.writer else {
+            return;
+        };
         match current.writer.write(entry) {
             Ok(()) => {
                 current.unflushed = true;
                 self.counters.written.fetch_add(1, Ordering::Relaxed);
-                self.counters.written_bytes.fetch_add(entry.data.len() as u64, Ordering::Relaxed);
+                self.counters
+                    .written_bytes
+                    .fetch_add(entry.data.len() as u64, Ordering::Relaxed);
             }
             Err(error) => {
                 self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
@@ -403,18 +469,20 @@ impl Session {
         set(&self.counters.current, None);
         set(&self.counters.failing, Some(Arc::clone(&reason)));
         if first {
-            self.options.say(&RecorderReport::Failing { reason: reason.to_string() });
+            self.options.say(&RecorderReport::Failing {
+                reason: reason.to_string(),
+            });
         }
     }
 
     /// Finishes the recording, if there is one.
     fn end(&mut self, reason: Ended) {
         let losses = self.new_losses();
-        let Some(mut current) = self.writer.take() else { return };
-        // They are told when it is recorded again where they cannot be noted now.
-        if losses > 0 && current.writer.note_lost(losses).is_ok() {
-            self.noted += losses;
-        }
+        let Some(mut current) = self.writer.take() else {
+            return;
+        };
+        current.writer.add_lost(losses);
+        self.noted += losses;
         set(&self.counters.current, None);
         match current.writer.finish_because(reason) {
             Ok(finished) => {
@@ -423,8 +491,60 @@ impl Session {
             }
             Err(error) => {
                 self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
-                self.options.say(&RecorderReport::Failing { reason: error.to_string() });
+                self.options.say(&RecorderReport::Failing {
+                    reason: error.to_string(),
+                });
             }
         }
+    }
+
+    /// Messages that are lost and of which nobody knows yet.
+    fn new_losses(&self) -> u64 {
+        self.lost().saturating_sub(self.noted)
+    }
+
+    /// Messages that are in no file.
+    fn lost(&self) -> u64 {
+        self.counters.refused.load(Ordering::Relaxed)
+            + self.counters.unwritten.load(Ordering::Relaxed)
+    }
+
+    /// Does what is due: hands data to the system, notes losses. To be called again and again.
+    pub fn tick(&mut self, now: Duration) {
+        self.note_losses(now);
+        let Some(current) = &mut self.writer else {
+            return;
+        };
+        if !current.unflushed || now.saturating_sub(current.last_flush) < FLUSH_PERIOD {
+            return;
+        }
+        current.last_flush = now;
+        current.unflushed = false;
+        if let Err(error) = current.writer.flush() {
+            self.fail(&error, now);
+        }
+    }
+
+    fn note_losses(&mut self, now: Duration) {
+        let losses = self.new_losses();
+        let recently = self
+            .last_note
+            .is_some_and(|last| now.saturating_sub(last) < NOTE_PERIOD);
+        let Some(current) = self.writer.as_mut().filter(|_| losses > 0 && !recently) else {
+            return;
+        };
+        self.last_note = Some(now);
+        self.noted += losses;
+        current.writer.add_lost(losses);
+        let noted = current.writer.note_lost();
+        self.options.say(&RecorderReport::Lost { messages: losses });
+        if let Err(error) = noted {
+            self.fail(&error, now);
+        }
+    }
+
+    /// Finishes everything.
+    pub fn finish(&mut self) {
+        self.end(Ended::Stopped);
     }
 }

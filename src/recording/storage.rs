@@ -146,7 +146,10 @@ mod tests {
         let mut storage = Storage::create(&path, true).unwrap();
         storage.reserve(1000).unwrap();
         storage.write_all(b"content").unwrap();
-        assert_eq!((storage.position(), storage.stream_position().unwrap()), (7, 7));
+        assert_eq!(
+            (storage.position(), storage.stream_position().unwrap()),
+            (7, 7)
+        );
         assert_eq!(std::fs::metadata(&path).unwrap().len(), 7);
         storage.release().unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"content");

@@ -177,10 +177,13 @@ impl Described {
     fn new(topic: &TopicInfo) -> Result<Self, RecordingError> {
         let interface = find(topic)?;
         let hash = TypeHash::of(interface)?.to_string();
-        let qos = topic.qos.to_yaml().map_err(|error| RecordingError::WriteMetadata {
-            path: PathBuf::from(&topic.name),
-            reason: error.to_string(),
-        })?;
+        let qos = topic
+            .qos
+            .to_yaml()
+            .map_err(|error| RecordingError::WriteMetadata {
+                path: PathBuf::from(&topic.name),
+                reason: error.to_string(),
+            })?;
         let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, hash)];
         Ok(Self {
             name: topic.name.clone(),
@@ -193,9 +196,26 @@ impl Described {
     }
 
     fn length(&self) -> u64 {
-        let metadata: usize = self.metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+        let metadata: usize = self
+            .metadata
+            .iter()
+            .map(|(key, value)| key.len() + value.len())
+            .sum();
         (self.schema.len() + self.name.len() + self.type_name.len() + metadata) as u64
     }
+}
+
+/// Whether these topics can be recorded: known types, every name once.
+pub(super) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
+    for (index, topic) in topics.iter().enumerate() {
+        find(topic)?;
+        if topics[..index].iter().any(|other| other.name == topic.name) {
+            return Err(RecordingError::DuplicateTopic {
+                topic: topic.name.clone(),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn find(topic: &TopicInfo) -> Result<&'static Interface, RecordingError> {
@@ -210,10 +230,12 @@ impl Writer {
     ///
     /// # Errors
     /// The directory holds something or cannot be made, a type is unknown, a topic stands twice, or there is no room.
-    pub fn create(directory: &Path, options: &WriterOptions, topics: &[TopicInfo]) -> Result<Self, RecordingError> {
-        let described = topics.iter().map(Described::new).collect::<Result<_, _>>()?;
-        let start = start_record(&options.notes);
-        Self::create_with(directory, options, described, &[start], 0)
+    pub fn create(
+        directory: &Path,
+        options: &WriterOptions,
+        topics: &[TopicInfo],
+    ) -> Result<Self, RecordingError> {
+        Self::create_with_room(directory, options, topics, 0)
     }
 
     /// As [`create`](Self::create), where at least so much room \[bytes\] is left.
@@ -223,7 +245,11 @@ impl Writer {
         topics: &[TopicInfo],
         room: u64,
     ) -> Result<Self, RecordingError> {
-        let described = topics.iter().map(Described::new).collect::<Result<_, _>>()?;
+        check_topics(topics)?;
+        let described = topics
+            .iter()
+            .map(Described::new)
+            .collect::<Result<_, _>>()?;
         let start = start_record(&options.notes);
         Self::create_with(directory, options, described, &[start], room)
     }
@@ -236,11 +262,6 @@ impl Writer {
         records: &[Metadata],
         room: u64,
     ) -> Result<Self, RecordingError> {
-        for (index, topic) in topics.iter().enumerate() {
-            if topics[..index].iter().any(|other| other.name == topic.name && other.type_name == topic.type_name) {
-                return Err(RecordingError::DuplicateTopic { topic: topic.name.clone() });
-            }
-        }
         make_directory(directory)?;
         let path = directory.join(file_name(directory));
         let storage = Storage::create(&path, options.reserve)
@@ -261,12 +282,18 @@ impl Writer {
             let schema = if info.schema_encoding.is_empty() && info.schema.is_empty() {
                 0
             } else {
-                inner.add_schema(&info.type_name, &info.schema_encoding, &info.schema).map_err(write)?
+                inner
+                    .add_schema(&info.type_name, &info.schema_encoding, &info.schema)
+                    .map_err(write)?
             };
             let channel = inner
                 .add_channel(schema, &info.name, &info.message_encoding, &info.metadata)
                 .map_err(write)?;
-            channels.push(Topic { info, channel, messages: 0 });
+            channels.push(Topic {
+                info,
+                channel,
+                messages: 0,
+            });
         }
         for record in records {
             inner.write_metadata(record).map_err(write)?;
@@ -299,7 +326,12 @@ impl Writer {
     /// [finished](Self::finish); or writing fails.
     pub fn write(&mut self, entry: &Entry) -> Result<(), RecordingError> {
         let time = |nanos: i64| u64::try_from(nanos).unwrap_or(0);
-        self.write_message(entry.topic, time(entry.log_time), time(entry.publish_time), &entry.data)
+        self.write_message(
+            entry.topic,
+            time(entry.log_time),
+            time(entry.publish_time),
+            &entry.data,
+        )
     }
 
     pub(super) fn write_message(
@@ -313,7 +345,10 @@ impl Writer {
         let room = self.open_chunk + data.len() as u64 + MESSAGE_OVERHEAD;
         self.reserve(room)?;
         let Some(topic) = self.topics.get_mut(topic) else {
-            return Err(RecordingError::UndeclaredTopic { index: topic, topics });
+            return Err(RecordingError::UndeclaredTopic {
+                index: topic,
+                topics,
+            });
         };
         let header = MessageHeader {
             channel_id: topic.channel,
@@ -364,26 +399,35 @@ impl Writer {
     }
 
     fn end_chunk(&mut self) -> Result<(), RecordingError> {
-        self.inner.flush().map_err(|error| RecordingError::write(&self.path, error))?;
+        self.inner
+            .flush()
+            .map_err(|error| RecordingError::write(&self.path, error))?;
         self.chunks += u64::from(self.open_chunk > 0);
         self.open_chunk = 0;
         self.whole = self.storage.position();
         Ok(())
     }
 
-    /// Counts messages that should be here and are not, and writes the count down.
+    /// Counts messages that should be here and are not.
+    pub fn add_lost(&mut self, messages: u64) {
+        self.lost += messages;
+    }
+
+    /// Writes the count of what is missing down, before the end does.
     ///
     /// # Errors
     /// Writing fails.
-    pub fn note_lost(&mut self, messages: u64) -> Result<(), RecordingError> {
-        self.lost += messages;
+    pub fn note_lost(&mut self) -> Result<(), RecordingError> {
         self.reserve(self.open_chunk + CHUNK_OVERHEAD)?;
         self.write_record(&losses_record(self.lost, None))?;
+        self.end += CHUNK_OVERHEAD;
         self.end_chunk()
     }
 
     fn write_record(&mut self, record: &Metadata) -> Result<(), RecordingError> {
-        self.inner.write_metadata(record).map_err(|error| RecordingError::write(&self.path, error))
+        self.inner
+            .write_metadata(record)
+            .map_err(|error| RecordingError::write(&self.path, error))
     }
 
     /// Directory of the recording.
@@ -443,7 +487,9 @@ impl Writer {
         let serialized = metadata.record().map_err(unwritable)?;
         self.write_record(&losses_record(self.lost, Some(reason)))?;
         self.write_record(&record("rosbag2", [("serialized_metadata", serialized)]))?;
-        self.inner.finish().map_err(|error| RecordingError::write(&self.path, error))?;
+        self.inner
+            .finish()
+            .map_err(|error| RecordingError::write(&self.path, error))?;
         self.whole = self.storage.position();
         let told = |source| RecordingError::io("end", &self.path, source);
         // The room that was left is room for metadata.yaml.
@@ -470,8 +516,18 @@ impl Writer {
             name: topic.info.name.clone(),
             type_name: topic.info.type_name.clone(),
             encoding: topic.info.message_encoding.clone(),
-            qos: topic.info.metadata.get(QOS_KEY).cloned().unwrap_or_default(),
-            type_hash: topic.info.metadata.get(TYPE_HASH_KEY).cloned().unwrap_or_default(),
+            qos: topic
+                .info
+                .metadata
+                .get(QOS_KEY)
+                .cloned()
+                .unwrap_or_default(),
+            type_hash: topic
+                .info
+                .metadata
+                .get(TYPE_HASH_KEY)
+                .cloned()
+                .unwrap_or_default(),
             messages: topic.messages,
         });
         BagMetadata::from(BagSummary {
@@ -493,7 +549,9 @@ impl std::fmt::Debug for Writer {
 
 /// The name of the MCAP file of a recording, after its directory.
 pub(super) fn file_name(directory: &Path) -> String {
-    let name = directory.file_name().map_or_else(|| "recording".into(), |name| name.to_string_lossy());
+    let name = directory
+        .file_name()
+        .map_or_else(|| "recording".into(), |name| name.to_string_lossy());
     format!("{name}_0.mcap")
 }
 
@@ -531,14 +589,20 @@ fn make_directory(directory: &Path) -> Result<(), RecordingError> {
         fs::read_dir(directory).map_err(|source| RecordingError::io("read", directory, source))?;
     match entries.next() {
         None => Ok(()),
-        Some(_) => Err(RecordingError::Exists { path: directory.to_path_buf() }),
+        Some(_) => Err(RecordingError::Exists {
+            path: directory.to_path_buf(),
+        }),
     }
 }
 
 /// A new name survives a loss of power when its directory does.
 fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
     for folder in [Some(directory), directory.parent()].into_iter().flatten() {
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let folder = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        };
         File::open(folder)
             .and_then(|opened| opened.sync_all())
             .map_err(|source| RecordingError::io("sync", folder, source))?;
@@ -568,7 +632,9 @@ fn start_record(notes: &BTreeMap<String, String>) -> Metadata {
 fn losses_record(lost: u64, ended: Option<Ended>) -> Metadata {
     let mut losses = record(LOSSES_RECORD, [("lost_messages", lost.to_string())]);
     if let Some(reason) = ended {
-        losses.metadata.insert("ended".to_owned(), reason.word().to_owned());
+        losses
+            .metadata
+            .insert("ended".to_owned(), reason.word().to_owned());
     }
     losses
 }
