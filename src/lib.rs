@@ -19,6 +19,8 @@
 pub mod cli;
 pub mod column;
 pub mod endpoints;
+#[cfg(feature = "record")]
+pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
 pub mod live;

@@ -163,19 +163,19 @@ impl Verification {
 /// # Errors
 /// It cannot be read, or has nothing to compute it from.
 pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
-    let mut reader = Reader::open(path)?;
+    let reader = Reader::open(path)?;
     let journal_type = std_msgs::String::INTERFACE.ros_name();
     let suffix = endpoints::JOURNAL.name.trim_start_matches('~');
     let journal = reader
         .topics()
         .iter()
-        .find(|it| it.type_name == journal_type && it.name.ends_with(suffix))
-        .map(|it| it.name.clone())
+        .find(|it| *it.type_name == *journal_type && it.name.ends_with(suffix))
+        .map(|it| std::sync::Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut follower = Follower::default();
     let mut about: Option<About> = None;
     let mut before = [0_u64; TOPICS.len()];
-    for message in reader.messages()? {
+    for message in reader.messages() {
         let message = message?;
         if *message.topic == *journal {
             let line = Line::decode(&message.data)?;
@@ -212,6 +212,11 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
         }
     }
     findings.about = about;
+    if !reader.wholeness().is_whole() {
+        findings.unchecked_because(format!("the recording is {}", reader.wholeness()));
+    }
+    let lost = reader.lost_messages().unwrap_or_default();
+    findings.admitted_losses = findings.admitted_losses.saturating_add(lost);
     Ok(findings)
 }
 

@@ -42,7 +42,7 @@ pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
 pub use node::{Node, NodeError};
 pub use rosout::{ROSOUT_QUEUE, RosoutLayer, RosoutQueue, rosout_layer, start_logging};
 pub use raw::Raw;
-pub use run::{RunError, RunOptions, StartedTwin, run};
+pub use run::{RunEnd, RunError, RunOptions, StartedTwin, run};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 

@@ -162,7 +162,7 @@ pub fn replay(
 ) -> Result<Replayed, ReplayError> {
     let signals = StopSignals::listen()?;
     let reader = Reader::open(&options.bag)?;
-    let span = span_of(&options.bag)?.ok_or_else(|| ReplayError::Nothing {
+    let span = reader.span().ok_or_else(|| ReplayError::Nothing {
         bag: options.bag.clone(),
     })?;
     let names = Names::new(&environment.namespace, NODE_NAME, rules)?;
@@ -176,6 +176,7 @@ pub fn replay(
     let task = Task::start("column_twin/see", move || events)?;
     wait_for_readers(&node, &channels, options.wait_for_readers, &signals, controls);
     let mut player = Player {
+        reader: &reader,
         options,
         span,
         channels,
@@ -195,18 +196,7 @@ pub fn replay(
     replayed.lateness = lateness.quantiles();
     task.stop();
     drop(channels);
-    played.map(|()| replayed)
-}
-
-/// First and last time of a recording; `None` of an empty one.
-fn span_of(bag: &std::path::Path) -> Result<Option<(i64, i64)>, RecordingError> {
-    let mut span: Option<(i64, i64)> = None;
-    for message in Reader::open(bag)?.messages()? {
-        let time = message?.log_time;
-        let (first, last) = span.unwrap_or((time, time));
-        span = Some((first.min(time), last.max(time)));
-    }
-    Ok(span)
+    Ok(played.map(|()| replayed)?)
 }
 
 /// A topic that is replayed.
@@ -234,8 +224,8 @@ fn channels(
     let journal = endpoints::JOURNAL.name.trim_start_matches('~');
     let chosen = |topic: &&RecordedTopic| match options.topics.is_empty() {
         true => {
-            !(topic.type_name == endpoints::JOURNAL.type_name && topic.name.ends_with(journal))
-                && !(options.clock.is_some() && topic.name == endpoints::CLOCK.name)
+            !(*topic.type_name == *endpoints::JOURNAL.type_name && topic.name.ends_with(journal))
+                && !(options.clock.is_some() && *topic.name == *endpoints::CLOCK.name)
         }
         false => options.topics.iter().any(|wanted| same(&topic.name, wanted)),
     };
@@ -246,7 +236,7 @@ fn channels(
             let resolved = node.names().resolve(NameKind::Topic, &topic.name)?;
             let publisher = node.raw_publisher(&resolved, &topic.type_name, profile(topic))?;
             Ok(Channel {
-                recorded: topic.name.as_str().into(),
+                recorded: Arc::clone(&topic.name),
                 resolved,
                 publisher,
             })
@@ -258,7 +248,7 @@ fn channels(
 fn profile(topic: &RecordedTopic) -> QosProfile {
     let of_table = || {
         let endpoint = ENDPOINTS.iter().find(|endpoint| {
-            endpoint.type_name == topic.type_name && topic.name.ends_with(endpoint.name)
+            *endpoint.type_name == *topic.type_name && topic.name.ends_with(endpoint.name)
         })?;
         Some(OfferedQos {
             reliable: endpoint.qos.reliable,
@@ -353,6 +343,7 @@ impl ClockTopic {
 }
 
 struct Player<'a> {
+    reader: &'a Reader,
     options: &'a ReplayOptions,
     span: (i64, i64),
     channels: Vec<Channel>,
@@ -385,7 +376,8 @@ impl Player<'_> {
     }
 
     fn play_once(&mut self, pace: &mut Pace) -> Result<Waited, RecordingError> {
-        for message in Reader::open(&self.options.bag)?.messages()? {
+        let reader = self.reader;
+        for message in reader.messages() {
             let message = message?;
             let channel = self
                 .channels
@@ -398,7 +390,7 @@ impl Player<'_> {
             if let Some(due) = pace.due(message.log_time) {
                 self.lateness.note(now().saturating_sub(due));
             }
-            let sent = Raw::new(message.data)
+            let sent = Raw::new(message.data.into())
                 .ok()
                 .is_some_and(|raw| self.channels[channel].publisher.publish(raw).is_ok());
             match sent {
