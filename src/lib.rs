@@ -18,13 +18,19 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod column;
+pub mod endpoints;
+#[cfg(feature = "record")]
+pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
 pub mod live;
 pub mod messages;
+pub mod outgoing;
 pub mod parameters;
+#[cfg(feature = "record")]
+pub mod recording;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod twin;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "record"))]
 pub mod whole_file;

@@ -7,12 +7,16 @@ mod history;
 mod idl;
 #[cfg(feature = "ros")]
 mod impact;
+#[cfg(all(feature = "ros", feature = "record"))]
+mod replay;
 #[cfg(feature = "ros")]
 mod run;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+#[cfg(feature = "record")]
+mod verify;
 #[cfg(feature = "ros")]
 mod watch;
 
@@ -49,6 +53,12 @@ enum Command {
     /// Publish one impact event, and say what the twin forecasts
     #[cfg(feature = "ros")]
     Impact(impact::ImpactArgs),
+    /// Publish a recording over DDS, with its timing
+    #[cfg(all(feature = "ros", feature = "record"))]
+    Replay(replay::ReplayArgs),
+    /// Compute a recording anew, and compare every value
+    #[cfg(feature = "record")]
+    Verify(verify::VerifyArgs),
     /// Print what a running twin publishes, until it is told to stop
     #[cfg(feature = "ros")]
     Watch(watch::WatchArgs),
@@ -87,7 +97,7 @@ impl Failure {
     }
 
     /// A failure with the reason that a plain error gives.
-    #[cfg(feature = "ros")]
+    #[cfg(any(feature = "ros", feature = "record"))]
     fn plain(exit: Exit, fault: impl std::fmt::Display) -> Self {
         Self {
             exit,
@@ -125,6 +135,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(all(feature = "ros", feature = "record"))]
         Command::Demo(arguments) => demo::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(all(feature = "ros", feature = "record"))]
+        Command::Replay(arguments) => replay::run(arguments, &ros),
+        #[cfg(feature = "record")]
+        Command::Verify(arguments) => verify::run(arguments),
         #[cfg(feature = "ros")]
         Command::Run(arguments) => run::run(arguments, ros),
         #[cfg(feature = "ros")]

@@ -23,7 +23,8 @@ Example: the column of a file, in a namespace, on this machine only
     --ros-args -r __ns:=/garage -p top.load:=4.0e5
 
 All that stands behind --ros-args is as in every ROS 2 node: -r, -p, --params-file, --log-level.
-Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
+With -p record.mode:=always it records all that it receives and sends; -p record.directory:=DIR says where.
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are missing in a recording.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
@@ -33,7 +34,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         parameter_files: arguments.config.clone(),
         ..RunOptions::default()
     };
-    ros::run(&options, |parameters| {
+    let end = ros::run(&options, |parameters| {
         start_live_twin(parameters, LiveOptions::default())
     })
     .map_err(|error| match error {
@@ -43,7 +44,16 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         },
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
-    })
+    })?;
+    match end.lost_in_recording {
+        0 => Ok(()),
+        lost => Err(Failure::plain(
+            Exit::Lossy,
+            format!(
+                "{lost} messages are missing in the recordings; the log says when and why, and `column-twin info` what is there"
+            ),
+        )),
+    }
 }
 
 /// The environment variables that every ROS 2 program obeys.

@@ -48,11 +48,21 @@ pub struct SimulateArgs {
     /// Draw the figures as SVG and PNG into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Record what a node would publish into this new folder, as an MCAP recording that ROS tools read
+    #[cfg(feature = "record")]
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
+    /// Instant of the event in the recording [s since 1970]
+    #[cfg(feature = "record")]
+    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "record")]
+    record_stamp: f64,
 }
 
 const EXAMPLE: &str = "\
 Example: what a car of 1.5 t at 36 km/h does to the paper's column, with figures
   column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
+Example: the same as a recording, and the proof of it
+  column-twin simulate --mass 1500 --velocity 10 --record impact && column-twin verify impact
 
 Exit codes: 0 done (a collapse is a result), 1 failed, 2 bad input or usage.";
 
@@ -75,6 +85,9 @@ enum SimulateError {
     History { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
+    #[cfg(feature = "record")]
+    #[error("the impact cannot be recorded: {0}")]
+    Recording(#[from] crate::evidence::SimulatedRecordingError),
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figures(#[from] FigureError),
@@ -96,6 +109,8 @@ impl From<SimulateError> for Failure {
 /// An impact on a column, ready to be simulated.
 struct Case {
     title: String,
+    #[cfg_attr(not(feature = "record"), allow(dead_code))]
+    parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
     /// Longest response \[s\].
@@ -125,6 +140,10 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             case.write_history_file(path)?;
         }
     }
+    #[cfg(feature = "record")]
+    let recorded = case.record(arguments)?;
+    #[cfg(not(feature = "record"))]
+    let recorded: Option<PathBuf> = None;
     let files = match &arguments.plots {
         Some(folder) => case.draw(&report, folder)?,
         None => Vec::new(),
@@ -143,6 +162,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         listing(
             &summary,
             arguments.csv.as_deref().filter(|_| !history_to_output),
+            recorded.as_deref(),
             &files,
         )
     };
@@ -168,10 +188,18 @@ fn unless_closed(
 }
 
 /// The summary and the files written.
-fn listing(summary: &Summary<'_>, history: Option<&Path>, figures: &[PathBuf]) -> String {
+fn listing(
+    summary: &Summary<'_>,
+    history: Option<&Path>,
+    recording: Option<&Path>,
+    figures: &[PathBuf],
+) -> String {
     let mut text = summary.to_string();
     if let Some(path) = history {
         text += &format!("History    {}\n", path.display());
+    }
+    if let Some(path) = recording {
+        text += &format!("Recording  {}\n", path.display());
     }
     if let Some(folder) = figures.first().and_then(|first| first.parent()) {
         text += &format!(
@@ -209,7 +237,7 @@ impl Case {
             parameters = load(&arguments.config, &overrides)?;
         }
         let properties = parameters.column_properties();
-        let given = parameters.impact();
+        let given = parameters.impact().clone();
         let impact = Impact {
             mass: given.mass,
             velocity: given.velocity,
@@ -224,11 +252,13 @@ impl Case {
             short(3.6 * impact.velocity),
             short(properties.length_below),
         );
+        let max_duration = parameters.response_duration();
         Ok(Self {
             title,
+            parameters,
             properties,
             impact,
-            max_duration: parameters.response_duration(),
+            max_duration,
         })
     }
 
@@ -266,6 +296,22 @@ impl Case {
             (None, Err(fault)) => Err(io::Error::other(fault)),
             (None, Ok(_)) => writer.finish(),
         }
+    }
+
+    /// The recording, if one is asked for.
+    #[cfg(feature = "record")]
+    fn record(&self, arguments: &SimulateArgs) -> Result<Option<PathBuf>, SimulateError> {
+        let Some(directory) = &arguments.record else {
+            return Ok(None);
+        };
+        let options = crate::recording::WriterOptions {
+            compression: self.parameters.settings().record.compression,
+            ..crate::recording::WriterOptions::default()
+        };
+        // `as` saturates, and what is no instant is refused.
+        let origin = (arguments.record_stamp * 1e9).round() as i64;
+        crate::evidence::record_impact(&self.parameters, origin, directory, &options)?;
+        Ok(Some(directory.clone()))
     }
 
     fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {

@@ -10,7 +10,7 @@ mod bell;
 mod clock;
 mod keeper;
 mod lateness;
-mod queue;
+pub(crate) mod queue;
 mod real_time;
 mod solver;
 

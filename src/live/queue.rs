@@ -39,7 +39,7 @@ pub struct QueueStats {
 
 /// A bounded queue without locks; its memory is taken at the start.
 #[derive(Debug)]
-pub(super) struct Queue<T> {
+pub(crate) struct Queue<T> {
     name: String,
     entries: ArrayQueue<T>,
     when_full: WhenFull,
@@ -98,7 +98,7 @@ pub struct OutputQueue {
     pub name: String,
     /// Most states that wait for it.
     pub states: usize,
-    /// Most forecasts, reports and changes of parameters together, and most refusals, status and notices together.
+    /// Most forecasts, reports and changes of parameters together, and most refusals, status and notices together, and most entries of the journal.
     pub others: usize,
     /// What all of them do when they are full.
     pub when_full: WhenFull,
@@ -118,7 +118,7 @@ impl OutputQueue {
 }
 
 /// Ways to one reader.
-const WAYS: usize = 3;
+const WAYS: usize = 4;
 
 /// All ways to one reader, so that no flood of states or refusals can drop a report.
 #[derive(Debug)]
@@ -150,6 +150,7 @@ impl OutputQueues {
                 way("states", *states),
                 way("results", *others),
                 way("messages", *others),
+                way("journal", *others),
             ],
             next_number: AtomicU64::new(0),
             bell: Bell::default(),
@@ -158,13 +159,14 @@ impl OutputQueues {
 
     pub fn push(&self, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
-        let [states, results, messages] = &self.ways;
+        let [states, results, messages, journal] = &self.ways;
         let way = match &output {
             Output::State(_) => states,
             Output::Forecast(_) | Output::Report(_) | Output::ParametersChanged(_) => results,
             Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
                 messages
             }
+            Output::Journal(_) => journal,
         };
         way.push(Numbered { number, output });
     }

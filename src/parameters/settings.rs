@@ -78,9 +78,12 @@ groups! {
         mode: RecordMode,
         directory: String,
         max_file_size: u64,
+        max_duration: f64,
         max_files: u64,
+        max_total_size: u64,
         max_age: f64,
         compression: Compression,
+        sync: bool,
     }
     /// Pictures.
     Viewer {

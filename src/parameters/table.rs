@@ -631,7 +631,19 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1_000_000_000_000,
         },
         applies: Applies::Restart,
-        meaning: "size at which a recording goes on in a new file",
+        meaning: "size at which a recording goes on in a new one, when the column is at rest; at twice the size in any case",
+    },
+    Parameter {
+        name: "record.max_duration",
+        unit: "s",
+        default: DefaultValue::Double(3600.0),
+        admissible: Admissible::RealOrZero {
+            min: 1.0,
+            max: 1e9,
+            zero: "no limit",
+        },
+        applies: Applies::Restart,
+        meaning: "age at which a recording goes on in a new one, when the column is at rest; at twice the age in any case",
     },
     Parameter {
         name: "record.max_files",
@@ -642,7 +654,18 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1_000_000,
         },
         applies: Applies::Restart,
-        meaning: "most recorded files that are kept, the oldest are deleted; 0 = no limit",
+        meaning: "most recordings that are kept, the oldest are deleted; 0 = no limit",
+    },
+    Parameter {
+        name: "record.max_total_size",
+        unit: "B",
+        default: DefaultValue::Integer(0),
+        admissible: Admissible::Integer {
+            min: 0,
+            max: 1_000_000_000_000_000,
+        },
+        applies: Applies::Restart,
+        meaning: "most bytes of all recordings together that are kept, the oldest are deleted; 0 = no limit",
     },
     Parameter {
         name: "record.max_age",
@@ -654,7 +677,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::Restart,
-        meaning: "age at which a recorded file is deleted",
+        meaning: "age at which a recording is deleted",
     },
     Parameter {
         name: "record.compression",
@@ -663,6 +686,14 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: Admissible::Choice(&["none", "lz4", "zstd"]),
         applies: Applies::Restart,
         meaning: "compression of the chunks of a recording",
+    },
+    Parameter {
+        name: "record.sync",
+        unit: "",
+        default: DefaultValue::Bool(true),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "whether what was recorded 50 ms ago survives a loss of power, too, and not only the end of the program",
     },
     Parameter {
         name: "viewer.mode",

@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use crate::column::{Report, Sample};
-use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest, TwinStatus};
+use crate::endpoints::Endpoint;
+use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use crate::parameters::{Parameters, Value};
+use crate::twin::{Journal, Output};
 
 /// A twin that runs in threads of its own. Called from the node's threads, never from the solver's.
 pub trait Twin: Send + Sync + 'static {
@@ -56,73 +57,6 @@ pub struct ParameterChange {
     pub values: Vec<(String, Value)>,
     /// Who asked, for the log.
     pub source: &'static str,
-}
-
-/// What leaves the twin. Stamps are nanoseconds since the epoch.
-#[derive(Debug, Clone)]
-pub enum Output {
-    /// The column at one instant.
-    State {
-        /// The instant.
-        stamp: i64,
-        /// The impact that is going on.
-        event_id: Arc<str>,
-        /// The values.
-        sample: Sample,
-        /// Code of `ColumnState`: more than the column alone knows (REST, COLLAPSED, FAULTED).
-        phase: u8,
-    },
-    /// What will come of an impact.
-    Forecast(ReportOutput),
-    /// What came of it.
-    Report(ReportOutput),
-    /// The twin's state, on every change and at 1 Hz. Header and column are the node's to fill in.
-    Status {
-        /// When it was taken.
-        stamp: i64,
-        /// The rest.
-        status: Box<TwinStatus>,
-    },
-    /// Something was refused; it stands in the next status too.
-    Refused {
-        /// What it was.
-        what: String,
-        /// Why.
-        reason: String,
-    },
-    /// A line for the log.
-    Notice {
-        /// How much it matters.
-        severity: Severity,
-        /// What there is to say.
-        text: Arc<str>,
-    },
-    /// Other parameters hold now.
-    ParametersChanged(Arc<Parameters>),
-}
-
-/// How much a notice matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
-    /// Worth knowing.
-    Info,
-    /// Something is not as it should be.
-    Warning,
-    /// Something was lost, or the twin cannot go on.
-    Error,
-}
-
-/// A report with what it is for.
-#[derive(Debug, Clone)]
-pub struct ReportOutput {
-    /// The event's stamp.
-    pub stamp: i64,
-    /// The event.
-    pub event_id: Arc<str>,
-    /// The report.
-    pub report: Report,
-    /// How long the computation took \[s\].
-    pub compute_time: f64,
 }
 
 /// Where the twin's outputs are taken from, in their order.
@@ -178,4 +112,35 @@ pub struct QueueHealth {
     pub pushed: u64,
     /// Entries lost since the start.
     pub dropped: u64,
+}
+
+/// Takes a copy of everything that the node receives and sends. Called from the node's threads: nothing of it waits.
+pub trait Recording: Send + Sync + 'static {
+    /// These bytes were sent, encapsulation header included.
+    fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>);
+
+    /// These bytes were received; `source_stamp` is its sender's, nanoseconds since the epoch.
+    fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>);
+
+    /// Something that was received did not come to the twin.
+    fn not_taken(&self, endpoint: &Endpoint, what: &str, reason: &str);
+
+    /// An entry of the twin's journal.
+    fn journal(&self, entry: &Journal);
+
+    /// How the recording does.
+    fn health(&self) -> RecordingHealth;
+}
+
+/// How a recording does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordingHealth {
+    /// Its queue.
+    pub queue: QueueHealth,
+    /// Messages that are in no file.
+    pub lost: u64,
+    /// What keeps it from writing; `None`: nothing does.
+    pub problem: Option<String>,
+    /// What else there is to know, for people.
+    pub values: Vec<(String, String)>,
 }

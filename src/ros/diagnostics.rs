@@ -6,7 +6,7 @@ use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use crate::messages::std_msgs::Header;
 
-use super::bridge::{Health, QueueHealth};
+use super::bridge::{Health, QueueHealth, RecordingHealth};
 
 /// What the node itself could not do, counted since the start.
 #[derive(Debug, Default)]
@@ -31,6 +31,7 @@ pub(super) fn diagnostics(
     node: &str,
     twin: &TwinStatus,
     health: &Health,
+    recording: Option<&RecordingHealth>,
     counters: &NodeCounters,
 ) -> DiagnosticArray {
     let mut status = vec![
@@ -39,6 +40,7 @@ pub(super) fn diagnostics(
         queue_status(&health.queues),
         node_status(counters),
     ];
+    status.extend(recording.map(recording_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
         one.hardware_id.clone_from(&twin.column_id);
@@ -129,21 +131,45 @@ fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
             format!("entries were lost: {}", losing.join(", ")),
         ),
     };
-    let values = queues.iter().map(|queue| {
-        let QueueHealth {
-            name,
-            capacity,
-            len,
-            policy,
-            pushed,
-            dropped,
-        } = queue;
-        let value = format!(
-            "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {policy}"
-        );
-        (name.clone(), value)
-    });
+    let values = queues.iter().map(queue_entry);
     entry("queues", level, message, values)
+}
+
+fn queue_entry(queue: &QueueHealth) -> (String, String) {
+    let QueueHealth {
+        name,
+        capacity,
+        len,
+        policy,
+        pushed,
+        dropped,
+    } = queue;
+    let value = format!(
+        "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {policy}"
+    );
+    (name.clone(), value)
+}
+
+/// A recording is evidence: whatever is missing in it is an error.
+fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
+    let lost = recording.lost;
+    let (level, message) = match (&recording.problem, lost) {
+        (Some(problem), _) => (
+            DiagnosticStatus::ERROR,
+            format!("not recording: {problem}; {lost} messages lost"),
+        ),
+        (None, 0) => (DiagnosticStatus::OK, "recording".to_owned()),
+        (None, _) => (
+            DiagnosticStatus::ERROR,
+            format!("{lost} messages are missing in the recording"),
+        ),
+    };
+    let mut values = vec![
+        queue_entry(&recording.queue),
+        ("messages lost".to_owned(), lost.to_string()),
+    ];
+    values.extend(recording.values.iter().cloned());
+    entry("recording", level, message, values)
 }
 
 fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
@@ -198,7 +224,14 @@ mod tests {
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
-        let array = diagnostics(Header::default(), "column_twin", twin, health, counters);
+        let array = diagnostics(
+            Header::default(),
+            "column_twin",
+            twin,
+            health,
+            None,
+            counters,
+        );
         array.status.iter().map(|it| it.level).collect()
     }
 
@@ -253,9 +286,39 @@ mod tests {
                 ..TwinStatus::default()
             };
             let counters = NodeCounters::default();
-            diagnostics(Header::default(), "n", &twin, &Health::default(), &counters)
+            diagnostics(
+                Header::default(),
+                "n",
+                &twin,
+                &Health::default(),
+                None,
+                &counters,
+            )
         };
         assert!(same_state(&of(1), &of(2)));
         assert_ne!(of(1), of(2));
+    }
+
+    #[test]
+    fn a_loss_of_the_recording_is_an_error() {
+        let of = |lost, problem: Option<&str>| {
+            let recording = RecordingHealth {
+                queue: QueueHealth {
+                    name: "recording".to_owned(),
+                    capacity: 1,
+                    len: 0,
+                    policy: "newest dropped",
+                    pushed: 9,
+                    dropped: lost,
+                },
+                lost,
+                problem: problem.map(str::to_owned),
+                values: Vec::new(),
+            };
+            recording_status(&recording).level
+        };
+        assert_eq!(of(0, None), DiagnosticStatus::OK);
+        assert_eq!(of(1, None), DiagnosticStatus::ERROR);
+        assert_eq!(of(0, Some("no space left")), DiagnosticStatus::ERROR);
     }
 }

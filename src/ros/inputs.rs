@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use futures::{StreamExt, join, pin_mut};
 use ros2_client::rcl_interfaces as rcl;
-use ros2_client::{Server, Subscription};
+use ros2_client::{MessageInfo, Server, Subscription};
 
 use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr;
 use crate::messages::column_twin::{
     ColumnParameters, ImpactEvent, ParameterEntry, PredictImpactRequest, PredictImpactResponse,
 };
@@ -15,7 +16,7 @@ use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::parameters::{Parameters, Value};
 
-use super::bridge::{ParameterChange, Twin};
+use super::bridge::{ParameterChange, Recording, Twin};
 use super::diagnostics::NodeCounters;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
@@ -30,17 +31,23 @@ impl ros2_client::Message for PredictImpactResponse {}
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
+    recording: Option<Arc<dyn Recording>>,
 }
 
 impl Subscriptions {
     /// Subscribes; the clock only where the parameters say `use_sim_time`.
-    pub fn new(node: &mut Node, parameters: &Parameters) -> Result<Self, NodeError> {
+    pub fn new(
+        node: &mut Node,
+        parameters: &Parameters,
+        recording: Option<Arc<dyn Recording>>,
+    ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
         Ok(Self {
             events: node.subscription(&qos::IMPACT_EVENT)?,
             clock: simulated
                 .then(|| node.subscription(&qos::CLOCK))
                 .transpose()?,
+            recording,
         })
     }
 
@@ -50,10 +57,14 @@ impl Subscriptions {
             &self.events,
             qos::IMPACT_EVENT.name,
             &counters,
-            |event: ImpactEvent| {
+            |event: ImpactEvent, info| {
+                record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
                 let event_id = event.event_id.clone();
                 if let Err(reason) = twin.submit_impact(event) {
                     tracing::warn!("impact event {event_id:?} is refused: {reason}");
+                    if let Some(recording) = &self.recording {
+                        recording.not_taken(&qos::IMPACT_EVENT, &event_id, &reason);
+                    }
                 }
             },
         );
@@ -63,7 +74,7 @@ impl Subscriptions {
                     clock,
                     qos::CLOCK.name,
                     &counters,
-                    |message: Clock| match message.clock.to_nanos() {
+                    |message: Clock, _| match message.clock.to_nanos() {
                         Some(now) => twin.set_clock(now),
                         None => NodeCounters::count(&counters.unreadable),
                     },
@@ -80,13 +91,13 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
     name: &str,
     counters: &NodeCounters,
-    mut take: impl FnMut(M),
+    mut take: impl FnMut(M, MessageInfo),
 ) {
     let messages = subscription.async_stream();
     pin_mut!(messages);
     while let Some(message) = messages.next().await {
         match message {
-            Ok((message, _)) => take(message),
+            Ok((message, info)) => take(message, info),
             Err(error) => {
                 NodeCounters::count(&counters.unreadable);
                 tracing::warn!(
@@ -97,12 +108,32 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
     }
 }
 
+/// Records what was received, in the one encoding that this program writes.
+fn record<M: crate::messages::Message>(
+    recording: &Option<Arc<dyn Recording>>,
+    endpoint: &Endpoint,
+    message: &M,
+    info: &MessageInfo,
+) {
+    let Some(recording) = recording else {
+        return;
+    };
+    match cdr::encode(message) {
+        Ok(bytes) => {
+            let source = info.source_timestamp().map(|stamp| stamp.to_nanos());
+            recording.received(endpoint, bytes, source);
+        }
+        Err(error) => recording.not_taken(endpoint, "a message", &error.to_string()),
+    }
+}
+
 /// What is answered, and may take a while to answer: a thread of its own.
 pub(super) struct Services {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<TriggerRequest, TriggerResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     parameters: ParameterServers,
+    recording: Option<Arc<dyn Recording>>,
 }
 
 struct ParameterServers {
@@ -116,7 +147,7 @@ struct ParameterServers {
 
 impl Services {
     /// Offers all services.
-    pub fn new(node: &mut Node) -> Result<Self, NodeError> {
+    pub fn new(node: &mut Node, recording: Option<Arc<dyn Recording>>) -> Result<Self, NodeError> {
         Ok(Self {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET)?,
@@ -129,6 +160,7 @@ impl Services {
                 set: node.server(&qos::SET_PARAMETERS)?,
                 set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
             },
+            recording,
         })
     }
 
@@ -142,13 +174,15 @@ impl Services {
             set,
             set_atomically,
         } = self.parameters;
+        let recording = self.recording;
         let (twin, counters) = (&*twin, &*counters);
         join!(
             each(
                 &self.column_parameters,
                 qos::COLUMN_PARAMETERS.name,
                 counters,
-                |message| {
+                |message, info| {
+                    record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);
                     set_column(twin, &message);
                 }
             ),

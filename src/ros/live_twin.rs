@@ -10,14 +10,12 @@ use crate::live::{
     WhenFull, monotonic_nanos,
 };
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest, TwinStatus};
+use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, StateFileError};
-use crate::twin::{self, RefusedInput, TwinPhase};
+use crate::twin::{self, Output};
 
-use super::bridge::{
-    Health, Output, Outputs, ParameterChange, QueueHealth, ReportOutput, Severity, Twin,
-};
+use super::bridge::{Health, Outputs, ParameterChange, QueueHealth, Twin};
 use super::run::StartedTwin;
 
 /// Name of the queue of [`OutputQueue::ros`].
@@ -264,17 +262,15 @@ fn queue_health(queue: crate::live::QueueStats) -> QueueHealth {
     }
 }
 
-/// What leaves the live twin, as the node knows it.
+/// What leaves the live twin.
 struct LiveOutputs(Receiver);
 
 impl Outputs for LiveOutputs {
     fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
         let deadline = Instant::now() + timeout;
         loop {
-            while let Some(output) = self.0.try_next() {
-                if let Some(output) = translated(output) {
-                    return Ok(output);
-                }
+            if let Some(output) = self.0.try_next() {
+                return Ok(output);
             }
             let rest = deadline.saturating_duration_since(Instant::now());
             if rest.is_zero() {
@@ -282,84 +278,6 @@ impl Outputs for LiveOutputs {
             }
             self.0.wait(rest);
         }
-    }
-}
-
-/// `None` for what is not the node's business.
-fn translated(output: twin::Output) -> Option<Output> {
-    Some(match output {
-        twin::Output::State(state) => Output::State {
-            stamp: state.stamp,
-            event_id: state.event_id,
-            sample: state.sample,
-            phase: phase_code(state.phase),
-        },
-        twin::Output::Forecast(report) => Output::Forecast(report_output(report)),
-        twin::Output::Report(report) => Output::Report(report_output(report)),
-        twin::Output::Status(status) => Output::Status {
-            stamp: status.stamp,
-            status: Box::new(status_message(&status)),
-        },
-        twin::Output::Refused(refused) => Output::Refused {
-            what: match refused.what {
-                RefusedInput::Impact => format!("impact event {:?}", refused.event_id),
-                RefusedInput::Parameters => format!("change of parameters by {}", refused.source),
-            },
-            reason: refused.reason.to_string(),
-        },
-        twin::Output::ParametersChanged(changed) => Output::ParametersChanged(changed.parameters),
-        twin::Output::Notice(notice) => Output::Notice {
-            severity: match notice.severity {
-                twin::Severity::Info => Severity::Info,
-                twin::Severity::Warning => Severity::Warning,
-                twin::Severity::Error => Severity::Error,
-            },
-            text: notice.text,
-        },
-        twin::Output::Save(_) => return None,
-    })
-}
-
-fn report_output(report: twin::ReportOutput) -> ReportOutput {
-    ReportOutput {
-        stamp: report.stamp,
-        event_id: report.event_id,
-        report: report.report,
-        compute_time: report.compute_time,
-    }
-}
-
-/// Header, column and the threads' part are the node's to fill in.
-fn status_message(status: &twin::Status) -> TwinStatus {
-    TwinStatus {
-        phase: phase_code(status.phase),
-        event_id: status.event_id.to_string(),
-        events_accepted: status.counts.events_accepted,
-        events_refused: status.counts.events_refused,
-        parameters_accepted: status.counts.parameters_accepted,
-        parameters_refused: status.counts.parameters_refused,
-        last_refusal_reason: status.last_refusal_reason.to_string(),
-        last_refusal_event_id: status.last_refusal_event_id.to_string(),
-        fault: status.fault.to_string(),
-        impacts_since_reset: status.impacts_since_reset,
-        residual_v1: status.residual_v1,
-        residual_u2: status.residual_u2,
-        plastic_work_since_reset: status.plastic_work_since_reset,
-        plastic_rotation: status.plastic_rotation,
-        plastic_elongation: status.plastic_elongation,
-        ..TwinStatus::default()
-    }
-}
-
-fn phase_code(phase: TwinPhase) -> u8 {
-    match phase {
-        TwinPhase::Idle => TwinStatus::IDLE,
-        TwinPhase::Approach => TwinStatus::APPROACH,
-        TwinPhase::Contact => TwinStatus::CONTACT,
-        TwinPhase::Free => TwinStatus::FREE,
-        TwinPhase::Rest => TwinStatus::REST,
-        TwinPhase::Collapsed => TwinStatus::COLLAPSED,
-        TwinPhase::Faulted => TwinStatus::FAULTED,
     }
 }
 

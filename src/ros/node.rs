@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use ros2_client::qos::QosProfile;
 use ros2_client::{
     Context, MessageTypeName, Name, NodeName, NodeOptions, Publisher, Server, ServiceMapping,
     ServiceTypeName, Subscription,
@@ -13,7 +14,8 @@ use super::environment::Environment;
 use super::matches::Matches;
 use super::names::{NameError, Names};
 use super::participant;
-use super::qos::Endpoint;
+use super::qos::{Endpoint, package_and_type};
+use super::raw::Raw;
 
 /// Why there is no node, or an endpoint is missing.
 #[derive(Debug, thiserror::Error)]
@@ -120,6 +122,30 @@ impl Node {
             .create_publisher(&topic, Some(endpoint.qos.profile()))
             .map_err(|error| not_made(&name, &error))?;
         self.matches.name(publisher.guid(), &name);
+        Ok(publisher)
+    }
+
+    /// A publisher of bytes, of a topic by its full name.
+    ///
+    /// # Errors
+    /// When the name is none, or RustDDS refuses.
+    pub fn raw_publisher(
+        &mut self,
+        full_name: &str,
+        type_name: &str,
+        qos: QosProfile,
+    ) -> Result<Publisher<Raw>, NodeError> {
+        let name = Name::parse(full_name).map_err(|error| not_made(full_name, &error))?;
+        let (package, bare) = package_and_type(type_name);
+        let topic = self
+            .node
+            .create_topic(&name, MessageTypeName::new(package, bare), &qos)
+            .map_err(|error| not_made(full_name, &error))?;
+        let publisher = self
+            .node
+            .create_publisher(&topic, Some(qos))
+            .map_err(|error| not_made(full_name, &error))?;
+        self.matches.name(publisher.guid(), full_name);
         Ok(publisher)
     }
 

@@ -6,24 +6,21 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use ros2_client::{Publisher, parameters::raw};
-use serde::Serialize;
 
-use crate::column::Sample;
-use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+use crate::endpoints::Endpoint;
+use crate::messages::cdr::{self, CdrError};
+use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
-use crate::messages::sensor_msgs::JointState;
-use crate::messages::std_msgs::Header;
-use crate::messages::visualization_msgs::MarkerArray;
+use crate::outgoing::{self, Message, Outgoing};
 use crate::parameters::Parameters;
+use crate::twin::{Notice, Output, Refused, RefusedInput, Severity};
 
-use super::bridge::{Output, Outputs, ReportOutput, Severity, Twin};
+use super::bridge::{Outputs, Recording, Twin};
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
-use super::joint_states::JointStates;
-use super::markers::{Lengths, markers};
 use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
+use super::raw::Raw;
 
 /// Longest time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -34,38 +31,24 @@ const LONGEST_WAIT: Duration = Duration::from_millis(100);
 /// Longest time that what is waiting at the end may take.
 const LAST_WORDS: Duration = Duration::from_millis(300);
 
-/// Shortest time between two joint states, in the time of the samples: 100 Hz show all that a plot can.
-const JOINT_STATES_PERIOD: i64 = 10_000_000;
-
-/// Shortest time between two marker arrays, in the time of the samples: 25 Hz are a film.
-const MARKERS_PERIOD: i64 = 40_000_000;
-
-/// Sends everything that leaves the twin.
+/// Sends everything that leaves the twin, and hands the very bytes to the recording.
 pub(super) struct Publishing {
     publishers: Publishers,
+    recording: Option<Arc<dyn Recording>>,
+    outgoing: Outgoing,
     twin: Arc<dyn Twin>,
     counters: Arc<NodeCounters>,
     node_name: String,
     fully_qualified: String,
-    column_id: String,
-    frame_id: String,
     parameters: Arc<Parameters>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
-    joints: JointStates,
-    joint_states: Thinning,
-    markers: Thinning,
 }
 
 struct Publishers {
-    column_state: Publisher<ColumnState>,
-    hinge_forces: Publisher<HingeForces>,
-    impact_forecast: Publisher<ImpactReport>,
-    impact_report: Publisher<ImpactReport>,
-    twin_status: Publisher<TwinStatus>,
-    joint_states: Publisher<JointState>,
-    markers: Publisher<MarkerArray>,
-    diagnostics: Publisher<DiagnosticArray>,
+    /// In the order of [`outgoing::TOPICS`].
+    of_twin: Vec<Publisher<Raw>>,
+    diagnostics: Publisher<Raw>,
     parameter_events: Publisher<raw::ParameterEvent>,
 }
 
@@ -74,36 +57,31 @@ impl Publishing {
         node: &mut Node,
         twin: Arc<dyn Twin>,
         counters: Arc<NodeCounters>,
+        recording: Option<Arc<dyn Recording>>,
     ) -> Result<Self, NodeError> {
         let parameters = twin.parameters();
-        let settings = parameters.settings();
+        let of_twin: Result<_, _> = outgoing::TOPICS
+            .iter()
+            .map(|endpoint| node.publisher(endpoint))
+            .collect();
         Ok(Self {
             publishers: Publishers {
-                column_state: node.publisher(&qos::COLUMN_STATE)?,
-                hinge_forces: node.publisher(&qos::HINGE_FORCES)?,
-                impact_forecast: node.publisher(&qos::IMPACT_FORECAST)?,
-                impact_report: node.publisher(&qos::IMPACT_REPORT)?,
-                twin_status: node.publisher(&qos::TWIN_STATUS)?,
-                joint_states: node.publisher(&qos::JOINT_STATES)?,
-                markers: node.publisher(&qos::MARKERS)?,
+                of_twin: of_twin?,
                 diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
                 parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
             },
+            recording,
+            outgoing: Outgoing::new(&parameters),
             node_name: node.names().node().to_owned(),
             fully_qualified: node.names().fully_qualified(),
-            column_id: settings.column_id.clone(),
-            frame_id: settings.frame_id.clone(),
             status: TwinStatus {
-                column_id: settings.column_id.clone(),
+                column_id: parameters.settings().column_id.clone(),
                 ..TwinStatus::default()
             },
             parameters: Arc::clone(&parameters),
             twin,
             counters,
             last_diagnostics: None,
-            joints: JointStates::default(),
-            joint_states: Thinning::new(JOINT_STATES_PERIOD),
-            markers: Thinning::new(MARKERS_PERIOD),
         })
     }
 
@@ -139,82 +117,46 @@ impl Publishing {
     }
 
     fn publish(&mut self, output: Output) {
+        let mut messages = Vec::new();
+        self.outgoing
+            .convert(&output, |message| messages.push(message));
+        for message in messages {
+            match message {
+                Message::TwinStatus(status) => self.twin_status(status),
+                other => self.send(&other),
+            }
+        }
         match output {
-            Output::State {
-                stamp,
-                event_id,
-                sample,
-                phase,
-            } => self.state(stamp, &event_id, &sample, phase),
-            Output::Forecast(forecast) => {
-                let message = self.report(forecast, ImpactReport::FORECAST);
-                self.send(|it| &it.impact_forecast, message);
+            Output::Journal(entry) => {
+                if let Some(recording) = &self.recording {
+                    recording.journal(&entry);
+                }
             }
-            Output::Report(report) => {
-                let message = self.report(report, ImpactReport::RESULT);
-                self.send(|it| &it.impact_report, message);
-            }
-            Output::Status { stamp, status } => self.twin_status(stamp, *status),
-            Output::Refused { what, reason } => tracing::warn!("{what} is refused: {reason}"),
-            Output::Notice { severity, text } => match severity {
-                Severity::Info => tracing::info!("{text}"),
-                Severity::Warning => tracing::warn!("{text}"),
-                Severity::Error => tracing::error!("{text}"),
-            },
-            Output::ParametersChanged(parameters) => self.parameters_changed(parameters),
+            Output::Refused(refused) => say_refused(&refused),
+            Output::Notice(notice) => say(&notice),
+            Output::ParametersChanged(changed) => self.parameters_changed(changed.parameters),
+            Output::State(_)
+            | Output::Forecast(_)
+            | Output::Report(_)
+            | Output::Status(_)
+            | Output::Save(_) => {}
         }
     }
 
-    fn state(&mut self, stamp: i64, event_id: &str, sample: &Sample, phase: u8) {
-        let header = self.header(stamp);
-        let mut state = ColumnState::from(sample);
-        state.phase = phase;
-        state.header.clone_from(&header);
-        state.column_id.clone_from(&self.column_id);
-        state.event_id = event_id.to_owned();
-        self.send(|it| &it.column_state, state);
-        let mut forces = HingeForces::from(sample);
-        forces.header.clone_from(&header);
-        forces.column_id.clone_from(&self.column_id);
-        forces.event_id = event_id.to_owned();
-        self.send(|it| &it.hinge_forces, forces);
-        let running = (ColumnState::APPROACH..=ColumnState::FREE).contains(&phase);
-        if self.joint_states.passes(stamp, running) {
-            let message = self.joints.convert(header.clone(), sample);
-            self.send(|it| &it.joint_states, message);
-        }
-        if self.markers.passes(stamp, running) {
-            let lengths = Lengths::from(&*self.parameters);
-            let message = markers(&header, lengths, sample);
-            self.send(|it| &it.markers, message);
-        }
-    }
-
-    fn report(&self, output: ReportOutput, kind: u8) -> ImpactReport {
-        let mut message = ImpactReport::from(&output.report);
-        message.header = self.header(output.stamp);
-        message.column_id.clone_from(&self.column_id);
-        message.event_id = output.event_id.to_string();
-        message.kind = kind;
-        message.compute_time = output.compute_time;
-        message
-    }
-
-    /// Adds what the twin does not know: who it is, and how its threads and queues are.
-    fn twin_status(&mut self, stamp: i64, status: TwinStatus) {
+    /// Adds what the twin does not know: how its threads and queues are.
+    fn twin_status(&mut self, status: TwinStatus) {
         let health = self.twin.health();
+        let lost = self.recording.as_ref().map(|it| it.health().lost);
         self.status = TwinStatus {
-            header: self.header(stamp),
-            column_id: self.column_id.clone(),
             overruns: health.overruns,
             worst_lateness: health.worst_lateness,
             dropped_inputs: health.dropped_inputs,
             dropped_states: health.dropped_states,
-            dropped_recording: health.dropped_recording,
+            dropped_recording: lost.unwrap_or(health.dropped_recording),
             dropped_viewer: health.dropped_viewer,
             ..status
         };
-        self.send(|it| &it.twin_status, self.status.clone());
+        self.send(&Message::TwinStatus(self.status.clone()));
         self.diagnose(false);
     }
 
@@ -222,7 +164,7 @@ impl Publishing {
         let stamp = self.twin.now();
         let node = self.fully_qualified.clone();
         if let Some(event) = parameter_services::event(node, stamp, None, &self.parameters) {
-            self.send(|it| &it.parameter_events, event);
+            self.send_parameter_event(event);
         }
     }
 
@@ -234,83 +176,90 @@ impl Publishing {
             for it in &event.changed_parameters {
                 tracing::info!("parameter {} has a new value", it.name);
             }
-            self.send(|it| &it.parameter_events, event);
+            self.send_parameter_event(event);
         }
         self.parameters = parameters;
     }
 
     /// Publishes diagnostics when something has changed in them, or in any case.
     fn diagnose(&mut self, in_any_case: bool) {
-        let header = self.header(self.twin.now());
-        let health = self.twin.health();
         let array = diagnostics(
-            header,
+            self.outgoing.header(self.twin.now()),
             &self.node_name,
             &self.status,
-            &health,
+            &self.twin.health(),
+            self.recording.as_ref().map(|it| it.health()).as_ref(),
             &self.counters,
         );
         let last = self.last_diagnostics.as_ref();
         if in_any_case || !last.is_some_and(|(_, last)| same_state(last, &array)) {
-            self.send(|it| &it.diagnostics, array.clone());
+            self.send_bytes(
+                &self.publishers.diagnostics,
+                &qos::DIAGNOSTICS,
+                cdr::encode(&array),
+            );
             self.last_diagnostics = Some((Instant::now(), array));
         }
     }
 
-    fn header(&self, stamp: i64) -> Header {
-        Header {
-            stamp: Time::from_nanos(stamp).unwrap_or_default(),
-            frame_id: self.frame_id.clone(),
+    fn send(&self, message: &Message) {
+        let topic = message.topic();
+        let publisher = &self.publishers.of_twin[topic];
+        self.send_bytes(publisher, outgoing::TOPICS[topic], message.encode());
+    }
+
+    /// Sends one message and records it. Does not wait: where a reader has been too slow for the writer's whole window,
+    /// it is lost to it and counted.
+    fn send_bytes(
+        &self,
+        publisher: &Publisher<Raw>,
+        endpoint: &Endpoint,
+        bytes: Result<Vec<u8>, CdrError>,
+    ) {
+        let bytes = bytes.map(Arc::<[u8]>::from);
+        let Some((raw, bytes)) = bytes
+            .ok()
+            .and_then(|bytes| Some((Raw::new(Arc::clone(&bytes)).ok()?, bytes)))
+        else {
+            return NodeCounters::count(&self.counters.unpublished);
+        };
+        if publisher.publish(raw).is_err() {
+            NodeCounters::count(&self.counters.unpublished);
+        }
+        if let Some(recording) = &self.recording {
+            recording.sent(endpoint, &bytes);
         }
     }
 
-    /// Sends one message. Does not wait: where a reader has been too slow for the writer's whole window, it is lost and
-    /// counted.
-    fn send<M: Serialize>(&self, publisher: impl FnOnce(&Publishers) -> &Publisher<M>, message: M) {
-        if publisher(&self.publishers).publish(message).is_err() {
+    fn send_parameter_event(&self, event: raw::ParameterEvent) {
+        if self.publishers.parameter_events.publish(event).is_err() {
             NodeCounters::count(&self.counters.unpublished);
         }
     }
 }
 
-/// Lets through what is far enough apart in the time of the samples.
-#[derive(Debug, Clone)]
-struct Thinning {
-    period: i64,
-    last: Option<i64>,
+fn say(notice: &Notice) {
+    let text = &notice.text;
+    match notice.severity {
+        Severity::Info => tracing::info!("{text}"),
+        Severity::Warning => tracing::warn!("{text}"),
+        Severity::Error => tracing::error!("{text}"),
+    }
 }
 
-impl Thinning {
-    fn new(period: i64) -> Self {
-        Self { period, last: None }
-    }
-
-    /// Whether this one is let through. While nothing is `running` every one is: it is the last that is seen for long.
-    fn passes(&mut self, stamp: i64, running: bool) -> bool {
-        let passes = !running
-            || self
-                .last
-                .is_none_or(|last| stamp < last || stamp - last >= self.period);
-        if passes {
-            self.last = Some(stamp);
+fn say_refused(refused: &Refused) {
+    let Refused {
+        reason,
+        event_id,
+        source,
+        ..
+    } = refused;
+    match refused.what {
+        RefusedInput::Impact => {
+            tracing::warn!("impact event {event_id:?} is refused: {reason}");
         }
-        passes
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thinning_keeps_the_first_the_spaced_and_the_last() {
-        let mut thinning = Thinning::new(10);
-        let passed: Vec<i64> = (0..35)
-            .filter(|stamp| thinning.passes(*stamp, true))
-            .collect();
-        assert_eq!(passed, [0, 10, 20, 30]);
-        assert!(thinning.passes(35, false));
-        // A new impact that was late, or a bag that was wound back.
-        assert!(thinning.passes(3, true));
+        RefusedInput::Parameters => {
+            tracing::warn!("change of parameters by {source} is refused: {reason}");
+        }
     }
 }

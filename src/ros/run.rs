@@ -6,10 +6,11 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use crate::parameters::{Override, ParameterFaults, Parameters};
+use crate::twin::Output;
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
-use super::bridge::{Output, Outputs, Twin};
+use super::bridge::{Outputs, Recording, Twin};
 use super::environment::{DiscoveryRange, Environment};
 use super::names::{NameError, Names};
 use super::node::NodeError;
@@ -40,6 +41,13 @@ pub struct StartedTwin {
     pub stop: Box<dyn FnOnce()>,
 }
 
+/// How a node that ran has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RunEnd {
+    /// Messages that are missing in its recordings.
+    pub lost_in_recording: u64,
+}
+
 /// Why the node did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -55,6 +63,9 @@ pub enum RunError {
     /// No twin.
     #[error("the twin cannot start: {0}")]
     Twin(Box<dyn std::error::Error + Send + Sync>),
+    /// No recording.
+    #[error("no recording: {0}")]
+    Recording(Box<dyn std::error::Error + Send + Sync>),
     /// Logging or signals.
     #[error("{0}; is the node started twice in one program?")]
     Process(Box<dyn std::error::Error + Send + Sync>),
@@ -73,7 +84,7 @@ impl Outputs for Box<dyn Outputs> {
 pub fn run<E>(
     options: &RunOptions,
     start_twin: impl FnOnce(Parameters) -> Result<StartedTwin, E>,
-) -> Result<(), RunError>
+) -> Result<RunEnd, RunError>
 where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
@@ -86,12 +97,13 @@ where
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     say_what_is_not_done(options);
+    let recording = RunRecording::start(&parameters, &names)?;
     let StartedTwin {
         twin,
         outputs,
         stop,
     } = start_twin(parameters).map_err(|error| RunError::Twin(error.into()))?;
-    let node = TwinNode::start(environment, names, twin, outputs, log)?;
+    let node = TwinNode::start_recorded(environment, names, twin, outputs, log, recording.tap())?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
@@ -104,7 +116,69 @@ where
     signals.wait();
     tracing::info!("stopping");
     node.stop(stop);
-    Ok(())
+    Ok(recording.stop())
+}
+
+/// The recording of a run, if there is one. Ends last, when all that there is has been sent.
+#[cfg(feature = "record")]
+struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
+
+#[cfg(feature = "record")]
+impl RunRecording {
+    fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
+        use crate::evidence::{NodeRecording, Topics};
+        use crate::recording::{RecorderOptions, RecorderReport};
+        use crate::twin::Severity;
+        let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
+        let say = |report: &RecorderReport| match report.severity() {
+            Severity::Info => tracing::info!("{report}"),
+            Severity::Warning => tracing::warn!("{report}"),
+            Severity::Error => tracing::error!("{report}"),
+        };
+        let told = |options| RecorderOptions {
+            tell: Some(Arc::new(say)),
+            ..options
+        };
+        NodeRecording::start(&parameters.settings().record, &topics, told)
+            .map(Self)
+            .map_err(|error| RunError::Recording(error.into()))
+    }
+
+    fn tap(&self) -> Option<Arc<dyn Recording>> {
+        let tap = self.0.clone()?;
+        Some(tap)
+    }
+
+    fn stop(self) -> RunEnd {
+        let statistics = self.0.and_then(|recording| recording.stop());
+        RunEnd {
+            lost_in_recording: statistics.map_or(0, |it| it.lost),
+        }
+    }
+}
+
+#[cfg(not(feature = "record"))]
+struct RunRecording;
+
+#[cfg(not(feature = "record"))]
+impl RunRecording {
+    fn start(parameters: &Parameters, _: &Names) -> Result<Self, RunError> {
+        match parameters.settings().record.mode {
+            crate::parameters::RecordMode::Off => Ok(Self),
+            _ => Err(RunError::Recording(
+                "record.mode asks for one, and this program was built without the feature `record`"
+                    .into(),
+            )),
+        }
+    }
+
+    fn tap(&self) -> Option<Arc<dyn Recording>> {
+        None
+    }
+
+    fn stop(self) -> RunEnd {
+        RunEnd::default()
+    }
 }
 
 fn load_parameters(options: &RunOptions, names: &Names) -> Result<Parameters, ParameterFaults> {

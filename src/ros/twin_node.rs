@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use ros2_client::{Log, Publisher};
 
-use super::bridge::{Outputs, Twin};
+use super::bridge::{Outputs, Recording, Twin};
 use super::diagnostics::NodeCounters;
 use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
@@ -53,15 +53,35 @@ impl TwinNode {
         outputs: impl Outputs,
         log: Option<RosoutQueue>,
     ) -> Result<Self, NodeError> {
+        Self::start_recorded(environment, names, twin, outputs, log, None)
+    }
+
+    /// The same with a recording of everything that the node receives and sends.
+    ///
+    /// # Errors
+    /// When there is no participant, endpoint or thread to be had.
+    pub fn start_recorded(
+        environment: &Environment,
+        names: Names,
+        twin: Arc<dyn Twin>,
+        outputs: impl Outputs,
+        log: Option<RosoutQueue>,
+        recording: Option<Arc<dyn Recording>>,
+    ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let counters = Arc::new(NodeCounters::default());
         let stop = Arc::new(AtomicBool::new(false));
         let log_thread = log
             .map(|queue| publish_log(&mut node, queue, &counters, &stop))
             .transpose()?;
-        let publishing = Publishing::new(&mut node, Arc::clone(&twin), Arc::clone(&counters))?;
-        let subscriptions = Subscriptions::new(&mut node, &twin.parameters())?;
-        let services = Services::new(&mut node)?;
+        let publishing = Publishing::new(
+            &mut node,
+            Arc::clone(&twin),
+            Arc::clone(&counters),
+            recording.clone(),
+        )?;
+        let subscriptions = Subscriptions::new(&mut node, &twin.parameters(), recording.clone())?;
+        let services = Services::new(&mut node, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let publisher = spawn("column_twin/pub", move || {
             publishing.run(outputs, &stop_publishing);

@@ -183,6 +183,7 @@ impl Twin {
             out,
         );
         self.reported.due = true;
+        self.journal.due = true;
         self.save(now, out);
     }
 }

@@ -126,6 +126,7 @@ impl Twin {
             return None;
         }
         let run = self.last.take()?.run;
+        self.journal.taken_back = true;
         self.life.plastic_work = plastic_work;
         self.corrections -= run.state.corrections;
         self.run = Some(run);
@@ -196,6 +197,7 @@ impl Twin {
         let text = format!("impact \"{event_id}\" accepted");
         self.notice(Severity::Info, text, now, out);
         self.life.last_event_id = Arc::clone(&event_id);
+        self.journal.responses += 1;
         self.ahead = Some(LookAhead::new(met.clone()));
         let steps = self.steps_per_sample(&met.model);
         let history = self

@@ -3,6 +3,9 @@
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
+use serde::{Deserialize, Serialize};
+
+use super::exact_number;
 use super::parameter_change::Change;
 use super::present::{Blow, Present};
 use crate::parameters::Value;
@@ -40,7 +43,8 @@ pub enum Input {
 }
 
 /// An impact event as its sender tells it; nothing of it is trusted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ImpactEvent {
     /// Chosen by the sender, 1 to [`MAX_EVENT_ID_CHARS`](super::MAX_EVENT_ID_CHARS) characters.
     pub event_id: String,
@@ -49,14 +53,19 @@ pub struct ImpactEvent {
     /// Instant of contact, or of the gap's measurement where the gap is not zero.
     pub stamp: Nanos,
     /// Mass of the vehicle \[kg\], > 0.
+    #[serde(with = "exact_number")]
     pub impact_mass: f64,
     /// Closing speed \[m/s\], > 0.
+    #[serde(with = "exact_number")]
     pub velocity: f64,
     /// Distance to the column at the stamp \[m\], >= 0; `None`: parameter `impact.gap`.
+    #[serde(with = "exact_number::option")]
     pub gap: Option<f64>,
     /// Newton's coefficient of restitution, 0 to 1; `None`: parameter `impact.restitution`.
+    #[serde(with = "exact_number::option")]
     pub restitution: Option<f64>,
     /// Height of the impact above the base \[m\]; `None`: parameter `geometry.length_below`.
+    #[serde(with = "exact_number::option")]
     pub height: Option<f64>,
 }
 

@@ -25,8 +25,10 @@
 //!   reset breaks off has no successor.
 
 mod changes;
+mod exact_number;
 mod impacts;
 mod input;
+mod journal;
 mod look_ahead;
 mod output;
 mod parameter_change;
@@ -42,6 +44,10 @@ use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 pub use input::{ImpactEvent, Input, Nanos};
+pub use journal::{
+    Given, Handled, Journal, NotReached, Position, STARTING_POINT_PERIOD, StartingPoint,
+    StatusTaken,
+};
 pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
 pub use output::{
     Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput, Severity,
@@ -55,6 +61,7 @@ pub use status::{Counts, Status, TwinPhase};
 
 use crate::column::{Impact, Model, ModelError, State};
 use crate::parameters::Parameters;
+use journal::Bookkeeping;
 use look_ahead::{LookAhead, Outlook};
 use parameter_change::{AtRest, Waiting};
 use run::Run;
@@ -104,6 +111,7 @@ pub struct Twin {
     last_refusal_reason: Arc<str>,
     last_refusal_event_id: Arc<str>,
     reported: Reported,
+    journal: Bookkeeping,
     stopwatch: Stopwatch,
 }
 
@@ -189,6 +197,7 @@ impl Twin {
                 phase: TwinPhase::Idle,
                 due: true,
             },
+            journal: Bookkeeping::new(now),
             stopwatch,
         };
         if let Some(saved) = saved {
@@ -244,26 +253,52 @@ impl Twin {
     /// Does what it is asked, at the instant `now`. What follows from it with time is left to [`Twin::advance_to`] and
     /// [`Twin::run_ahead`].
     pub fn handle(&mut self, input: Input, now: Nanos, out: &mut impl Outputs) {
-        match input {
-            Input::Impact(event) => {
-                if let Err(reason) = self.take_impact(&event, now, out) {
-                    self.refuse_impact(&event.event_id, reason, now, out);
-                }
-            }
+        let (given, reply) = match input {
+            Input::Look { reply } => return answer(Some(&reply), self.present()),
+            Input::Impact(event) => (Given::Impact(event), Reply::None),
             Input::Parameters {
                 changes,
                 source,
                 reply,
-            } => {
-                let result = self.take_parameters(&changes, &source, now, out);
-                let result = result.map_err(|reason| self.refuse_change(reason, &source, now, out));
-                answer(reply.as_ref(), result);
+            } => (
+                Given::Parameters { changes, source },
+                Reply::Parameters(reply),
+            ),
+            Input::Reset { source, reply } => (Given::Reset { source }, Reply::Reset(reply)),
+        };
+        self.report_starting_point(now, out);
+        let position = self.position();
+        let result = self.take(&given, now, out);
+        let refused = result.as_ref().err().map(Arc::clone);
+        self.note(given, refused, position, now, out);
+        match reply {
+            Reply::None => {}
+            Reply::Parameters(reply) => answer(reply.as_ref(), result),
+            Reply::Reset(reply) => answer(reply.as_ref(), ()),
+        }
+    }
+
+    fn take(
+        &mut self,
+        given: &Given,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Change, Arc<str>> {
+        match given {
+            Given::Impact(event) => match self.take_impact(event, now, out) {
+                Ok(()) => Ok(Change::Applied),
+                Err(reason) => {
+                    self.refuse_impact(&event.event_id, reason, now, out);
+                    Err(Arc::clone(&self.last_refusal_reason))
+                }
+            },
+            Given::Parameters { changes, source } => self
+                .take_parameters(changes, source, now, out)
+                .map_err(|reason| self.refuse_change(reason, source, now, out)),
+            Given::Reset { source } => {
+                self.reset(source, now, out);
+                Ok(Change::Applied)
             }
-            Input::Reset { source, reply } => {
-                self.reset(&source, now, out);
-                answer(reply.as_ref(), ());
-            }
-            Input::Look { reply } => answer(Some(&reply), self.present()),
         }
     }
 
@@ -277,6 +312,7 @@ impl Twin {
                 .nanos
                 .saturating_add((self.stopwatch)().saturating_sub(started));
         }
+        self.report_starting_point(now, out);
         self.report_status(now, out);
     }
 
@@ -342,6 +378,13 @@ impl Twin {
         let of = |run: &Run| run.steps_per_turn() * run.model.properties.step_nanos;
         self.run.as_ref().map_or(STATUS_PERIOD.unsigned_abs(), of)
     }
+}
+
+/// Who waits for a reply.
+enum Reply {
+    None,
+    Parameters(Option<SyncSender<Result<Change, Arc<str>>>>),
+    Reset(Option<SyncSender<()>>),
 }
 
 fn answer<T>(reply: Option<&SyncSender<T>>, value: T) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::input::Nanos;
+use super::journal::Journal;
 use super::parameter_change::Change;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
@@ -28,6 +29,8 @@ pub enum Output {
     Notice(Notice),
     /// The damage changed: to be kept outside of the thread that drives the twin.
     Save(Arc<SavedState>),
+    /// For a recording, so that everything can be computed anew.
+    Journal(Journal),
 }
 
 /// The column at one instant of a response.
@@ -41,6 +44,10 @@ pub struct StateOutput {
     pub phase: TwinPhase,
     /// The values. `percussion` is the sum since the sample before.
     pub sample: Sample,
+    /// Length of the lower bar, and with it the height of hinges 1a and 1b above the base \[m\].
+    pub length_below: f64,
+    /// Length of the upper bar \[m\].
+    pub length_above: f64,
 }
 
 /// A forecast or a result.

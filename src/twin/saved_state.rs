@@ -65,6 +65,26 @@ pub enum SavedCondition {
     Faulted(Arc<str>),
 }
 
+impl From<&Condition> for SavedCondition {
+    fn from(condition: &Condition) -> Self {
+        match condition {
+            Condition::Standing => Self::Standing,
+            Condition::Collapsed => Self::Collapsed,
+            Condition::Faulted(reason) => Self::Faulted(Arc::clone(reason)),
+        }
+    }
+}
+
+impl From<&SavedCondition> for Condition {
+    fn from(saved: &SavedCondition) -> Self {
+        match saved {
+            SavedCondition::Standing => Self::Standing,
+            SavedCondition::Collapsed => Self::Collapsed,
+            SavedCondition::Faulted(reason) => Self::Faulted(Arc::clone(reason)),
+        }
+    }
+}
+
 /// Why a text is not the state of this column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SavedStateError {
@@ -181,16 +201,11 @@ fn hex(bytes: &[u8]) -> String {
 impl Twin {
     /// The damage as it is to be kept: without what the present response will add.
     pub fn saved_state(&self, now: Nanos) -> SavedState {
-        let condition = match &self.condition {
-            Condition::Standing => SavedCondition::Standing,
-            Condition::Collapsed => SavedCondition::Collapsed,
-            Condition::Faulted(reason) => SavedCondition::Faulted(Arc::clone(reason)),
-        };
         SavedState {
             column_id: Arc::clone(&self.column_id),
             fingerprint: Arc::clone(&self.fingerprint),
             stamp: now,
-            condition,
+            condition: SavedCondition::from(&self.condition),
             impact_height: self.at_rest.model.properties.length_below,
             displacement: self.at_rest.state.displacement,
             plastic: self.at_rest.state.plastic,
@@ -208,11 +223,7 @@ impl Twin {
         parameter_change::move_joint(&mut properties, saved.impact_height);
         let model = Model::new(&properties)?;
         let mut state = State::settled(&model, saved.displacement, saved.plastic);
-        self.condition = match &saved.condition {
-            SavedCondition::Standing => Condition::Standing,
-            SavedCondition::Collapsed => Condition::Collapsed,
-            SavedCondition::Faulted(reason) => Condition::Faulted(Arc::clone(reason)),
-        };
+        self.condition = Condition::from(&saved.condition);
         if self.condition == Condition::Standing {
             let is_as_saved =
                 residual_state(&model, &state).is_some_and(|now| is_same_place(&now, &state));
@@ -248,11 +259,7 @@ impl Twin {
             return;
         };
         let mut saved = self.saved_state(now);
-        saved.condition = match condition_after(report, residual.as_ref()) {
-            Condition::Standing => SavedCondition::Standing,
-            Condition::Collapsed => SavedCondition::Collapsed,
-            Condition::Faulted(reason) => SavedCondition::Faulted(reason),
-        };
+        saved.condition = SavedCondition::from(&condition_after(report, residual.as_ref()));
         if let Some(residual) = residual {
             saved.displacement = residual.displacement;
             saved.plastic = residual.plastic;

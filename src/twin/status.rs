@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::input::Nanos;
+use super::journal::{Journal, StatusTaken};
 use super::output::{Notice, Output, Outputs, Severity};
 use super::present::Condition;
 use super::{Reported, STATUS_PERIOD, Twin};
@@ -72,7 +75,8 @@ pub struct Status {
 }
 
 /// What was accepted and refused since the start of the program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Counts {
     /// Impact events accepted.
     pub events_accepted: u64,
@@ -155,6 +159,10 @@ impl Twin {
         // A clock that was set back must not silence the twin.
         let long_ago = now < at || now.saturating_sub(at) >= STATUS_PERIOD;
         if due || long_ago || phase != last {
+            out.put(Output::Journal(Journal::Status(StatusTaken {
+                stamp: now,
+                position: self.position(),
+            })));
             out.put(Output::Status(self.status(now)));
             self.reported = Reported {
                 at: now,

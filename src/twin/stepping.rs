@@ -15,28 +15,12 @@ use crate::column::{End, Report, State, StepError, residual_state};
 impl Twin {
     pub(super) fn step_to(&mut self, now: Nanos, out: &mut impl Outputs) {
         for _ in 0..MAX_STEPS_PER_CALL {
+            let Some(target) = self.arrive(now, out) else {
+                return;
+            };
             let Some(run) = &mut self.run else {
                 return;
             };
-            let Some(now_step) = run.step_at(now) else {
-                return;
-            };
-            let next_impact = self
-                .impacts_ahead
-                .first()
-                .and_then(|next| run.step_at(next.stamp));
-            let target = next_impact.unwrap_or(u64::MAX).min(now_step);
-            if run.state.step >= run.next_sample {
-                put_state(run, None, out);
-            }
-            if run.state.step >= target {
-                if next_impact.is_none_or(|step| step > now_step) {
-                    return;
-                }
-                let next = self.impacts_ahead.remove(0);
-                self.hit_moving_column(next, target, NO_REPORT, now, out);
-                continue;
-            }
             let before = run.state.step;
             let advanced = run.advance(target);
             self.steps += run.state.step - before;
@@ -45,6 +29,34 @@ impl Twin {
                 Advanced::Over(end) => self.end(end, now, out),
                 Advanced::Failed(error) => self.fail(&error, now, out),
             }
+        }
+        // Whoever looks between two calls finds all done that belongs to the step that was reached.
+        self.arrive(now, out);
+    }
+
+    /// Does what is due where the column is: its sample, the impacts that meet it here. The step to go to from here;
+    /// `None` where `now` does not lie beyond it.
+    fn arrive(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
+        loop {
+            let run = self.run.as_mut()?;
+            let now_step = run.step_at(now)?;
+            let next_impact = self
+                .impacts_ahead
+                .first()
+                .and_then(|next| run.step_at(next.stamp));
+            let target = next_impact.unwrap_or(u64::MAX).min(now_step);
+            if run.state.step >= run.next_sample {
+                put_state(run, None, out);
+            }
+            if run.state.step < target {
+                return Some(target);
+            }
+            if next_impact.is_none_or(|step| step > now_step) {
+                return None;
+            }
+            // There are few of them, and each goes: the loop ends.
+            let next = self.impacts_ahead.remove(0);
+            self.hit_moving_column(next, target, NO_REPORT, now, out);
         }
     }
 
@@ -108,6 +120,7 @@ impl Twin {
             resumable: Some(plastic_work),
         });
         self.reported.due = true;
+        self.journal.due = true;
         self.apply_waiting_parameters(now, out);
         self.save(now, out);
         while self.run.is_none() && !self.impacts_ahead.is_empty() {
@@ -124,6 +137,8 @@ pub(super) fn put_state(run: &mut Run, phase: Option<TwinPhase>, out: &mut impl 
         event_id: Arc::clone(&run.event_id),
         phase: phase.unwrap_or(sample.phase.into()),
         sample,
+        length_below: run.model.properties.length_below,
+        length_above: run.model.properties.length_above,
     }));
 }
 

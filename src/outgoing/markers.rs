@@ -6,7 +6,6 @@ use crate::column::{HingeState, Phase, Sample};
 use crate::messages::geometry_msgs::{Point, Pose, Vector3};
 use crate::messages::std_msgs::{ColorRGBA, Header};
 use crate::messages::visualization_msgs::{Marker, MarkerArray};
-use crate::parameters::Parameters;
 
 /// Width of the column's line \[m\].
 const COLUMN_WIDTH: f64 = 0.2;
@@ -37,21 +36,11 @@ const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
     ColorRGBA { r, g, b, a: 1.0 }
 }
 
-/// The undeformed lengths that markers are drawn with \[m\].
+/// The undeformed lengths of the two bars \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lengths {
-    below: f64,
-    above: f64,
-}
-
-impl From<&Parameters> for Lengths {
-    fn from(parameters: &Parameters) -> Self {
-        let geometry = &parameters.settings().geometry;
-        Self {
-            below: geometry.length_below,
-            above: geometry.length_above,
-        }
-    }
+    pub below: f64,
+    pub above: f64,
 }
 
 /// All markers for one sample. Vehicle and force are taken away where there is none.

@@ -1,0 +1,237 @@
+//! `column-twin replay`: a recording over DDS.
+
+use std::io::{IsTerminal, stderr, stdin};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use crossterm::{event, terminal};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::{Exit, Failure, run::environment};
+use crate::ros::RosArguments;
+use crate::ros::replay::{
+    RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
+};
+
+/// Ticks of `/clock` where nobody says how many \[Hz\], as in `ros2 bag play`.
+const CLOCK_HZ: &str = "40";
+
+/// What `column-twin replay` is told besides the ROS arguments.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct ReplayArgs {
+    /// A recording: its directory, or an MCAP file of it
+    #[arg(value_name = "BAG")]
+    bag: PathBuf,
+    /// Recorded seconds per second
+    #[arg(long, short, value_name = "X", default_value_t = 1.0, value_parser = rate)]
+    rate: f64,
+    /// Begin again at the end
+    #[arg(long = "loop", short = 'l')]
+    repeat: bool,
+    /// Only these topics, by their recorded names
+    #[arg(long, value_name = "TOPIC", num_args = 1..)]
+    topics: Vec<String>,
+    /// Publish /clock, so that nodes with use_sim_time live in recorded time [Hz]
+    #[arg(long, value_name = "HZ", num_args = 0..=1, default_missing_value = CLOCK_HZ, value_parser = hertz)]
+    clock: Option<f64>,
+    /// Wait this long until every topic has a reader, and then begin [s]
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    wait_for_readers: u16,
+}
+
+const EXAMPLE: &str = "\
+Publishes the recorded bytes with their timing and their quality of service. Keys: space pauses, right arrow gives the next
+message while it is paused, up and down change the rate by a tenth, Ctrl-C ends. The journal, which nobody has sent, is left
+out. Remap with --ros-args, as in every ROS 2 program.
+
+Examples: ten times slower; the events alone, into a twin that follows simulated time
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --rate 0.1
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
+
+Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be sent.";
+
+fn rate(text: &str) -> Result<f64, String> {
+    number_in(text, RATES)
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    number_in(text, 0.1..=10_000.0)
+}
+
+fn number_in(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {
+    let number: Result<f64, _> = text.parse();
+    number
+        .ok()
+        .filter(|number| range.contains(number))
+        .ok_or_else(|| {
+            format!(
+                "expected a number from {} to {}",
+                range.start(),
+                range.end()
+            )
+        })
+}
+
+/// Replays the recording.
+pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
+    let options = ReplayOptions {
+        bag: arguments.bag.clone(),
+        rate: arguments.rate,
+        repeat: arguments.repeat,
+        topics: arguments.topics.clone(),
+        clock: arguments.clock,
+        wait_for_readers: Duration::from_secs(u64::from(arguments.wait_for_readers)),
+    };
+    let environment = environment()?;
+    let mut terminal = Terminal::new();
+    let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
+    drop(terminal); // as it was, before anything is printed
+    let replayed = replayed.map_err(|error| {
+        let exit = match error {
+            ReplayError::Node(_) | ReplayError::Signals(_) => Exit::Failed,
+            _ => Exit::BadInput,
+        };
+        Failure::plain(exit, error)
+    })?;
+    println!("{} messages sent", replayed.sent);
+    if let Some([half, most, worst]) = replayed.lateness {
+        println!(
+            "later than due: {:.3} ms half of them, {:.3} ms 99 of 100, {:.3} ms at most",
+            1e3 * half,
+            1e3 * most,
+            1e3 * worst
+        );
+    }
+    match replayed.lost {
+        0 => Ok(()),
+        lost => Err(Failure::plain(
+            Exit::Lossy,
+            format!(
+                "{lost} messages could not be sent: a reliable reader did not keep up, or they are no plain CDR; try a lower \
+                 --rate, or fewer --topics"
+            ),
+        )),
+    }
+}
+
+/// Progress and keys, where there is a terminal.
+struct Terminal {
+    bar: ProgressBar,
+    keys: bool,
+}
+
+impl Terminal {
+    fn new() -> Self {
+        // Keys one by one, without waiting for the end of a line.
+        let keys =
+            stdin().is_terminal() && stderr().is_terminal() && terminal::enable_raw_mode().is_ok();
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template("{bar:30} {prefix} {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar, keys }
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        if self.keys {
+            let _ = terminal::disable_raw_mode(); // nothing else can be done about it
+        }
+        self.bar.abandon();
+    }
+}
+
+impl ReplayControls for Terminal {
+    fn command(&mut self) -> Option<ReplayCommand> {
+        while self.keys && event::poll(Duration::ZERO).is_ok_and(|ready| ready) {
+            let command = match event::read() {
+                Ok(Event::Key(key)) if key.kind != KeyEventKind::Release => meaning(&key),
+                Ok(_) => None,
+                Err(_) => {
+                    self.keys = false;
+                    let _ = terminal::disable_raw_mode();
+                    None
+                }
+            };
+            if command.is_some() {
+                return command;
+            }
+        }
+        None
+    }
+
+    fn show(&mut self, progress: &ReplayProgress) {
+        let ReplayProgress {
+            played,
+            whole,
+            sent,
+            rate,
+            paused,
+        } = progress;
+        let millis = |span: &Duration| u64::try_from(span.as_millis()).unwrap_or(u64::MAX);
+        self.bar.set_length(millis(whole).max(1));
+        self.bar.set_position(millis(played));
+        self.bar.set_prefix(format!(
+            "{:.2} of {:.2} s",
+            played.as_secs_f64(),
+            whole.as_secs_f64()
+        ));
+        let state = if *paused { ", paused" } else { "" };
+        self.bar
+            .set_message(format!("x{rate:.3}, {sent} messages{state}"));
+    }
+
+    fn say(&mut self, line: &str) {
+        // Where no bar is shown the lines of a bar are not shown either.
+        match self.bar.is_hidden() {
+            true => eprintln!("{line}"),
+            false => self.bar.println(line),
+        }
+    }
+}
+
+fn meaning(key: &KeyEvent) -> Option<ReplayCommand> {
+    match key.code {
+        KeyCode::Char(' ') => Some(ReplayCommand::TogglePause),
+        KeyCode::Right => Some(ReplayCommand::Next),
+        KeyCode::Up => Some(ReplayCommand::Faster),
+        KeyCode::Down => Some(ReplayCommand::Slower),
+        KeyCode::Char('q') | KeyCode::Esc => Some(ReplayCommand::Stop),
+        // In raw mode it is a key as any other.
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => {
+            Some(ReplayCommand::Stop)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_mean_what_the_help_says() {
+        let press = |code, modifiers| meaning(&KeyEvent::new(code, modifiers));
+        let none = KeyModifiers::NONE;
+        assert_eq!(
+            press(KeyCode::Char(' '), none),
+            Some(ReplayCommand::TogglePause)
+        );
+        assert_eq!(
+            press(KeyCode::Char('c'), KeyModifiers::CONTROL),
+            Some(ReplayCommand::Stop)
+        );
+        assert_eq!(press(KeyCode::Char('c'), none), None);
+    }
+
+    #[test]
+    fn rates_that_are_none_are_refused() {
+        for text in ["0", "-1", "nan", "inf", "fast", ""] {
+            assert!(rate(text).is_err(), "{text}");
+        }
+        assert_eq!(rate("0.1"), Ok(0.1));
+    }
+}

@@ -1,0 +1,46 @@
+//! `column-twin verify`: is a recording what the model gives?
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Exit, Failure};
+use crate::evidence;
+
+/// What `column-twin verify` is told.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct VerifyArgs {
+    /// A recording: its directory, or an MCAP file of it
+    #[arg(value_name = "BAG")]
+    bag: PathBuf,
+}
+
+const EXAMPLE: &str = "\
+Runs the twin anew from the recorded state, parameters and inputs, and compares every value of column_state, hinge_forces,
+impact_forecast, impact_report, twin_status, joint_states and markers with what was recorded. The same build computes the
+same bits. How long computing took and what other threads of the node did cannot be recomputed and is left out.
+
+Example: simulate an impact, and prove the recording of it
+  column-twin simulate --record impact && column-twin verify impact
+
+Exit codes: 0 equal, 1 it differs, 2 it cannot be read or has no journal.";
+
+/// Prints what was found.
+pub fn run(arguments: &VerifyArgs) -> Result<(), Failure> {
+    let found =
+        evidence::verify(&arguments.bag).map_err(|error| Failure::plain(Exit::BadInput, error))?;
+    print!("{found}");
+    if found.is_equal() {
+        return Ok(());
+    }
+    Err(Failure::plain(
+        Exit::Failed,
+        format!(
+            "{} is not what this model gives: {} differences, {} messages missing",
+            arguments.bag.display(),
+            found.differences,
+            found.missing()
+        ),
+    ))
+}

@@ -1,0 +1,63 @@
+//! Which program a recording comes from.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::sync::OnceLock;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Who recorded, and where what is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct About {
+    /// Name and version of the program.
+    pub program: String,
+    /// Which build of it: the same build computes the same bits. See [`build`].
+    pub build: String,
+    /// Names of the topics as they were resolved, by their names in the table of endpoints.
+    pub topics: BTreeMap<String, String>,
+}
+
+impl About {
+    /// This program, with these topics.
+    #[must_use]
+    pub fn this_program(topics: BTreeMap<String, String>) -> Self {
+        Self {
+            program: format!("column_twin {}", env!("CARGO_PKG_VERSION")),
+            build: build().to_owned(),
+            topics,
+        }
+    }
+}
+
+/// Which build this is: target, profile, and a hash of the program file. The file is read once, at the first call.
+pub fn build() -> &'static str {
+    static BUILD: OnceLock<String> = OnceLock::new();
+    BUILD.get_or_init(|| {
+        let profile = if cfg!(debug_assertions) {
+            "debug"
+        } else {
+            "release"
+        };
+        let hash = program_hash().unwrap_or_else(|_| "unknown".to_owned());
+        format!(
+            "{}-{} {profile} {hash}",
+            std::env::consts::ARCH,
+            std::env::consts::OS
+        )
+    })
+}
+
+fn program_hash() -> std::io::Result<String> {
+    let mut file = std::fs::File::open(std::env::current_exe()?)?;
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 20];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => break,
+            read => hash.update(&buffer[..read]),
+        }
+    }
+    let hex = |byte: &u8| format!("{byte:02x}");
+    Ok(hash.finalize().iter().take(16).map(hex).collect())
+}

@@ -1,0 +1,57 @@
+//! Makes entries of a recording.
+
+use std::sync::Arc;
+
+use super::about::About;
+use super::journal_line::{JournalError, Line, LineEntry};
+use super::topics::Topics;
+use crate::endpoints::{self, Endpoint};
+use crate::recording::Entry;
+use crate::twin::Journal;
+
+/// Makes entries of a recording of these topics.
+#[derive(Debug)]
+pub(super) struct Entries {
+    about: About,
+}
+
+impl Entries {
+    pub fn new(topics: &Topics) -> Self {
+        Self {
+            about: About::this_program(topics.by_endpoint()),
+        }
+    }
+
+    /// A message; `None` for one of a topic that is not recorded.
+    pub fn message(
+        endpoint: &Endpoint,
+        data: Arc<[u8]>,
+        log_time: i64,
+        publish_time: i64,
+    ) -> Option<Entry> {
+        Some(Entry {
+            topic: Topics::index_of(endpoint)?,
+            log_time,
+            publish_time,
+            data,
+            starting_point: false,
+        })
+    }
+
+    /// An entry of the twin's journal.
+    pub fn journal(&self, entry: &Journal, time: i64) -> Result<Option<Entry>, JournalError> {
+        let about = matches!(entry, Journal::StartingPoint(_)).then(|| self.about.clone());
+        Self::line(&Line::new(LineEntry::Twin(entry.clone()), about), time)
+    }
+
+    /// An entry of the node's.
+    pub fn line(line: &Line, time: i64) -> Result<Option<Entry>, JournalError> {
+        let data = line.encode()?.into();
+        Ok(
+            Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
+                starting_point: line.is_starting_point(),
+                ..entry
+            }),
+        )
+    }
+}

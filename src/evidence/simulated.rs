@@ -1,0 +1,184 @@
+//! One impact on a virgin column, recorded as a node would, without any ROS and without waiting.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::entries::Entries;
+use super::journal_line::JournalError;
+use super::topics::Topics;
+use crate::column::{ModelError, Report};
+use crate::endpoints;
+use crate::live::monotonic_nanos;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr::{self, CdrError};
+use crate::messages::column_twin::ImpactEvent as ImpactMessage;
+use crate::messages::std_msgs::Header;
+use crate::outgoing::{Outgoing, TOPICS};
+use crate::parameters::Parameters;
+use crate::recording::{Entry, Finished, RecordingError, Writer, WriterOptions};
+use crate::twin::{ImpactEvent, Input, Nanos, Output, Twin};
+
+/// Name of the one event.
+pub const SIMULATED_EVENT: &str = "simulated";
+
+/// A recording that was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedImpact {
+    /// The file.
+    pub finished: Finished,
+    /// What became of the impact; `None` where it could not be followed to its end.
+    pub report: Option<Report>,
+}
+
+/// Why there is no recording.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulatedRecordingError {
+    /// It cannot be written.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The column is impossible.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A message cannot be written.
+    #[error(transparent)]
+    Message(#[from] CdrError),
+    /// The journal cannot be written.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The twin does not take the impact.
+    #[error("the impact is refused: {0}")]
+    Refused(String),
+    /// There is no such instant.
+    #[error(
+        "expected an instant from 1970 to 2038 for the beginning of the recording, found {0} ns after 1970"
+    )]
+    Origin(Nanos),
+}
+
+/// Records what the impact that the parameters describe does to a virgin column, into a directory that must not exist.
+/// `origin` is the instant of the event; all times of the recording count from there.
+///
+/// # Errors
+/// The column or the impact is impossible, or the recording cannot be written.
+pub fn record_impact(
+    parameters: &Parameters,
+    origin: Nanos,
+    directory: &Path,
+    options: &WriterOptions,
+) -> Result<RecordedImpact, SimulatedRecordingError> {
+    let stamp = Time::from_nanos(origin)
+        .filter(|_| origin >= 0)
+        .ok_or(SimulatedRecordingError::Origin(origin))?;
+    let settings = parameters.settings();
+    let impact = parameters.impact();
+    let event = ImpactEvent {
+        event_id: SIMULATED_EVENT.to_owned(),
+        column_id: settings.column_id.clone(),
+        stamp: origin,
+        impact_mass: impact.mass,
+        velocity: impact.velocity,
+        gap: Some(impact.gap),
+        restitution: Some(impact.restitution),
+        height: None,
+    };
+    let message = ImpactMessage {
+        header: Header {
+            stamp,
+            frame_id: settings.frame_id.clone(),
+        },
+        column_id: event.column_id.clone(),
+        event_id: event.event_id.clone(),
+        mass: impact.mass,
+        velocity: impact.velocity,
+        gap: impact.gap,
+        restitution: impact.restitution,
+        height: f64::NAN,
+    };
+    let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
+    let topics = Topics::of_default_node();
+    let mut script = Script {
+        writer: Writer::create(directory, options, &topics.declared())?,
+        entries: Entries::new(&topics),
+        outgoing: Outgoing::new(parameters),
+        report: None,
+        refused: None,
+    };
+    let written = script.play(&mut twin, event, &message, origin);
+    let finished = script.writer.finish();
+    written?;
+    match script.refused {
+        Some(reason) => Err(SimulatedRecordingError::Refused(reason)),
+        None => Ok(RecordedImpact {
+            finished: finished?,
+            report: script.report,
+        }),
+    }
+}
+
+/// Writes down what a twin gives out.
+struct Script {
+    writer: Writer,
+    entries: Entries,
+    outgoing: Outgoing,
+    report: Option<Report>,
+    refused: Option<String>,
+}
+
+impl Script {
+    fn play(
+        &mut self,
+        twin: &mut Twin,
+        event: ImpactEvent,
+        message: &ImpactMessage,
+        origin: Nanos,
+    ) -> Result<(), SimulatedRecordingError> {
+        let mut out = Vec::new();
+        twin.advance_to(origin, &mut out);
+        self.write(&mut out, origin)?;
+        let bytes = cdr::encode(message)?.into();
+        self.put(Entries::message(
+            &endpoints::IMPACT_EVENT,
+            bytes,
+            origin,
+            origin,
+        ))?;
+        twin.handle(Input::Impact(event), origin, &mut out);
+        twin.run_ahead(u64::MAX, origin, &mut out);
+        let mut now = origin;
+        loop {
+            twin.advance_to(now, &mut out);
+            self.write(&mut out, now)?;
+            if !twin.is_responding() {
+                return Ok(());
+            }
+            now = twin.next_deadline(now).max(now);
+        }
+    }
+
+    fn write(&mut self, out: &mut Vec<Output>, now: Nanos) -> Result<(), SimulatedRecordingError> {
+        for output in out.drain(..) {
+            let mut messages = Vec::new();
+            self.outgoing
+                .convert(&output, |message| messages.push(message));
+            for message in messages {
+                let endpoint = TOPICS[message.topic()];
+                let bytes = Arc::from(message.encode()?);
+                self.put(Entries::message(endpoint, bytes, now, now))?;
+            }
+            match output {
+                Output::Journal(entry) => {
+                    let entry = self.entries.journal(&entry, now)?;
+                    self.put(entry)?;
+                }
+                Output::Report(report) => self.report = Some(report.report),
+                Output::Refused(refused) => self.refused = Some(refused.reason.to_string()),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, entry: Option<Entry>) -> Result<(), RecordingError> {
+        entry.map_or(Ok(()), |entry| self.writer.write(&entry))
+    }
+}

@@ -1,0 +1,349 @@
+//! What leaves the twin, as messages: the one conversion that the node, a recording without ROS and `verify` share, so
+//! that their messages are equal byte for byte.
+//!
+//! Which outputs become which messages, and how often: states and hinge forces as they come; joint states and markers
+//! thinned, since they are to look at; reports, forecasts and status as they come. All of it depends on the outputs
+//! since the last starting point alone.
+
+mod joint_states;
+mod markers;
+
+use crate::endpoints::{self, Endpoint};
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr::{self, CdrError};
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+use crate::messages::sensor_msgs::JointState;
+use crate::messages::std_msgs::Header;
+use crate::messages::visualization_msgs::MarkerArray;
+use crate::parameters::Parameters;
+use crate::twin::{Journal, Output, ReportOutput, StateOutput, Status, TwinPhase};
+use joint_states::JointStates;
+use markers::{Lengths, markers};
+
+/// Shortest time between two joint states, in the time of the samples: 100 Hz show all that a plot can.
+const JOINT_STATES_PERIOD: i64 = 10_000_000;
+
+/// Shortest time between two marker arrays, in the time of the samples: 25 Hz are a film.
+const MARKERS_PERIOD: i64 = 40_000_000;
+
+/// The topics of [`Message`], in its order.
+pub const TOPICS: [&Endpoint; 7] = [
+    &endpoints::COLUMN_STATE,
+    &endpoints::HINGE_FORCES,
+    &endpoints::IMPACT_FORECAST,
+    &endpoints::IMPACT_REPORT,
+    &endpoints::TWIN_STATUS,
+    &endpoints::JOINT_STATES,
+    &endpoints::MARKERS,
+];
+
+/// A message that leaves the twin.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Message {
+    /// On `column_state`.
+    ColumnState(ColumnState),
+    /// On `hinge_forces`.
+    HingeForces(HingeForces),
+    /// On `impact_forecast`.
+    ImpactForecast(ImpactReport),
+    /// On `impact_report`.
+    ImpactReport(ImpactReport),
+    /// On `twin_status`. How threads and queues are is not the twin's to know: whoever runs it fills that in.
+    TwinStatus(TwinStatus),
+    /// On `joint_states`.
+    JointStates(JointState),
+    /// On `markers`.
+    Markers(MarkerArray),
+}
+
+impl Message {
+    /// Which of [`TOPICS`] it goes to.
+    #[must_use]
+    pub fn topic(&self) -> usize {
+        match self {
+            Self::ColumnState(_) => 0,
+            Self::HingeForces(_) => 1,
+            Self::ImpactForecast(_) => 2,
+            Self::ImpactReport(_) => 3,
+            Self::TwinStatus(_) => 4,
+            Self::JointStates(_) => 5,
+            Self::Markers(_) => 6,
+        }
+    }
+
+    /// Its bytes, encapsulation header included.
+    ///
+    /// # Errors
+    /// See [`cdr::encode`].
+    pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
+        match self {
+            Self::ColumnState(message) => cdr::encode(message),
+            Self::HingeForces(message) => cdr::encode(message),
+            Self::ImpactForecast(message) | Self::ImpactReport(message) => cdr::encode(message),
+            Self::TwinStatus(message) => cdr::encode(message),
+            Self::JointStates(message) => cdr::encode(message),
+            Self::Markers(message) => cdr::encode(message),
+        }
+    }
+
+    /// The message of one of [`TOPICS`] that these bytes are.
+    ///
+    /// # Errors
+    /// See [`cdr::decode`].
+    pub fn decode(topic: usize, bytes: &[u8]) -> Result<Self, CdrError> {
+        Ok(match topic {
+            0 => Self::ColumnState(cdr::decode(bytes)?),
+            1 => Self::HingeForces(cdr::decode(bytes)?),
+            2 => Self::ImpactForecast(cdr::decode(bytes)?),
+            3 => Self::ImpactReport(cdr::decode(bytes)?),
+            4 => Self::TwinStatus(cdr::decode(bytes)?),
+            5 => Self::JointStates(cdr::decode(bytes)?),
+            _ => Self::Markers(cdr::decode(bytes)?),
+        })
+    }
+
+    /// The instant that it is for; `None` for one without a valid stamp.
+    #[must_use]
+    pub fn stamp(&self) -> Option<i64> {
+        let header = match self {
+            Self::ColumnState(message) => &message.header,
+            Self::HingeForces(message) => &message.header,
+            Self::ImpactForecast(message) | Self::ImpactReport(message) => &message.header,
+            Self::TwinStatus(message) => &message.header,
+            Self::JointStates(message) => &message.header,
+            Self::Markers(message) => &message.markers.first()?.header,
+        };
+        header.stamp.to_nanos()
+    }
+
+    /// The impact that it is about; `None` for one that does not say.
+    #[must_use]
+    pub fn event_id(&self) -> Option<&str> {
+        match self {
+            Self::ColumnState(message) => Some(&message.event_id),
+            Self::HingeForces(message) => Some(&message.event_id),
+            Self::ImpactForecast(message) | Self::ImpactReport(message) => Some(&message.event_id),
+            Self::TwinStatus(message) => Some(&message.event_id),
+            Self::JointStates(_) | Self::Markers(_) => None,
+        }
+    }
+}
+
+/// Turns what leaves a twin into messages.
+#[derive(Debug, Clone)]
+pub struct Outgoing {
+    column_id: String,
+    frame_id: String,
+    joints: JointStates,
+    joint_states: Thinning,
+    markers: Thinning,
+}
+
+impl Outgoing {
+    /// For a twin of these parameters.
+    #[must_use]
+    pub fn new(parameters: &Parameters) -> Self {
+        let settings = parameters.settings();
+        Self {
+            column_id: settings.column_id.clone(),
+            frame_id: settings.frame_id.clone(),
+            joints: JointStates::default(),
+            joint_states: Thinning::new(JOINT_STATES_PERIOD),
+            markers: Thinning::new(MARKERS_PERIOD),
+        }
+    }
+
+    /// Gives `put` the messages of an output, none for what is not for topics.
+    pub fn convert(&mut self, output: &Output, mut put: impl FnMut(Message)) {
+        match output {
+            Output::State(state) => self.state(state, put),
+            Output::Forecast(report) => {
+                put(Message::ImpactForecast(
+                    self.report(report, ImpactReport::FORECAST),
+                ));
+            }
+            Output::Report(report) => {
+                put(Message::ImpactReport(
+                    self.report(report, ImpactReport::RESULT),
+                ));
+            }
+            Output::Status(status) => put(Message::TwinStatus(self.status(status))),
+            Output::Journal(Journal::StartingPoint(_)) => {
+                self.joints = JointStates::default();
+                self.joint_states = Thinning::new(JOINT_STATES_PERIOD);
+                self.markers = Thinning::new(MARKERS_PERIOD);
+            }
+            Output::Journal(Journal::Handled(_) | Journal::Status(_))
+            | Output::Refused(_)
+            | Output::ParametersChanged(_)
+            | Output::Notice(_)
+            | Output::Save(_) => {}
+        }
+    }
+
+    fn state(&mut self, output: &StateOutput, mut put: impl FnMut(Message)) {
+        let StateOutput {
+            stamp,
+            event_id,
+            phase,
+            sample,
+            length_below,
+            length_above,
+        } = output;
+        let header = self.header(*stamp);
+        let mut state = ColumnState::from(sample);
+        state.phase = phase_code(*phase);
+        state.header.clone_from(&header);
+        state.column_id.clone_from(&self.column_id);
+        state.event_id = event_id.to_string();
+        put(Message::ColumnState(state));
+        let mut forces = HingeForces::from(sample);
+        forces.header.clone_from(&header);
+        forces.column_id.clone_from(&self.column_id);
+        forces.event_id = event_id.to_string();
+        put(Message::HingeForces(forces));
+        let running = matches!(
+            phase,
+            TwinPhase::Approach | TwinPhase::Contact | TwinPhase::Free
+        );
+        if self.joint_states.passes(*stamp, running) {
+            let message = self.joints.convert(header.clone(), sample);
+            put(Message::JointStates(message));
+        }
+        if self.markers.passes(*stamp, running) {
+            let lengths = Lengths {
+                below: *length_below,
+                above: *length_above,
+            };
+            put(Message::Markers(markers(&header, lengths, sample)));
+        }
+    }
+
+    fn report(&self, output: &ReportOutput, kind: u8) -> ImpactReport {
+        ImpactReport {
+            header: self.header(output.stamp),
+            column_id: self.column_id.clone(),
+            event_id: output.event_id.to_string(),
+            kind,
+            compute_time: output.compute_time,
+            ..ImpactReport::from(&output.report)
+        }
+    }
+
+    fn status(&self, status: &Status) -> TwinStatus {
+        TwinStatus {
+            header: self.header(status.stamp),
+            column_id: self.column_id.clone(),
+            phase: phase_code(status.phase),
+            event_id: status.event_id.to_string(),
+            events_accepted: status.counts.events_accepted,
+            events_refused: status.counts.events_refused,
+            parameters_accepted: status.counts.parameters_accepted,
+            parameters_refused: status.counts.parameters_refused,
+            last_refusal_reason: status.last_refusal_reason.to_string(),
+            last_refusal_event_id: status.last_refusal_event_id.to_string(),
+            fault: status.fault.to_string(),
+            impacts_since_reset: status.impacts_since_reset,
+            residual_v1: status.residual_v1,
+            residual_u2: status.residual_u2,
+            plastic_work_since_reset: status.plastic_work_since_reset,
+            plastic_rotation: status.plastic_rotation,
+            plastic_elongation: status.plastic_elongation,
+            ..TwinStatus::default()
+        }
+    }
+
+    /// The header of a message for an instant, in the column's frame.
+    #[must_use]
+    pub fn header(&self, stamp: i64) -> Header {
+        Header {
+            stamp: Time::from_nanos(stamp).unwrap_or_default(),
+            frame_id: self.frame_id.clone(),
+        }
+    }
+}
+
+/// Code of `phase` in `ColumnState` and `TwinStatus`.
+#[must_use]
+pub fn phase_code(phase: TwinPhase) -> u8 {
+    match phase {
+        TwinPhase::Idle => TwinStatus::IDLE,
+        TwinPhase::Approach => TwinStatus::APPROACH,
+        TwinPhase::Contact => TwinStatus::CONTACT,
+        TwinPhase::Free => TwinStatus::FREE,
+        TwinPhase::Rest => TwinStatus::REST,
+        TwinPhase::Collapsed => TwinStatus::COLLAPSED,
+        TwinPhase::Faulted => TwinStatus::FAULTED,
+    }
+}
+
+/// Lets through what is far enough apart in the time of the samples.
+#[derive(Debug, Clone)]
+struct Thinning {
+    period: i64,
+    last: Option<i64>,
+}
+
+impl Thinning {
+    fn new(period: i64) -> Self {
+        Self { period, last: None }
+    }
+
+    /// Whether this one is let through. While nothing is `running` every one is: it is the last that is seen for long.
+    fn passes(&mut self, stamp: i64, running: bool) -> bool {
+        let passes = !running
+            || self
+                .last
+                .is_none_or(|last| stamp < last || stamp - last >= self.period);
+        if passes {
+            self.last = Some(stamp);
+        }
+        passes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_first_the_spaced_and_the_last() {
+        let mut thinning = Thinning::new(10);
+        let passed: Vec<i64> = (0..35)
+            .filter(|stamp| thinning.passes(*stamp, true))
+            .collect();
+        assert_eq!(passed, [0, 10, 20, 30]);
+        assert!(thinning.passes(35, false));
+        // A new impact that was late, or a bag that was wound back.
+        assert!(thinning.passes(3, true));
+    }
+
+    #[test]
+    fn a_message_knows_its_topic() {
+        use crate::messages::Message as _;
+        let types = [
+            ColumnState::INTERFACE,
+            HingeForces::INTERFACE,
+            ImpactReport::INTERFACE,
+            ImpactReport::INTERFACE,
+            TwinStatus::INTERFACE,
+            JointState::INTERFACE,
+            MarkerArray::INTERFACE,
+        ];
+        let messages = [
+            Message::ColumnState(ColumnState::default()),
+            Message::HingeForces(HingeForces::default()),
+            Message::ImpactForecast(ImpactReport::default()),
+            Message::ImpactReport(ImpactReport::default()),
+            Message::TwinStatus(TwinStatus::default()),
+            Message::JointStates(JointState::default()),
+            Message::Markers(MarkerArray::default()),
+        ];
+        for (index, message) in messages.iter().enumerate() {
+            assert_eq!(message.topic(), index);
+            assert_eq!(TOPICS[index].type_name, types[index].ros_name());
+            let bytes = message.encode().expect("bytes");
+            assert_eq!(Message::decode(index, &bytes).expect("the same"), *message);
+        }
+    }
+}

@@ -1,0 +1,550 @@
+//! What a recorder does with each message, driven by the time it is given: begins recordings at starting points, ends them
+//! at their limits, goes on after a full disk, keeps to what may be kept.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use super::error::RecordingError;
+use super::names::directory_name;
+use super::repair::Repaired;
+use super::retention::{Kept, delete_what_is_too_much};
+use super::topic::TopicInfo;
+use super::writer::{Ended, Entry, Finished, Writer, WriterOptions};
+use crate::parameters::{Compression, Record};
+use crate::twin::Severity;
+
+/// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
+/// [`FLUSH_WITHIN`](super::FLUSH_WITHIN).
+const FLUSH_PERIOD: Duration = Duration::from_millis(30);
+
+/// Shortest time between two notes of losses in the file.
+const NOTE_PERIOD: Duration = Duration::from_secs(1);
+
+/// Where no starting point comes, a recording ends at this multiple of its limits.
+const HARD_LIMIT: u32 = 2;
+
+/// Most chunks of one recording: each takes some 300 bytes of memory until its end.
+const MOST_CHUNKS: u64 = 250_000;
+
+/// Room that must be there before recording goes on after a full disk \[bytes\].
+const ROOM_TO_RESUME: u64 = 2 << 20;
+
+/// Most recordings that begin in one second.
+const MOST_PER_SECOND: u32 = 100;
+
+/// How to record.
+#[derive(Clone)]
+pub struct RecorderOptions {
+    /// Directory of the recordings; it is made where it is missing.
+    pub directory: PathBuf,
+    /// Compression of the chunks.
+    pub compression: Compression,
+    /// Whether every [`FLUSH_WITHIN`](super::FLUSH_WITHIN) what was written is made to survive a loss of power.
+    pub sync: bool,
+    /// What each recording says about itself besides program and version.
+    pub notes: BTreeMap<String, String>,
+    /// Size at which a recording goes on in a new one \[bytes\].
+    pub max_file_size: u64,
+    /// Age at which a recording goes on in a new one.
+    pub max_duration: Option<Duration>,
+    /// Most recordings that are kept, this one included.
+    pub max_files: Option<u64>,
+    /// Most bytes of recordings that are kept, this one included.
+    pub max_total_size: Option<u64>,
+    /// Age at which recordings are deleted.
+    pub max_age: Option<Duration>,
+    /// The time of day now; from here on the recorder counts by itself.
+    pub started: SystemTime,
+    /// How long after a failure it is tried again.
+    pub retry_after: Duration,
+    /// Most messages that wait for the recorder.
+    pub queue_messages: usize,
+    /// Most bytes of messages that wait for the recorder.
+    pub queue_bytes: usize,
+    /// Is called in the recorder's thread with what happens; must not take long.
+    pub tell: Option<Arc<dyn Fn(&RecorderReport) + Send + Sync>>,
+}
+
+impl RecorderOptions {
+    /// Records to `directory` without limits but those of the queue.
+    #[must_use]
+    pub fn new(directory: impl Into<PathBuf>, started: SystemTime) -> Self {
+        Self {
+            directory: directory.into(),
+            compression: Compression::None,
+            sync: true,
+            notes: BTreeMap::new(),
+            max_file_size: u64::MAX,
+            max_duration: None,
+            max_files: None,
+            max_total_size: None,
+            max_age: None,
+            started,
+            retry_after: Duration::from_secs(5),
+            queue_messages: 65_536,
+            queue_bytes: 64 << 20,
+            tell: None,
+        }
+    }
+
+    /// As the parameters `record.*` say.
+    #[must_use]
+    pub fn from_parameters(record: &Record, started: SystemTime) -> Self {
+        let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
+        let number = |value: u64| (value > 0).then_some(value);
+        Self {
+            compression: record.compression,
+            sync: record.sync,
+            max_file_size: record.max_file_size,
+            max_duration: seconds(record.max_duration),
+            max_files: number(record.max_files),
+            max_total_size: number(record.max_total_size),
+            max_age: seconds(record.max_age),
+            ..Self::new(&record.directory, started)
+        }
+    }
+
+    fn writer_options(&self) -> WriterOptions {
+        WriterOptions {
+            compression: self.compression,
+            sync: self.sync,
+            notes: self.notes.clone(),
+            ..WriterOptions::default()
+        }
+    }
+
+    pub(super) fn say(&self, report: &RecorderReport) {
+        if let Some(tell) = &self.tell {
+            tell(report);
+        }
+    }
+}
+
+impl fmt::Debug for RecorderOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RecorderOptions")
+            .field("directory", &self.directory)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Something that happened to a recorder. Displayed, it is a line for a log.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecorderReport {
+    /// A recording began.
+    Began {
+        /// Its directory.
+        directory: PathBuf,
+    },
+    /// A recording was finished.
+    Finished(Finished),
+    /// An old recording was deleted, because of the limits.
+    Deleted {
+        /// Its directory.
+        directory: PathBuf,
+    },
+    /// A recording that a crash had cut off was written anew.
+    Repaired(Repaired),
+    /// A recording that a crash had cut off could not be written anew.
+    NotRepaired {
+        /// Its directory.
+        directory: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Nothing can be recorded now.
+    Failing {
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// It is recorded again.
+    Resumed {
+        /// Where.
+        directory: PathBuf,
+        /// Messages that are in no file.
+        lost: u64,
+    },
+    /// The queue was full.
+    Lost {
+        /// Messages that are in no file since the last report.
+        messages: u64,
+    },
+}
+
+impl RecorderReport {
+    /// How bad it is: whatever is lost is an error.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => Severity::Info,
+            Self::Repaired(_) => Severity::Warning,
+            Self::NotRepaired { .. }
+            | Self::Failing { .. }
+            | Self::Resumed { .. }
+            | Self::Lost { .. } => Severity::Error,
+        }
+    }
+}
+
+impl fmt::Display for RecorderReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Began { directory } => write!(f, "recording to {}", directory.display()),
+            Self::Finished(it) => {
+                write!(
+                    f,
+                    "recorded {} messages, {} bytes in {}",
+                    it.messages,
+                    it.bytes,
+                    it.directory.display()
+                )?;
+                if it.lost > 0 {
+                    write!(f, "; {} messages are missing", it.lost)?;
+                }
+                Ok(())
+            }
+            Self::Deleted { directory } => {
+                write!(
+                    f,
+                    "deleted the old recording {}, as record.max_* say",
+                    directory.display()
+                )
+            }
+            Self::Repaired(it) => write!(f, "{it}"),
+            Self::NotRepaired { directory, reason } => {
+                write!(
+                    f,
+                    "the recording {} was cut off and is not repaired: {reason}",
+                    directory.display()
+                )
+            }
+            Self::Failing { reason } => write!(f, "nothing is recorded: {reason}"),
+            Self::Resumed { directory, lost } => {
+                write!(
+                    f,
+                    "recording again, to {}; {lost} messages are in no recording",
+                    directory.display()
+                )
+            }
+            Self::Lost { messages } => {
+                write!(
+                    f,
+                    "{messages} messages are not recorded: the disk is too slow for them"
+                )
+            }
+        }
+    }
+}
+
+/// What others may look at while the recorder works.
+#[derive(Debug, Default)]
+pub(super) struct Counters {
+    pub written: AtomicU64,
+    pub written_bytes: AtomicU64,
+    /// Messages that did not get into the queue.
+    pub refused: AtomicU64,
+    /// Messages that were taken from the queue and could not be written.
+    pub unwritten: AtomicU64,
+    pub write_errors: AtomicU64,
+    pub finished: AtomicU64,
+    pub failing: Mutex<Option<Arc<str>>>,
+    pub current: Mutex<Option<PathBuf>>,
+}
+
+fn set<T>(place: &Mutex<Option<T>>, value: Option<T>) {
+    *place.lock().unwrap_or_else(PoisonError::into_inner) = value;
+}
+
+/// One recording after the other.
+pub(super) struct Session {
+    options: RecorderOptions,
+    topics: Vec<TopicInfo>,
+    counters: Arc<Counters>,
+    writer: Option<Current>,
+    /// The newest starting point, with which a recording begins that could not wait for one.
+    starting_point: Option<Entry>,
+    retry_at: Option<Duration>,
+    /// Losses that stand in a file, or were told.
+    noted: u64,
+    last_note: Option<Duration>,
+}
+
+struct Current {
+    writer: Writer,
+    began: Duration,
+    last_flush: Duration,
+    /// Whether there is something to flush.
+    unflushed: bool,
+}
+
+impl Session {
+    pub fn new(options: RecorderOptions, topics: Vec<TopicInfo>, counters: Arc<Counters>) -> Self {
+        Self {
+            options,
+            topics,
+            counters,
+            writer: None,
+            starting_point: None,
+            retry_at: None,
+            noted: 0,
+            last_note: None,
+        }
+    }
+
+    /// Records a message at `now`, counted from the start.
+    pub fn take(&mut self, entry: Entry, now: Duration) {
+        if entry.starting_point {
+            self.starting_point = Some(entry.clone());
+        }
+        let times = if entry.starting_point { 1 } else { HARD_LIMIT };
+        if self
+            .writer
+            .as_ref()
+            .is_some_and(|current| self.is_past_limits(current, now, times))
+        {
+            self.end(Ended::Rotated);
+        }
+        if self.writer.is_none() && !self.begin(&entry, now) {
+            self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
+            return;
+        }
+        self.write(&entry, now);
+    }
+
+    fn is_past_limits(&self, current: &Current, now: Duration, times: u32) -> bool {
+        let options = &self.options;
+        let size = options.max_file_size.saturating_mul(u64::from(times));
+        let age = options
+            .max_duration
+            .map(|limit| limit.saturating_mul(times));
+        current.writer.bytes() >= size
+            || age.is_some_and(|age| now.saturating_sub(current.began) >= age)
+            || current.writer.chunks() >= MOST_CHUNKS * u64::from(times)
+    }
+
+    /// Begins a recording, if it is time to try; `first` is what it is begun for.
+    fn begin(&mut self, first: &Entry, now: Duration) -> bool {
+        if self.retry_at.is_some_and(|at| now < at) {
+            return false;
+        }
+        let room = if self.retry_at.is_some() {
+            ROOM_TO_RESUME
+        } else {
+            0
+        };
+        match self.create(now, room) {
+            Ok(writer) => {
+                self.begun(writer, now);
+                if let Some(point) = self
+                    .starting_point
+                    .clone()
+                    .filter(|_| !first.starting_point)
+                {
+                    self.write(&point, now);
+                }
+                self.writer.is_some()
+            }
+            Err(error) => {
+                self.fail(&error, now);
+                false
+            }
+        }
+    }
+
+    fn begun(&mut self, writer: Writer, now: Duration) {
+        let directory = writer.directory().to_path_buf();
+        set(&self.counters.current, Some(directory.clone()));
+        set(&self.counters.failing, None);
+        let report = match self.retry_at.take() {
+            None => RecorderReport::Began {
+                directory: directory.clone(),
+            },
+            Some(_) => RecorderReport::Resumed {
+                directory: directory.clone(),
+                lost: self.lost(),
+            },
+        };
+        self.options.say(&report);
+        self.writer = Some(Current {
+            writer,
+            began: now,
+            last_flush: now,
+            unflushed: false,
+        });
+        self.delete_old(&directory, now);
+    }
+
+    fn create(&self, now: Duration, room: u64) -> Result<Writer, RecordingError> {
+        let directory = self.claim_directory(now)?;
+        let created = Writer::create_with_room(
+            &directory,
+            &self.options.writer_options(),
+            &self.topics,
+            room,
+        );
+        if created.is_err() {
+            // It was made a moment ago; what is not there need not be removed.
+            let _ = fs::remove_dir_all(&directory);
+        }
+        created
+    }
+
+    /// Makes a directory that nobody else has.
+    fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
+        let parent = &self.options.directory;
+        let name = directory_name(self.options.started + now);
+        for attempt in 0..MOST_PER_SECOND {
+            let directory = match attempt {
+                0 => parent.join(&name),
+                attempt => parent.join(format!("{name}_{attempt}")),
+            };
+            match fs::create_dir(&directory) {
+                Ok(()) => return Ok(directory),
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(source) => {
+                    return Err(RecordingError::io(
+                        "create the directory",
+                        &directory,
+                        source,
+                    ));
+                }
+            }
+        }
+        Err(RecordingError::Exists {
+            path: parent.join(name),
+        })
+    }
+
+    fn delete_old(&self, current: &Path, now: Duration) {
+        let kept = Kept {
+            files: self.options.max_files,
+            total_size: self.options.max_total_size,
+            age: self.options.max_age,
+        };
+        for directory in delete_what_is_too_much(
+            &self.options.directory,
+            current,
+            self.options.started + now,
+            kept,
+        ) {
+            self.options.say(&RecorderReport::Deleted { directory });
+        }
+    }
+
+    fn write(&mut self, entry: &Entry, now: Duration) {
+        let Some(current) = &mut self.writer else {
+            return;
+        };
+        match current.writer.write(entry) {
+            Ok(()) => {
+                current.unflushed = true;
+                self.counters.written.fetch_add(1, Ordering::Relaxed);
+                self.counters
+                    .written_bytes
+                    .fetch_add(entry.data.len() as u64, Ordering::Relaxed);
+            }
+            Err(error) => {
+                self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
+                self.fail(&error, now);
+            }
+        }
+    }
+
+    /// Ends what is being written, as well as it goes, and waits before it tries again.
+    fn fail(&mut self, error: &RecordingError, now: Duration) {
+        self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
+        let reason: Arc<str> = error.to_string().into();
+        let first = self.retry_at.is_none();
+        self.retry_at = Some(now + self.options.retry_after);
+        if matches!(error, RecordingError::NoRoom { .. }) {
+            self.end(Ended::NoRoom);
+        } else if let Some(current) = self.writer.take() {
+            current.writer.abandon();
+        }
+        set(&self.counters.current, None);
+        set(&self.counters.failing, Some(Arc::clone(&reason)));
+        if first {
+            self.options.say(&RecorderReport::Failing {
+                reason: reason.to_string(),
+            });
+        }
+    }
+
+    /// Finishes the recording, if there is one.
+    fn end(&mut self, reason: Ended) {
+        let losses = self.new_losses();
+        let Some(mut current) = self.writer.take() else {
+            return;
+        };
+        current.writer.add_lost(losses);
+        self.noted += losses;
+        set(&self.counters.current, None);
+        match current.writer.finish_because(reason) {
+            Ok(finished) => {
+                self.counters.finished.fetch_add(1, Ordering::Relaxed);
+                self.options.say(&RecorderReport::Finished(finished));
+            }
+            Err(error) => {
+                self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
+                self.options.say(&RecorderReport::Failing {
+                    reason: error.to_string(),
+                });
+            }
+        }
+    }
+
+    /// Messages that are lost and of which nobody knows yet.
+    fn new_losses(&self) -> u64 {
+        self.lost().saturating_sub(self.noted)
+    }
+
+    /// Messages that are in no file.
+    fn lost(&self) -> u64 {
+        self.counters.refused.load(Ordering::Relaxed)
+            + self.counters.unwritten.load(Ordering::Relaxed)
+    }
+
+    /// Does what is due: hands data to the system, notes losses. To be called again and again.
+    pub fn tick(&mut self, now: Duration) {
+        self.note_losses(now);
+        let Some(current) = &mut self.writer else {
+            return;
+        };
+        if !current.unflushed || now.saturating_sub(current.last_flush) < FLUSH_PERIOD {
+            return;
+        }
+        current.last_flush = now;
+        current.unflushed = false;
+        if let Err(error) = current.writer.flush() {
+            self.fail(&error, now);
+        }
+    }
+
+    fn note_losses(&mut self, now: Duration) {
+        let losses = self.new_losses();
+        let recently = self
+            .last_note
+            .is_some_and(|last| now.saturating_sub(last) < NOTE_PERIOD);
+        let Some(current) = self.writer.as_mut().filter(|_| losses > 0 && !recently) else {
+            return;
+        };
+        self.last_note = Some(now);
+        self.noted += losses;
+        current.writer.add_lost(losses);
+        let noted = current.writer.note_lost();
+        self.options.say(&RecorderReport::Lost { messages: losses });
+        if let Err(error) = noted {
+            self.fail(&error, now);
+        }
+    }
+
+    /// Finishes everything.
+    pub fn finish(&mut self) {
+        self.end(Ended::Stopped);
+    }
+}
