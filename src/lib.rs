@@ -25,6 +25,9 @@ pub mod messages;
 pub mod parameters;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod shape;
 pub mod twin;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 #[cfg(feature = "cli")]
 pub mod whole_file;

@@ -2,7 +2,11 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+#[cfg(feature = "viewer")]
+use std::sync::Arc;
 use std::time::Instant;
+#[cfg(feature = "viewer")]
+use std::time::SystemTime;
 
 use clap::Args;
 
@@ -11,6 +15,8 @@ use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, s
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, Thinning};
 use crate::parameters::{Parameters, parse_override};
+#[cfg(feature = "viewer")]
+use crate::viewer::{self, ViewerError};
 use crate::whole_file::WholeFile;
 
 /// What `column-twin simulate` is told.
@@ -48,6 +54,10 @@ pub struct SimulateArgs {
     /// Draw the figures as SVG and PNG into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Write what the Rerun viewer shows into this file: the deforming column, its curves and yield surfaces
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
@@ -78,6 +88,10 @@ enum SimulateError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figures(#[from] FigureError),
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Viewer(#[from] ViewerError),
 }
 
 impl From<SimulateError> for Failure {
@@ -100,6 +114,8 @@ struct Case {
     impact: Impact,
     /// Longest response \[s\].
     max_duration: f64,
+    #[cfg(feature = "viewer")]
+    parameters: Parameters,
 }
 
 /// Simulates the impact and writes what was asked for; the summary, or the history, goes to `output`.
@@ -129,11 +145,19 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         Some(folder) => case.draw(&report, folder)?,
         None => Vec::new(),
     };
+    #[cfg(feature = "viewer")]
+    if let Some(path) = &arguments.rrd {
+        case.write_rrd(&report, path)?;
+    }
     let summary = Summary {
         title: &case.title,
         report: &report,
         solve_time,
     };
+    #[cfg(feature = "viewer")]
+    let film = arguments.rrd.as_deref();
+    #[cfg(not(feature = "viewer"))]
+    let film = None;
     let text = if arguments.json {
         summary
             .json()
@@ -144,6 +168,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             &summary,
             arguments.csv.as_deref().filter(|_| !history_to_output),
             &files,
+            film,
         )
     };
     if history_to_output {
@@ -168,7 +193,12 @@ fn unless_closed(
 }
 
 /// The summary and the files written.
-fn listing(summary: &Summary<'_>, history: Option<&Path>, figures: &[PathBuf]) -> String {
+fn listing(
+    summary: &Summary<'_>,
+    history: Option<&Path>,
+    figures: &[PathBuf],
+    film: Option<&Path>,
+) -> String {
     let mut text = summary.to_string();
     if let Some(path) = history {
         text += &format!("History    {}\n", path.display());
@@ -179,6 +209,9 @@ fn listing(summary: &Summary<'_>, history: Option<&Path>, figures: &[PathBuf]) -
             figures.len(),
             folder.display()
         );
+    }
+    if let Some(path) = film {
+        text += &format!("Viewer     rerun {}\n", path.display());
     }
     text
 }
@@ -229,6 +262,8 @@ impl Case {
             properties,
             impact,
             max_duration: parameters.response_duration(),
+            #[cfg(feature = "viewer")]
+            parameters,
         })
     }
 
@@ -266,6 +301,22 @@ impl Case {
             (None, Err(fault)) => Err(io::Error::other(fault)),
             (None, Ok(_)) => writer.finish(),
         }
+    }
+
+    /// A file for the viewer; it dates the impact now.
+    #[cfg(feature = "viewer")]
+    fn write_rrd(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
+        let mut thinning = Thinning::new(report.steps, report.end_time);
+        self.simulate(&mut |sample| thinning.push(sample))?;
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
+        let items = viewer::from_samples("simulated", now, thinning.finish(), report);
+        Ok(viewer::write_rrd(
+            path,
+            &Arc::new(self.parameters.clone()),
+            items,
+            false,
+        )?)
     }
 
     fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
