@@ -259,6 +259,9 @@ impl Twin {
                 let result = result.map_err(|reason| self.refuse_change(reason, &source, now, out));
                 answer(reply.as_ref(), result);
             }
+            Input::RefusedChange { reason, source } => {
+                self.refuse_change(reason.to_string(), &source, now, out);
+            }
             Input::Reset { source, reply } => {
                 self.reset(&source, now, out);
                 answer(reply.as_ref(), ());

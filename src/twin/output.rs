@@ -22,7 +22,7 @@ pub enum Output {
     Status(Status),
     /// Something was refused and has changed nothing.
     Refused(Refused),
-    /// Parameters were changed, or wait for the end of the response to be.
+    /// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
@@ -80,7 +80,7 @@ pub struct Refused {
     pub source: Arc<str>,
 }
 
-/// Parameters were changed, or wait for the end of the response to be.
+/// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.

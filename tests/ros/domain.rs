@@ -2,8 +2,13 @@
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 use column_twin::ros::{DiscoveryRange, Environment};
+
+/// How long others are waited for: discovery and a whole response take a second; this is for machines that have much else
+/// to do.
+pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Domains above this one have ports that Linux gives away to others (32768 and up).
 const LAST: u16 = 101;
