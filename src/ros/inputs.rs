@@ -286,15 +286,12 @@ fn set_column(twin: &dyn Twin, message: &ColumnParameters) {
         values: changes(message),
         source: qos::COLUMN_PARAMETERS.name,
     };
-    match twin.set_parameters(change) {
-        Ok(()) => tracing::info!(
+    // A refusal has been said already: a topic has nobody to answer to.
+    if twin.set_parameters(change).is_ok() {
+        tracing::info!(
             "the parameters of {} are taken over",
             qos::COLUMN_PARAMETERS.name
-        ),
-        Err(reason) => tracing::warn!(
-            "the parameters of {} are refused: {reason}",
-            qos::COLUMN_PARAMETERS.name
-        ),
+        );
     }
 }
 
