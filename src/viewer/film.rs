@@ -186,7 +186,7 @@ impl Film {
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
             self.going.happenings.announce(&forecast.report);
         }
-        if let Some(mass) = plots::mass_of(&first, &first) {
+        if let Some(mass) = plots::mass_of(&first, &first, self.drawing.struck_mass) {
             let velocity = Some(first.impactor_velocity);
             let foreseen = Ranges::foreseen(&self.parameters, Some(mass), velocity);
             self.cover(&foreseen)?;
@@ -350,7 +350,7 @@ impl Film {
                 continue;
             }
             self.going.pictured = Some(sample.time);
-            let mass = plots::mass_of(&first, sample);
+            let mass = plots::mass_of(&first, sample, self.drawing.struck_mass);
             pictures.push((*moment, self.drawing.scene(sample, mass)));
         }
         self.pictures(&pictures)
@@ -488,7 +488,7 @@ impl Film {
             stream.log_static(plot.entity, &lines)?;
         }
         let marks = SeriesPoints::new()
-            .with_names(["percussion (an instant, not to scale)"])
+            .with_names(["percussion, a mark"])
             .with_colors([color(colour::ENERGIES[1])])
             .with_markers([rerun::components::MarkerShape::Down])
             .with_marker_sizes([6.0]);
