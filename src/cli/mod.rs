@@ -1,8 +1,14 @@
 //! The command line: what can be asked for, and how a command ends.
 
+#[cfg(feature = "record")]
+mod export;
 mod history;
 #[cfg(feature = "ros")]
 mod impact;
+#[cfg(feature = "record")]
+mod info;
+#[cfg(feature = "record")]
+mod repair;
 #[cfg(feature = "ros")]
 mod run;
 mod simulate;
@@ -45,6 +51,15 @@ enum Command {
     /// Print what a running twin publishes, until it is told to stop
     #[cfg(feature = "ros")]
     Watch(watch::WatchArgs),
+    /// Say what is in a recording: topics, impacts and their outcome, losses
+    #[cfg(feature = "record")]
+    Info(info::InfoArgs),
+    /// Write a recording anew that was cut off or damaged; the original stays
+    #[cfg(feature = "record")]
+    Repair(repair::RepairArgs),
+    /// Write the messages of a recording as CSV or JSON
+    #[cfg(feature = "record")]
+    Export(export::ExportArgs),
 }
 
 /// Exit codes of commands that do not end well.
@@ -77,7 +92,7 @@ impl Failure {
     }
 
     /// A failure with the reason that a plain error gives.
-    #[cfg(feature = "ros")]
+    #[cfg(any(feature = "ros", feature = "record"))]
     fn plain(exit: Exit, fault: impl std::fmt::Display) -> Self {
         Self {
             exit,
@@ -119,6 +134,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Impact(arguments) => impact::run(arguments, &ros),
         #[cfg(feature = "ros")]
         Command::Watch(arguments) => watch::run(arguments, &ros),
+        #[cfg(feature = "record")]
+        Command::Info(arguments) => info::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "record")]
+        Command::Repair(arguments) => repair::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "record")]
+        Command::Export(arguments) => export::run(arguments, &mut std::io::stdout().lock()),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,
