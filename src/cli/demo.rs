@@ -281,8 +281,8 @@ struct Show {
     phase: Option<u8>,
     yielded: [bool; HINGES],
     next_line: f64,
-    /// Of the last state, which the hinges of the same instant follow.
-    time: f64,
+    /// Stamp of the first state: the event's \[ns\].
+    event: Option<i64>,
 }
 
 impl Show {
@@ -307,7 +307,9 @@ impl Show {
     }
 
     fn state(&mut self, state: &ColumnState) {
-        self.time = state.time;
+        if self.event.is_none() {
+            self.event = state.header.stamp.to_nanos();
+        }
         let fell = state.v1 < self.highest && self.highest > 0.0;
         let word = match (self.phase.replace(state.phase), state.phase) {
             (Some(before), now) if before == now => None,
@@ -343,7 +345,11 @@ impl Show {
         );
     }
 
+    /// The hinges come on a topic of their own: their stamp says which instant they are for.
     fn forces(&mut self, forces: &HingeForces) {
+        let (Some(event), Some(stamp)) = (self.event, forces.header.stamp.to_nanos()) else {
+            return;
+        };
         for hinge in 0..HINGES {
             if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
                 self.yielded[hinge] = true;
@@ -353,7 +359,7 @@ impl Show {
                     "",
                     HINGE_NAMES[hinge],
                     HINGE_PLACES[hinge],
-                    1e3 * self.time
+                    1e-6 * (stamp - event) as f64
                 );
             }
         }

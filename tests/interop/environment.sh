@@ -91,7 +91,7 @@ build_messages() {
   LD_LIBRARY_PATH=$venv/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   export LD_LIBRARY_PATH
   cmake -S "$repository" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$venv" -DCMAKE_INSTALL_PREFIX="$venv" \
-    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF
+    -DPython3_EXECUTABLE="$venv/bin/python" -DPYTHON_INSTALL_DIR=lib/python3.11/site-packages -DBUILD_TESTING=OFF -DCOLUMN_TWIN_NODE=OFF
   cmake --build "$build"
   cmake --install "$build"
   rm -rf "$build"
