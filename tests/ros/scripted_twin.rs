@@ -6,12 +6,13 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use column_twin::column::{Impact, Report, Sample, simulate};
-use column_twin::messages::column_twin::{
-    ColumnState, ImpactEvent, ImpactReport, PredictImpactRequest, TwinStatus,
-};
-use column_twin::messages::phase_code;
+use column_twin::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use column_twin::parameters::Parameters;
-use column_twin::ros::bridge::{Health, Output, ParameterChange, ReportOutput, Severity, Twin};
+use column_twin::ros::bridge::{Health, ParameterChange, Twin};
+use column_twin::twin::{
+    Change, Counts, Notice, Output, ParametersChanged, Refused, RefusedInput, ReportOutput,
+    Severity, StateOutput, Status, TwinPhase,
+};
 
 /// Time between two samples that go out \[ns\], and in steps of the default 20 microseconds.
 pub const SAMPLE_PERIOD: i64 = 100_000;
@@ -35,7 +36,7 @@ impl ScriptedTwin {
             refused: AtomicU64::new(0),
             clock: AtomicI64::new(1_700_000_000_000_000_000),
         });
-        twin.status(TwinStatus::IDLE, "", "", "");
+        twin.status("", "", "");
         (twin, outputs)
     }
 
@@ -43,28 +44,38 @@ impl ScriptedTwin {
         self.outputs.lock().unwrap().send(output).unwrap();
     }
 
-    fn status(&self, phase: u8, event_id: &str, refused_id: &str, reason: &str) {
-        self.put(Output::Status {
+    fn status(&self, event_id: &str, refused_id: &str, reason: &str) {
+        self.put(Output::Status(Status {
             stamp: self.now(),
-            status: Box::new(TwinStatus {
-                phase,
-                event_id: event_id.to_owned(),
+            phase: TwinPhase::Idle,
+            event_id: event_id.into(),
+            counts: Counts {
                 events_accepted: self.accepted.load(Ordering::Relaxed),
                 events_refused: self.refused.load(Ordering::Relaxed),
-                last_refusal_event_id: refused_id.to_owned(),
-                last_refusal_reason: reason.to_owned(),
-                ..TwinStatus::default()
-            }),
-        });
+                ..Counts::default()
+            },
+            last_refusal_reason: reason.into(),
+            last_refusal_event_id: refused_id.into(),
+            fault: "".into(),
+            impacts_since_reset: 0,
+            residual_v1: 0.0,
+            residual_u2: 0.0,
+            plastic_work_since_reset: 0.0,
+            plastic_rotation: [0.0; 4],
+            plastic_elongation: [0.0; 4],
+        }));
     }
 
     fn refuse(&self, event_id: &str, reason: &str) {
         self.refused.fetch_add(1, Ordering::Relaxed);
-        self.status(TwinStatus::IDLE, "", event_id, reason);
-        self.put(Output::Refused {
-            what: format!("impact event {event_id}"),
-            reason: reason.to_owned(),
-        });
+        self.status("", event_id, reason);
+        self.put(Output::Refused(Refused {
+            stamp: self.now(),
+            what: RefusedInput::Impact,
+            reason: reason.into(),
+            event_id: event_id.into(),
+            source: "".into(),
+        }));
     }
 }
 
@@ -113,19 +124,21 @@ impl Twin for ScriptedTwin {
         self.put(Output::Forecast(report.clone()));
         let last = samples.len() - 1;
         for (index, sample) in samples.into_iter().enumerate() {
-            self.put(Output::State {
+            self.put(Output::State(StateOutput {
                 stamp: stamp + SAMPLE_PERIOD * i64::try_from(index).unwrap(),
                 event_id: Arc::clone(&event_id),
                 phase: if index == last {
-                    ColumnState::REST
+                    TwinPhase::Rest
                 } else {
-                    phase_code(sample.phase)
+                    sample.phase.into()
                 },
                 sample,
-            });
+                length_below: self.parameters().settings().geometry.length_below,
+                length_above: self.parameters().settings().geometry.length_above,
+            }));
         }
         self.put(Output::Report(report));
-        self.status(TwinStatus::IDLE, &event_id, "", "");
+        self.status(&event_id, "", "");
         Ok(())
     }
 
@@ -139,7 +152,13 @@ impl Twin for ScriptedTwin {
             .with_changes(change.values)
             .map_err(|faults| faults.to_string())?;
         *parameters = Arc::new(changed);
-        self.put(Output::ParametersChanged(Arc::clone(&parameters)));
+        self.put(Output::ParametersChanged(ParametersChanged {
+            stamp: self.now(),
+            names: Vec::new(),
+            change: Change::Applied,
+            parameters: Arc::clone(&parameters),
+            source: "test".into(),
+        }));
         Ok(())
     }
 
@@ -148,10 +167,11 @@ impl Twin for ScriptedTwin {
     }
 
     fn reset(&self) -> Result<String, String> {
-        self.put(Output::Notice {
+        self.put(Output::Notice(Notice {
+            stamp: self.now(),
             severity: Severity::Info,
             text: "reset".into(),
-        });
+        }));
         Ok("the column is virgin".to_owned())
     }
 
@@ -173,6 +193,6 @@ impl Twin for ScriptedTwin {
 
     fn set_clock(&self, now: i64) {
         self.clock.store(now, Ordering::Relaxed);
-        self.status(TwinStatus::IDLE, "", "", "");
+        self.status("", "", "");
     }
 }
