@@ -142,7 +142,6 @@ endpoints! {
     SET_PARAMETERS_ATOMICALLY = "~/set_parameters_atomically" "rcl_interfaces/srv/SetParametersAtomically" Service SERVICE;
 }
 
-
 /// What a recording holds beside these: see [`Journal`](crate::twin::Journal). Nobody sends it.
 pub const JOURNAL: Endpoint = Endpoint::new(
     "~/journal",

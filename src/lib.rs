@@ -31,6 +31,9 @@ pub mod parameters;
 pub mod recording;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod shape;
 pub mod twin;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 #[cfg(any(feature = "cli", feature = "record"))]
 pub mod whole_file;

@@ -240,6 +240,26 @@ fn questions_are_answered() {
     live.stop().expect("no panic");
 }
 
+/// `ros2 param get` shows what was set, while it waits for the end of a response too, and no longer when it is refused then.
+#[test]
+fn the_latest_parameters_are_those_that_were_set() {
+    let clock = Arc::new(SimClock::new(START));
+    let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("the first time");
+    let section = || live.parameters().get("section.name");
+    live.submit(Input::Impact(event("a", START))).expect("room");
+    receive(&mut receiver, |it| matches!(it, Output::Forecast(_)));
+    let change = vec![("section.name".to_owned(), Value::from("HEB300"))];
+    assert_eq!(live.change_parameters(change, "test"), Ok(Change::Waits));
+    assert_eq!(section(), Some(Value::from("HEB300")));
+    clock.set(START + 1_000 * MS);
+    // The column is damaged by then.
+    receive(&mut receiver, |it| matches!(it, Output::Refused(_)));
+    live.look().expect("an answer: what followed is over");
+    assert_eq!(section(), Some(Value::from("HEB220")));
+    live.stop().expect("no panic");
+}
+
 /// Every event of a flood is either refused at once, or has an answer.
 #[test]
 fn a_flood_of_events_is_bounded_and_counted() {

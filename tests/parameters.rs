@@ -405,6 +405,9 @@ fn admissible(parameter: &'static Parameter) -> BoxedStrategy<Value> {
         Admissible::SteelGrade => prop::sample::select(STEEL_GRADES)
             .prop_map(|grade| Value::from(grade.name))
             .boxed(),
+        Admissible::Processors => prop::sample::select(vec!["", "0", "1,3-5"])
+            .prop_map(Value::from)
+            .boxed(),
     }
 }
 

@@ -6,32 +6,27 @@
 
 #[path = "ros/domain.rs"]
 mod domain;
-#[path = "ros/scripted_twin.rs"]
-mod scripted_twin;
 
-use std::convert::Infallible;
 use std::ffi::OsString;
 use std::sync::mpsc::channel;
 use std::thread;
-use std::time::Duration;
 
+use column_twin::live::LiveOptions;
 use column_twin::parameters::Value;
-use column_twin::ros::bridge::Twin;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, StartedTwin, run, send_impact, watch,
+    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact, start_live_twin,
+    watch,
 };
 use signal_hook::consts::SIGTERM;
 
-use domain::Domain;
-use scripted_twin::ScriptedTwin;
-
-const PATIENCE: Duration = Duration::from_secs(30);
+use domain::{Domain, PATIENCE};
 
 #[test]
 fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     let domain = Domain::fresh();
     let environment = domain.environment.clone();
-    let line = "run --ros-args -r __ns:=/garage -r impact_event:=/camera/impact -p top.load:=2e5 -p column_id:=a3";
+    let line = "run --ros-args -r __ns:=/garage -r impact_event:=/camera/impact -p top.load:=2e5 -p column_id:=a3 \
+                -p state.directory:='' -p real_time.priority:=0 -p real_time.lock_memory:=false";
     let (own, ros) = RosArguments::split(line.split(' ').map(OsString::from)).unwrap();
     assert_eq!(own, ["run"]);
     let rules = ros.remap_rules.clone();
@@ -43,13 +38,7 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     let node = thread::spawn(move || {
         run(&options, |parameters| {
             assert_eq!(parameters.get("top.load"), Some(Value::Double(2e5)));
-            let (twin, outputs) = ScriptedTwin::start(parameters);
-            let twin: std::sync::Arc<dyn Twin> = twin;
-            Ok::<_, Infallible>(StartedTwin {
-                twin,
-                outputs: Box::new(outputs),
-                stop: Box::new(|| {}),
-            })
+            start_live_twin(parameters, LiveOptions::default())
         })
     });
     let (sender, lines) = channel();

@@ -1,6 +1,10 @@
 //! The command line: what can be asked for, and how a command ends.
 
+#[cfg(all(feature = "ros", feature = "record"))]
+mod demo;
 mod history;
+#[cfg(feature = "ros")]
+mod idl;
 #[cfg(feature = "ros")]
 mod impact;
 #[cfg(all(feature = "ros", feature = "record"))]
@@ -38,6 +42,9 @@ Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some data was lo
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Show all of it on this machine: node, impact, forecast, recording, figures, proof
+    #[cfg(all(feature = "ros", feature = "record"))]
+    Demo(demo::DemoArgs),
     /// Simulate one impact and say what it does to the column
     Simulate(SimulateArgs),
     /// Run the twin as a ROS 2 node until it is told to stop
@@ -55,6 +62,9 @@ enum Command {
     /// Print what a running twin publishes, until it is told to stop
     #[cfg(feature = "ros")]
     Watch(watch::WatchArgs),
+    /// Print the node's topics and messages as OMG IDL, for programs in plain DDS
+    #[cfg(feature = "ros")]
+    Idl(idl::IdlArgs),
 }
 
 /// Exit codes of commands that do not end well.
@@ -122,6 +132,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let ended = match &cli.command {
+        #[cfg(all(feature = "ros", feature = "record"))]
+        Command::Demo(arguments) => demo::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         Command::Replay(arguments) => replay::run(arguments, &ros),
@@ -133,6 +145,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Impact(arguments) => impact::run(arguments, &ros),
         #[cfg(feature = "ros")]
         Command::Watch(arguments) => watch::run(arguments, &ros),
+        #[cfg(feature = "ros")]
+        Command::Idl(arguments) => idl::run(arguments, &mut std::io::stdout().lock()),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

@@ -66,7 +66,13 @@ fn number_in(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, St
     number
         .ok()
         .filter(|number| range.contains(number))
-        .ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+        .ok_or_else(|| {
+            format!(
+                "expected a number from {} to {}",
+                range.start(),
+                range.end()
+            )
+        })
 }
 
 /// Replays the recording.
@@ -120,7 +126,8 @@ struct Terminal {
 impl Terminal {
     fn new() -> Self {
         // Keys one by one, without waiting for the end of a line.
-        let keys = stdin().is_terminal() && stderr().is_terminal() && terminal::enable_raw_mode().is_ok();
+        let keys =
+            stdin().is_terminal() && stderr().is_terminal() && terminal::enable_raw_mode().is_ok();
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
         let style = ProgressStyle::with_template("{bar:30} {prefix} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -209,8 +216,14 @@ mod tests {
     fn keys_mean_what_the_help_says() {
         let press = |code, modifiers| meaning(&KeyEvent::new(code, modifiers));
         let none = KeyModifiers::NONE;
-        assert_eq!(press(KeyCode::Char(' '), none), Some(ReplayCommand::TogglePause));
-        assert_eq!(press(KeyCode::Char('c'), KeyModifiers::CONTROL), Some(ReplayCommand::Stop));
+        assert_eq!(
+            press(KeyCode::Char(' '), none),
+            Some(ReplayCommand::TogglePause)
+        );
+        assert_eq!(
+            press(KeyCode::Char('c'), KeyModifiers::CONTROL),
+            Some(ReplayCommand::Stop)
+        );
         assert_eq!(press(KeyCode::Char('c'), none), None);
     }
 

@@ -2,7 +2,11 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+#[cfg(feature = "viewer")]
+use std::sync::Arc;
 use std::time::Instant;
+#[cfg(feature = "viewer")]
+use std::time::SystemTime;
 
 use clap::Args;
 
@@ -11,6 +15,8 @@ use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, s
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, Thinning};
 use crate::parameters::{Parameters, parse_override};
+#[cfg(feature = "viewer")]
+use crate::viewer::{self, ViewerError};
 use crate::whole_file::WholeFile;
 
 /// What `column-twin simulate` is told.
@@ -56,6 +62,10 @@ pub struct SimulateArgs {
     #[cfg(feature = "record")]
     #[arg(long, value_name = "S", default_value_t = 0.0, requires = "record")]
     record_stamp: f64,
+    /// Write what the Rerun viewer shows into this file: the deforming column, its curves and yield surfaces
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
@@ -91,6 +101,10 @@ enum SimulateError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figures(#[from] FigureError),
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Viewer(#[from] ViewerError),
 }
 
 impl From<SimulateError> for Failure {
@@ -109,7 +123,7 @@ impl From<SimulateError> for Failure {
 /// An impact on a column, ready to be simulated.
 struct Case {
     title: String,
-    #[cfg_attr(not(feature = "record"), allow(dead_code))]
+    #[cfg(any(feature = "record", feature = "viewer"))]
     parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
@@ -148,11 +162,19 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         Some(folder) => case.draw(&report, folder)?,
         None => Vec::new(),
     };
+    #[cfg(feature = "viewer")]
+    if let Some(path) = &arguments.rrd {
+        case.write_rrd(&report, path)?;
+    }
     let summary = Summary {
         title: &case.title,
         report: &report,
         solve_time,
     };
+    #[cfg(feature = "viewer")]
+    let film = arguments.rrd.as_deref();
+    #[cfg(not(feature = "viewer"))]
+    let film = None;
     let text = if arguments.json {
         summary
             .json()
@@ -163,6 +185,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             &summary,
             arguments.csv.as_deref().filter(|_| !history_to_output),
             recorded.as_deref(),
+            film,
             &files,
         )
     };
@@ -192,6 +215,7 @@ fn listing(
     summary: &Summary<'_>,
     history: Option<&Path>,
     recording: Option<&Path>,
+    film: Option<&Path>,
     figures: &[PathBuf],
 ) -> String {
     let mut text = summary.to_string();
@@ -207,6 +231,9 @@ fn listing(
             figures.len(),
             folder.display()
         );
+    }
+    if let Some(path) = film {
+        text += &format!("Viewer     rerun {}\n", path.display());
     }
     text
 }
@@ -255,6 +282,7 @@ impl Case {
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,
+            #[cfg(any(feature = "record", feature = "viewer"))]
             parameters,
             properties,
             impact,
@@ -312,6 +340,22 @@ impl Case {
         let origin = (arguments.record_stamp * 1e9).round() as i64;
         crate::evidence::record_impact(&self.parameters, origin, directory, &options)?;
         Ok(Some(directory.clone()))
+    }
+
+    /// A file for the viewer; it dates the impact now.
+    #[cfg(feature = "viewer")]
+    fn write_rrd(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
+        let mut thinning = Thinning::new(report.steps, report.end_time);
+        self.simulate(&mut |sample| thinning.push(sample))?;
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
+        let items = viewer::from_samples("simulated", now, thinning.finish(), report);
+        Ok(viewer::write_rrd(
+            path,
+            &Arc::new(self.parameters.clone()),
+            items,
+            false,
+        )?)
     }
 
     fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {

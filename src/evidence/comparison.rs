@@ -74,7 +74,10 @@ pub(super) struct FieldDifference {
 
 /// The first field that differs; `None` where none does. Numbers are compared by what JSON writes of them: to the last
 /// bit, but for the bits of a NaN.
-pub(super) fn first_difference<T: Serialize>(recorded: &T, computed: &T) -> Option<FieldDifference> {
+pub(super) fn first_difference<T: Serialize>(
+    recorded: &T,
+    computed: &T,
+) -> Option<FieldDifference> {
     let tree = |value: &T| serde_json::to_value(value).unwrap_or(Value::Null);
     in_trees("", &tree(recorded), &tree(computed))
 }
@@ -85,9 +88,9 @@ fn in_trees(path: &str, recorded: &Value, computed: &Value) -> Option<FieldDiffe
             if recorded.keys().eq(computed.keys()) =>
         {
             let dot = if path.is_empty() { "" } else { "." };
-            recorded
-                .iter()
-                .find_map(|(name, value)| in_trees(&format!("{path}{dot}{name}"), value, &computed[name]))
+            recorded.iter().find_map(|(name, value)| {
+                in_trees(&format!("{path}{dot}{name}"), value, &computed[name])
+            })
         }
         (Value::Array(recorded), Value::Array(computed)) if recorded.len() == computed.len() => {
             let pairs = recorded.iter().zip(computed).enumerate();
@@ -136,9 +139,15 @@ mod tests {
         let one = of("a", [1.0, 2.0, f64::NAN]);
         assert!(first_difference(&one, &of("a", [1.0, 2.0, f64::NAN])).is_none());
         let found = first_difference(&one, &of("a", [1.0, 2.5, 7.0])).expect("differs");
-        assert_eq!((found.field.as_str(), found.by), ("numbers[1]", Option::Some(-0.5)));
+        assert_eq!(
+            (found.field.as_str(), found.by),
+            ("numbers[1]", Option::Some(-0.5))
+        );
         let found = first_difference(&one, &of("a", [1.0, 2.0, 7.0])).expect("differs");
-        assert_eq!((found.recorded.as_str(), found.computed.as_str()), ("NaN", "7.0"));
+        assert_eq!(
+            (found.recorded.as_str(), found.computed.as_str()),
+            ("NaN", "7.0")
+        );
         let found = first_difference(&one, &of("b", [0.0; 3])).expect("differs");
         assert_eq!(found.field, "name");
     }

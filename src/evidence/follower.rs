@@ -92,7 +92,8 @@ impl Follower {
             }
             Some(found) => {
                 let stamp = Some(point.stamp);
-                self.findings.differs(place.difference(found, stamp, &point.last_event_id));
+                self.findings
+                    .differs(place.difference(found, stamp, &point.last_event_id));
                 self.begin(point, place);
             }
         }
@@ -126,12 +127,15 @@ impl Follower {
         };
         if handled.taken_back && !course.twin.knows_last_response() {
             return self.lose_track(
-                "an impact came so late that it belongs into a response before the recording".to_owned(),
+                "an impact came so late that it belongs into a response before the recording"
+                    .to_owned(),
             );
         }
         course.next_number += 1;
         let mut out = Vec::new();
-        course.twin.handle(handled.given.input(), handled.now, &mut out);
+        course
+            .twin
+            .handle(handled.given.input(), handled.now, &mut out);
         course.twin.run_ahead(u64::MAX, handled.now, &mut out);
         course.gave_out(&out);
         let own = out.iter().find_map(|output| match output {
@@ -184,7 +188,12 @@ impl Follower {
             return;
         };
         match course.find(recorded.topic, &message) {
-            Some(found) => self.findings.topics[recorded.topic].compare(&place, &message, found, recorded.bytes),
+            Some(found) => self.findings.topics[recorded.topic].compare(
+                &place,
+                &message,
+                found,
+                recorded.bytes,
+            ),
             None => {
                 self.findings.topics[recorded.topic].foreign += 1;
                 let found = super::comparison::FieldDifference {

@@ -94,12 +94,7 @@ pub fn record_impact(
         restitution: impact.restitution,
         height: f64::NAN,
     };
-    let mut twin = Twin::new(
-        parameters.clone(),
-        None,
-        Box::new(monotonic_nanos),
-        origin,
-    )?;
+    let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
     let topics = Topics::of_default_node();
     let mut script = Script {
         writer: Writer::create(directory, options, &topics.declared())?,
@@ -141,7 +136,12 @@ impl Script {
         twin.advance_to(origin, &mut out);
         self.write(&mut out, origin)?;
         let bytes = cdr::encode(message)?.into();
-        self.put(Entries::message(&endpoints::IMPACT_EVENT, bytes, origin, origin))?;
+        self.put(Entries::message(
+            &endpoints::IMPACT_EVENT,
+            bytes,
+            origin,
+            origin,
+        ))?;
         twin.handle(Input::Impact(event), origin, &mut out);
         twin.run_ahead(u64::MAX, origin, &mut out);
         let mut now = origin;

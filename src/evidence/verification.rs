@@ -205,7 +205,9 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     }
     let early: u64 = before.iter().sum();
     if early > 0 {
-        findings.unchecked_because(format!("{early} messages stand before the first starting point"));
+        findings.unchecked_because(format!(
+            "{early} messages stand before the first starting point"
+        ));
         for (check, count) in findings.topics.iter_mut().zip(before) {
             check.recorded += count;
             check.unchecked += count;
@@ -291,7 +293,10 @@ impl fmt::Display for Verification {
                 self.compared(),
                 self.states_at_rest
             ),
-            None => writeln!(f, "Messages are missing that the recording does not account for"),
+            None => writeln!(
+                f,
+                "Messages are missing that the recording does not account for"
+            ),
         }
     }
 }

@@ -229,3 +229,5 @@ pub(crate) const HINGE_PLACES: [&str; HINGES] =
 pub(crate) mod reference;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod validation;

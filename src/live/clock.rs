@@ -74,8 +74,8 @@ impl Clock for SystemClock {
     }
 
     fn resynchronise(&self) {
-        // Reading two clocks in turn is not exact: only a clock that was set is followed.
-        const SET: u64 = 1_000_000;
+        // Reading two clocks in turn is not exact: only a clock that was set, or has crept away, is followed.
+        const SET: u64 = 100_000;
         let new = offset();
         if new.abs_diff(self.offset.load(Ordering::Relaxed)) > SET {
             self.offset.store(new, Ordering::Relaxed);
@@ -83,8 +83,19 @@ impl Clock for SystemClock {
     }
 }
 
+/// From monotonic time to time since the epoch. The thread may lose its processor between two readings: the reading with
+/// the least time around it counts.
 fn offset() -> i64 {
-    read(ClockId::Realtime).saturating_sub(read(ClockId::Monotonic))
+    const READINGS: usize = 5;
+    let reading = || {
+        let before = read(ClockId::Monotonic);
+        let since_epoch = read(ClockId::Realtime);
+        let around = read(ClockId::Monotonic).saturating_sub(before);
+        let between = before.saturating_add(around / 2);
+        (around, since_epoch.saturating_sub(between))
+    };
+    let readings = (0..READINGS).map(|_| reading());
+    readings.min().map_or(0, |(_, offset)| offset)
 }
 
 /// Monotonic nanoseconds, for stopwatches.

@@ -17,7 +17,7 @@ mod solver;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::sync_channel;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -31,7 +31,7 @@ pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants};
 pub use solver::SOLVER_THREAD;
 
-use crate::parameters::Value;
+use crate::parameters::{Parameters, Value};
 use crate::twin::{Blow, Change, Input, Prediction, Present, Twin};
 use keeper::Keeper;
 use queue::{OutputQueues, Queue};
@@ -156,14 +156,17 @@ impl Live {
             keeper: None,
             solver: None,
             real_time: RealTimeGrants::default(),
+            parameters: Arc::new(RwLock::new(Arc::clone(twin.parameters()))),
         };
         if let Some(path) = options.state_file {
             handle.keeper = Some(Keeper::start(path, queues.clone(), Arc::clone(&clock))?);
         }
         let keeper = handle.keeper.as_ref().map(|(keeper, _)| Arc::clone(keeper));
+        let parameters = Arc::clone(&handle.parameters);
         let sink = Sink {
             queues,
             keeper,
+            parameters,
             unheard: false,
         };
         let solver = Solver {
@@ -196,6 +199,7 @@ pub struct LiveHandle {
     keeper: Option<(Arc<Keeper>, JoinHandle<()>)>,
     solver: Option<JoinHandle<()>>,
     real_time: RealTimeGrants,
+    parameters: Arc<RwLock<Arc<Parameters>>>,
 }
 
 impl LiveHandle {
@@ -238,6 +242,26 @@ impl LiveHandle {
             .recv_timeout(ANSWER_WITHIN)
             .map_err(|_| AskError::NoAnswer)?;
         result.map_err(AskError::Refused)
+    }
+
+    /// Refuses a change of parameters that cannot even be asked for: it cannot be read, or is for another column. It is
+    /// counted and said as what the twin refuses itself.
+    ///
+    /// # Errors
+    /// Too much waits already.
+    pub fn refuse_change(&self, reason: &str, source: &str) -> Result<(), QueueFull> {
+        self.submit(Input::RefusedChange {
+            reason: reason.into(),
+            source: source.into(),
+        })
+    }
+
+    /// The parameters as they were last set; those that wait for the end of a response count as set, until they are
+    /// refused then.
+    #[must_use]
+    pub fn parameters(&self) -> Arc<Parameters> {
+        let latest = self.parameters.read();
+        Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Makes the column virgin, and waits until it is.

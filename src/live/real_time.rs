@@ -8,6 +8,8 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
+use crate::parameters::{Parameters, processors};
+
 /// What to ask the system for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealTime {
@@ -20,16 +22,25 @@ pub struct RealTime {
 }
 
 impl Default for RealTime {
+    /// What the parameters say where nobody changes them.
     fn default() -> Self {
-        Self {
-            fifo_priority: Some(50),
-            processors: Vec::new(),
-            lock_memory: true,
-        }
+        Self::of(&Parameters::default())
     }
 }
 
 impl RealTime {
+    /// What the parameters `real_time.*` say.
+    #[must_use]
+    pub fn of(parameters: &Parameters) -> Self {
+        let wishes = &parameters.settings().real_time;
+        Self {
+            fifo_priority: (wishes.priority > 0).then_some(wishes.priority),
+            // The parameters' own check lets nothing else through.
+            processors: processors(&wishes.processors).unwrap_or_default(),
+            lock_memory: wishes.lock_memory,
+        }
+    }
+
     /// Nothing.
     #[must_use]
     pub fn none() -> Self {

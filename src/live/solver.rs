@@ -1,13 +1,14 @@
 //! The solver's thread: inputs, steps, forecast, sleep, again.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use super::bell::Bell;
 use super::clock::Clock;
 use super::keeper::Keeper;
 use super::lateness::lateness;
 use super::queue::{OutputQueues, Queue};
+use crate::parameters::Parameters;
 use crate::twin::{Input, Nanos, Output, Outputs, Twin};
 
 /// The thread's name.
@@ -166,6 +167,8 @@ impl Solver {
 pub(super) struct Sink {
     pub queues: Vec<Arc<OutputQueues>>,
     pub keeper: Option<Arc<Keeper>>,
+    /// As they were last set. Locked only while somebody copies the pointer, and by this thread only when they change.
+    pub parameters: Arc<RwLock<Arc<Parameters>>>,
     pub unheard: bool,
 }
 
@@ -185,6 +188,13 @@ impl Outputs for Sink {
             }
             return;
         }
+        if let Output::ParametersChanged(changed) = &output {
+            let mut latest = self
+                .parameters
+                .write()
+                .unwrap_or_else(PoisonError::into_inner);
+            *latest = Arc::clone(&changed.parameters);
+        }
         self.unheard = true;
         if let Some((last, others)) = self.queues.split_last() {
             others.iter().for_each(|queues| queues.push(output.clone()));
@@ -197,7 +207,6 @@ impl Outputs for Sink {
 mod tests {
     use super::super::queue::{OutputQueue, WhenFull};
     use super::*;
-    use crate::parameters::Parameters;
     use crate::twin::ImpactEvent;
 
     /// From the step to the queues, a full one among them.
@@ -215,6 +224,7 @@ mod tests {
         let mut sink = Sink {
             queues,
             keeper: None,
+            parameters: Arc::default(),
             unheard: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");

@@ -18,6 +18,7 @@
 //! (2 against 4 bytes per character between vendors).
 
 pub mod cdr;
+pub mod idl;
 pub mod interface;
 mod table;
 pub mod type_hash;

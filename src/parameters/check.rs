@@ -2,6 +2,7 @@
 
 use super::catalogue::CatalogueSection;
 use super::fault::Problem;
+use super::processors::{MAX_PROCESSOR, processors};
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::table::{Admissible, Parameter};
 use super::value::{Kind, Value, readable};
@@ -33,9 +34,13 @@ impl Parameter {
                 Ok(Value::from("off"))
             }
             (_, Value::String(text)) if self.kind() == Kind::String => self.check_text(text),
-            (Admissible::Choice(_) | Admissible::SectionName | Admissible::SteelGrade, _) => {
-                self.check_text(&value.plain())
-            }
+            (
+                Admissible::Choice(_)
+                | Admissible::SectionName
+                | Admissible::SteelGrade
+                | Admissible::Processors,
+                _,
+            ) => self.check_text(&value.plain()),
             _ => Err(Problem::WrongType {
                 found: found(value),
                 expected: self.expectation(),
@@ -101,6 +106,12 @@ impl Parameter {
                     STEEL_GRADES.iter().map(|grade| grade.name),
                 ))),
             },
+            Admissible::Processors => match processors(text) {
+                Some(_) => Ok(Value::from(text.trim())),
+                None => Err(Problem::UnfitText {
+                    expected: self.expectation(),
+                }),
+            },
             Admissible::Text {
                 min_chars,
                 max_chars,
@@ -155,6 +166,9 @@ impl Parameter {
             Admissible::SteelGrade => {
                 let names: Vec<_> = STEEL_GRADES.iter().map(|grade| grade.name).collect();
                 format!("{}, or \"\" and numbers", either(&names))
+            }
+            Admissible::Processors => {
+                format!("numbers from 0 to {MAX_PROCESSOR} and ranges such as 1,4-7, or \"\"")
             }
         }
     }

@@ -29,6 +29,7 @@ mod fault;
 mod file;
 mod node_name;
 mod overrides;
+mod processors;
 mod reference;
 mod settings;
 mod steel;
@@ -45,11 +46,12 @@ pub use fault::{Excerpt, Fault, ParameterFaults, Place, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
+pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, Damping, Event, Geometry, Hinge, Impact, Record, RecordMode, Resistance, Response,
-    Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer, ViewerMode,
-    YieldSurface,
+    Compression, Damping, Event, Geometry, Hinge, Impact, RealTime, Record, RecordMode, Resistance,
+    Response, Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer,
+    ViewerMode, YieldSurface,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
@@ -64,6 +66,15 @@ use file::Assignment;
 #[serde(into = "Settings", try_from = "Settings")]
 pub struct Parameters {
     settings: Settings,
+}
+
+/// Where parameters come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// A ROS 2 parameter file.
+    File(PathBuf),
+    /// One value from the command line.
+    Override(Override),
 }
 
 /// The section that the column has: named, given by numbers, or named with some numbers overridden.
@@ -111,16 +122,29 @@ impl Parameters {
         files: &[PathBuf],
         overrides: &[Override],
     ) -> Result<Self, ParameterFaults> {
+        let files = files.iter().cloned().map(Source::File);
+        let overrides = overrides.iter().cloned().map(Source::Override);
+        Self::load_in_order(node, files.chain(overrides))
+    }
+
+    /// From sources in any order, of which the last one wins, as on the command line of a ROS 2 node.
+    ///
+    /// # Errors
+    /// All faults of all sources.
+    pub fn load_in_order(
+        node: &NodeName,
+        sources: impl IntoIterator<Item = Source>,
+    ) -> Result<Self, ParameterFaults> {
         let mut draft = Draft::of_defaults();
-        for path in files {
-            let (assignments, faults) = file::read(path, node);
+        for source in sources {
+            let (assignments, faults) = match source {
+                Source::File(path) => file::read(&path, node),
+                Source::Override(one) => match one.assignment(node) {
+                    Ok(assignment) => (vec![assignment], vec![]),
+                    Err(fault) => (vec![], vec![*fault]),
+                },
+            };
             draft.take(assignments, faults);
-        }
-        for one in overrides {
-            match one.assignment(node) {
-                Ok(assignment) => draft.take(vec![assignment], vec![]),
-                Err(fault) => draft.take(vec![], vec![*fault]),
-            }
         }
         draft.finish()
     }

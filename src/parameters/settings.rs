@@ -30,6 +30,7 @@ pub struct Settings {
     pub state: StateFile,
     pub publish_rate: f64,
     pub use_sim_time: bool,
+    pub real_time: RealTime,
     pub record: Record,
     pub viewer: Viewer,
 }
@@ -73,6 +74,8 @@ groups! {
     Response { duration: f64 }
     /// The file that carries the damage over a restart.
     StateFile { directory: String }
+    /// What the solver's thread asks the system for.
+    RealTime { priority: u8, processors: String, lock_memory: bool }
     /// Recordings.
     Record {
         mode: RecordMode,

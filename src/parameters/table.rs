@@ -80,6 +80,8 @@ pub enum Admissible {
     SectionName,
     /// One of the [steel grades](super::STEEL_GRADES), or empty.
     SteelGrade,
+    /// A [list of processors](super::processors()), or empty.
+    Processors,
 }
 
 /// When a change takes effect in the running node.
@@ -157,7 +159,8 @@ impl Parameter {
             Admissible::Choice(_)
             | Admissible::Text { .. }
             | Admissible::SectionName
-            | Admissible::SteelGrade => Kind::String,
+            | Admissible::SteelGrade
+            | Admissible::Processors => Kind::String,
         }
     }
 
@@ -605,6 +608,30 @@ pub const PARAMETERS: &[Parameter] = &[
         applies: Applies::Restart,
         meaning: "where the file stands that carries the damage over a restart, named after the column; empty = the damage \
                   ends with the program",
+    },
+    Parameter {
+        name: "real_time.priority",
+        unit: "",
+        default: DefaultValue::Integer(50),
+        admissible: Admissible::Integer { min: 0, max: 99 },
+        applies: Applies::Restart,
+        meaning: "priority of the solver's thread under SCHED_FIFO, where the system permits it; 0 = as every thread",
+    },
+    Parameter {
+        name: "real_time.processors",
+        unit: "",
+        default: DefaultValue::Text(""),
+        admissible: Admissible::Processors,
+        applies: Applies::Restart,
+        meaning: "the processors that the solver's thread may run on; empty = all",
+    },
+    Parameter {
+        name: "real_time.lock_memory",
+        unit: "",
+        default: DefaultValue::Bool(true),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "keep the program's memory from being swapped out, where the system permits it",
     },
     Parameter {
         name: "record.mode",

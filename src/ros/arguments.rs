@@ -1,9 +1,8 @@
 //! The arguments behind `--ros-args`, as rcl reads them (<https://design.ros2.org/articles/ros_command_line_arguments.html>).
 
 use std::ffi::OsString;
-use std::path::PathBuf;
 
-use crate::parameters::{Override, parse_override};
+use crate::parameters::{Source, parse_override};
 
 use super::names::{RemapRule, RemapTarget};
 
@@ -18,10 +17,8 @@ const END: &str = "--";
 pub struct RosArguments {
     /// `-r`, `--remap`, in their order.
     pub remap_rules: Vec<RemapRule>,
-    /// `-p`, `--param`, in their order.
-    pub overrides: Vec<Override>,
-    /// `--params-file`, in their order.
-    pub parameter_files: Vec<PathBuf>,
+    /// `-p`, `--param` and `--params-file`, all in their order: as in rcl the last one wins, be it a file or not.
+    pub parameters: Vec<Source>,
     /// `--log-level`; of several the last.
     pub log_level: Option<LogLevel>,
     /// `--log-level name:=level`: levels of single loggers.
@@ -129,8 +126,10 @@ impl RosArguments {
         };
         match argument {
             "-r" | "--remap" => self.remap_rules.push(remap_rule(&value()?)?),
-            "-p" | "--param" => self.overrides.push(parse_override(&value()?)),
-            "--params-file" => self.parameter_files.push(value()?.into()),
+            "-p" | "--param" => self
+                .parameters
+                .push(Source::Override(parse_override(&value()?))),
+            "--params-file" => self.parameters.push(Source::File(value()?.into())),
             "--log-level" => self.take_log_level(&value()?)?,
             "--enable-rosout-logs" => self.rosout = Some(true),
             "--disable-rosout-logs" => self.rosout = Some(false),
@@ -244,8 +243,11 @@ mod tests {
         .expect("correct");
         assert_eq!(own, ["run", "--config", "c.yaml", "--record"]);
         assert_eq!(ros.remap_rules.len(), 2);
-        assert_eq!(ros.parameter_files, [PathBuf::from("/tmp/p.yaml")]);
-        assert_eq!(ros.overrides, [parse_override("top.load:=2.0e6")]);
+        let expected = [
+            Source::File("/tmp/p.yaml".into()),
+            Source::Override(parse_override("top.load:=2.0e6")),
+        ];
+        assert_eq!(ros.parameters, expected);
         assert_eq!(ros.level_of("column_twin"), LogLevel::Debug);
         assert_eq!(ros.level_of("another"), LogLevel::Warn);
     }

@@ -20,8 +20,12 @@ pub trait Twin: Send + Sync + 'static {
     /// Changes parameters, all or nothing, and waits for the twin's decision.
     ///
     /// # Errors
-    /// The reason why nothing was changed.
+    /// The reason why nothing was changed; it has been said to all who listen.
     fn set_parameters(&self, change: ParameterChange) -> Result<(), String>;
+
+    /// Notes that a change of parameters was refused before the twin could be asked, so that it is counted and said as
+    /// those that the twin refuses itself.
+    fn refuse_parameters(&self, source: &'static str, reason: &str);
 
     /// The parameters that hold.
     fn parameters(&self) -> Arc<Parameters>;

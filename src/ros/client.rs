@@ -5,10 +5,13 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use futures::{StreamExt, join, pin_mut};
 use ros2_client::Subscription;
+use rustdds::GUID;
 
 use crate::column::HINGE_NAMES;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use crate::messages::column_twin::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+};
 use crate::messages::std_msgs::Header;
 
 use super::environment::Environment;
@@ -100,6 +103,9 @@ pub enum ClientError {
         /// How long.
         waited: Duration,
     },
+    /// The twin refuses it.
+    #[error("the twin refuses the event: {0}")]
+    Refused(String),
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
@@ -108,12 +114,18 @@ pub enum ClientError {
 /// Why watching ended before it was asked to.
 pub type WatchError = ClientError;
 
-/// What is shown.
+/// What a twin says.
 #[derive(Debug, Clone)]
-enum Seen {
+pub enum Seen {
+    /// The column at one instant.
     State(ColumnState),
+    /// Its hinges at one instant.
+    Forces(HingeForces),
+    /// What will come of an impact.
     Forecast(ImpactReport),
+    /// What came of it.
     Report(ImpactReport),
+    /// How the twin is.
     Status(TwinStatus),
 }
 
@@ -132,10 +144,9 @@ pub fn send_impact(
     let mut node = Node::new(environment, names)?;
     let publisher = node.publisher(&qos::IMPACT_EVENT)?;
     let answers = Sight {
-        state: None,
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
-        report: None,
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
+        ..Sight::default()
     };
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let (events, matches) = (node.participant_events(), node.matches());
@@ -198,6 +209,7 @@ pub fn watch(
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
+        ..Sight::default()
     };
     let topic = node
         .names()
@@ -223,19 +235,110 @@ pub fn watch(
     Ok(())
 }
 
+/// Publishes one event and hands over all that the twin says of it, until its report, or until the program is asked to stop.
+/// `hear` is given each word with the time since the event was sent; `say` is told what is going on.
+///
+/// # Errors
+/// When there is no twin, it refuses, nothing comes for `options.answer_timeout`, or the program is asked to stop.
+pub fn follow_impact(
+    environment: &Environment,
+    options: &ImpactOptions,
+    say: &mut dyn FnMut(&str),
+    hear: &mut dyn FnMut(&Seen, Duration),
+) -> Result<(), ClientError> {
+    let signals = StopSignals::listen()?;
+    let names = Names::new(&environment.namespace, "column_twin_demo", &[])?;
+    let mut node = Node::new(environment, names)?;
+    let publisher = node.publisher(&qos::IMPACT_EVENT)?;
+    let sight = Sight {
+        state: Some(node.subscription(&qos::COLUMN_STATE)?),
+        forces: Some(node.subscription(&qos::HINGE_FORCES)?),
+        forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
+        report: Some(node.subscription(&qos::IMPACT_REPORT)?),
+        status: Some(node.subscription(&qos::TWIN_STATUS)?),
+    };
+    let mut endpoints = sight.guids();
+    endpoints.push(publisher.guid());
+    let (sender, seen) = sync_channel(SHOWN_QUEUE);
+    let (events, matches) = (node.participant_events(), node.matches());
+    let task = Task::start("column_twin/see", move || async move {
+        join!(events, sight.show(sender));
+    })?;
+    let ended = (|| {
+        let topic = node
+            .names()
+            .resolve(qos::IMPACT_EVENT.kind(), qos::IMPACT_EVENT.name)?;
+        // The first samples are lost on a reader that the twin has not found yet.
+        wait_until(&signals, options.match_timeout, |until| {
+            let found = |guid: &_| matches.wait_for(*guid, 1, until);
+            endpoints.iter().all(found).then_some(())
+        })?
+        .ok_or(ClientError::NoTwin {
+            topic,
+            domain_id: environment.domain_id,
+            waited: options.match_timeout,
+        })?;
+        let event = event(options);
+        let event_id = event.event_id.clone();
+        say(&format!(
+            "sending impact {event_id:?}: {} kg at {} m/s",
+            event.mass, event.velocity
+        ));
+        let sent = Instant::now();
+        publisher
+            .publish(event)
+            .map_err(|error| ClientError::NotSent(error.to_string()))?;
+        loop {
+            let word = wait_until(&signals, options.answer_timeout, |until| next(&seen, until))?;
+            let Some(word) = word else {
+                return Err(ClientError::NoAnswer {
+                    event_id,
+                    waited: options.answer_timeout,
+                });
+            };
+            hear(&word, sent.elapsed());
+            match &word {
+                Seen::Report(report) if report.event_id == event_id => return Ok(()),
+                Seen::Status(status) if status.last_refusal_event_id == event_id => {
+                    return Err(ClientError::Refused(status.last_refusal_reason.clone()));
+                }
+                _ => {}
+            }
+        }
+    })();
+    task.stop();
+    ended
+}
+
 /// The subscriptions of a client.
+#[derive(Default)]
 struct Sight {
     state: Option<Subscription<ColumnState>>,
+    forces: Option<Subscription<HingeForces>>,
     forecast: Option<Subscription<ImpactReport>>,
     report: Option<Subscription<ImpactReport>>,
     status: Option<Subscription<TwinStatus>>,
 }
 
 impl Sight {
+    fn guids(&self) -> Vec<GUID> {
+        [
+            self.state.as_ref().map(Subscription::guid),
+            self.forces.as_ref().map(Subscription::guid),
+            self.forecast.as_ref().map(Subscription::guid),
+            self.report.as_ref().map(Subscription::guid),
+            self.status.as_ref().map(Subscription::guid),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
     /// Passes all messages on for ever.
     async fn show(self, to: SyncSender<Seen>) {
         join!(
             pass(&self.state, &to, Seen::State),
+            pass(&self.forces, &to, Seen::Forces),
             pass(&self.forecast, &to, Seen::Forecast),
             pass(&self.report, &to, Seen::Report),
             pass(&self.status, &to, Seen::Status),
@@ -346,6 +449,7 @@ impl Lines {
             }
             Seen::Forecast(report) => Some(report_line("forecast", report)),
             Seen::Report(report) => Some(report_line("result", report)),
+            Seen::Forces(_) => None,
             Seen::Status(status) => {
                 let state = (
                     status.phase,

@@ -224,7 +224,14 @@ mod tests {
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
-        let array = diagnostics(Header::default(), "column_twin", twin, health, None, counters);
+        let array = diagnostics(
+            Header::default(),
+            "column_twin",
+            twin,
+            health,
+            None,
+            counters,
+        );
         array.status.iter().map(|it| it.level).collect()
     }
 
@@ -279,7 +286,14 @@ mod tests {
                 ..TwinStatus::default()
             };
             let counters = NodeCounters::default();
-            diagnostics(Header::default(), "n", &twin, &Health::default(), None, &counters)
+            diagnostics(
+                Header::default(),
+                "n",
+                &twin,
+                &Health::default(),
+                None,
+                &counters,
+            )
         };
         assert!(same_state(&of(1), &of(2)));
         assert_ne!(of(1), of(2));

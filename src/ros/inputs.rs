@@ -21,7 +21,6 @@ use super::diagnostics::NodeCounters;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
-use super::replies::{Reply, fitting};
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
@@ -148,10 +147,7 @@ struct ParameterServers {
 
 impl Services {
     /// Offers all services.
-    pub fn new(
-        node: &mut Node,
-        recording: Option<Arc<dyn Recording>>,
-    ) -> Result<Self, NodeError> {
+    pub fn new(node: &mut Node, recording: Option<Arc<dyn Recording>>) -> Result<Self, NodeError> {
         Ok(Self {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET)?,
@@ -229,23 +225,23 @@ async fn answer<Request, Response>(
     mut reply: impl FnMut(Request) -> Response,
 ) where
     Request: ros2_client::Message + Clone + 'static,
-    Response: ros2_client::Message + Reply + 'static,
+    Response: ros2_client::Message + 'static,
 {
     let mut requests = server.receive_request_stream();
     while let Some(request) = requests.next().await {
         match request {
             Ok((id, request)) => {
-                if let Err(error) = server
-                    .async_send_response(id, fitting(reply(request), endpoint.name))
-                    .await
-                {
+                if let Err(error) = server.async_send_response(id, reply(request)).await {
                     NodeCounters::count(&counters.unpublished);
-                    tracing::warn!("a reply cannot be sent: {error:?}");
+                    tracing::warn!("a reply of {} cannot be sent: {error:?}", endpoint.name);
                 }
             }
             Err(error) => {
                 NodeCounters::count(&counters.unreadable);
-                tracing::warn!("a request cannot be read: {error}; compare its sender's type");
+                tracing::warn!(
+                    "a request to {} cannot be read: {error}; compare its sender's type",
+                    endpoint.name
+                );
             }
         }
     }
@@ -290,15 +286,12 @@ fn set_column(twin: &dyn Twin, message: &ColumnParameters) {
         values: changes(message),
         source: qos::COLUMN_PARAMETERS.name,
     };
-    match twin.set_parameters(change) {
-        Ok(()) => tracing::info!(
+    // A refusal has been said already: a topic has nobody to answer to.
+    if twin.set_parameters(change).is_ok() {
+        tracing::info!(
             "the parameters of {} are taken over",
             qos::COLUMN_PARAMETERS.name
-        ),
-        Err(reason) => tracing::warn!(
-            "the parameters of {} are refused: {reason}",
-            qos::COLUMN_PARAMETERS.name
-        ),
+        );
     }
 }
 

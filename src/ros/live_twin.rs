@@ -1,18 +1,18 @@
 //! The live twin behind the node's [`Twin`]: translates, and decides nothing.
 
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use crate::column::ModelError;
 use crate::live::{
-    AskError, Clock, Live, LiveHandle, LiveOptions, OutputQueue, Receiver, SimClock, SystemClock,
-    WhenFull, monotonic_nanos,
+    AskError, Clock, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver, SimClock,
+    SystemClock, WhenFull, monotonic_nanos,
 };
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use crate::parameters::Parameters;
-use crate::twin::state_file::{self, Loaded, StateFileError};
+use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{self, Output};
 
 use super::bridge::{Health, Outputs, ParameterChange, QueueHealth, Twin};
@@ -40,15 +40,23 @@ pub enum LiveTwinError {
 
 struct LiveTwin {
     /// Until the twin is stopped.
-    handle: RwLock<Option<LiveHandle>>,
+    living: RwLock<Option<Living>>,
     clock: Arc<dyn Clock>,
     /// Under `use_sim_time` the same clock, which can be set.
     simulated: Option<Arc<SimClock>>,
-    parameters: Mutex<Arc<Parameters>>,
+    /// Those of the start, among them the ones that are read-only.
+    first_parameters: Arc<Parameters>,
 }
 
-/// Starts the twin of these parameters with the damage that its state file holds. `options.state_file` is taken from the
-/// parameters.
+/// What ends with the stop, in this order.
+struct Living {
+    handle: LiveHandle,
+    /// No other program's until the last damage is written.
+    _state_file: Option<Reserved>,
+}
+
+/// Starts the twin of these parameters with the damage that its state file holds. `options.state_file` and
+/// `options.real_time` are taken from the parameters.
 ///
 /// # Errors
 /// When the column is impossible, or its state file or a thread cannot be had.
@@ -59,6 +67,7 @@ pub fn start_live_twin(
     let simulated = parameters.settings().use_sim_time;
     let simulated = simulated.then(|| Arc::new(SimClock::new(0)));
     let path = state_file::path(&parameters);
+    let reserved = path.as_deref().map(state_file::reserve).transpose()?;
     let saved = match &path {
         None => Loaded::Absent,
         Some(path) => state_file::load(path, &parameters)?,
@@ -76,9 +85,10 @@ pub fn start_live_twin(
     };
     let options = LiveOptions {
         state_file: path,
+        real_time: RealTime::of(&parameters),
         ..options
     };
-    let held = Arc::new(parameters.clone());
+    let first_parameters = Arc::new(parameters.clone());
     let new = |now| twin::Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
     let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
         Some(clock) => {
@@ -99,10 +109,13 @@ pub fn start_live_twin(
     }
     let outputs = handle.outputs(READER).ok_or(LiveTwinError::NoQueue)?;
     let twin = Arc::new(LiveTwin {
-        handle: RwLock::new(Some(handle)),
+        living: RwLock::new(Some(Living {
+            handle,
+            _state_file: reserved,
+        })),
         clock,
         simulated,
-        parameters: Mutex::new(held),
+        first_parameters,
     });
     let ending = Arc::clone(&twin);
     Ok(StartedTwin {
@@ -113,21 +126,24 @@ pub fn start_live_twin(
 }
 
 impl LiveTwin {
-    /// Asks the handle; after the stop there is nobody to ask.
-    fn ask<T>(&self, question: impl FnOnce(&LiveHandle) -> Result<T, String>) -> Result<T, String> {
-        let handle = self.handle.read().unwrap_or_else(PoisonError::into_inner);
-        handle
-            .as_ref()
-            .map_or_else(|| Err("the twin is stopping".to_owned()), question)
+    /// Asks the handle; `None` after the stop, when there is nobody to ask.
+    fn ask<T>(&self, question: impl FnOnce(&LiveHandle) -> T) -> Option<T> {
+        let living = self.living.read().unwrap_or_else(PoisonError::into_inner);
+        living.as_ref().map(|living| question(&living.handle))
     }
 
     fn stop(&self) {
-        let handle = self
-            .handle
+        let living = self
+            .living
             .write()
             .unwrap_or_else(PoisonError::into_inner)
             .take();
-        if let Some(Err(panicked)) = handle.map(LiveHandle::stop) {
+        if let Some(Living {
+            handle,
+            _state_file,
+        }) = living
+            && let Err(panicked) = handle.stop()
+        {
             tracing::error!("{panicked}");
         }
     }
@@ -145,46 +161,47 @@ impl Twin for LiveTwin {
             restitution: given(event.restitution),
             height: given(event.height),
         };
-        self.ask(|handle| {
-            let submitted = handle.submit(twin::Input::Impact(event));
-            submitted.map_err(|full| full.to_string())
-        })
+        self.ask(|handle| handle.submit(twin::Input::Impact(event)).map_err(words))
+            .unwrap_or_else(stopping)
     }
 
     fn set_parameters(&self, change: ParameterChange) -> Result<(), String> {
-        let mut held = self
-            .parameters
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let own = &held.settings().column_id;
+        let own = &self.first_parameters.settings().column_id;
         if let Some(other) = change.column_id.filter(|id| id != own) {
-            return Err(format!(
-                "they are for the column {other:?}, and this is {own:?}"
-            ));
+            let reason = format!("they are for the column {other:?}, and this is {own:?}");
+            self.refuse_parameters(change.source, &reason);
+            return Err(reason);
         }
-        let values = change.values.clone();
-        self.ask(|handle| {
-            let answer = handle.change_parameters(values, change.source);
-            answer.map(|_| ()).map_err(words)
-        })?;
-        // The twin has found them valid; those that wait for the end of a response count as set.
-        if let Ok(changed) = held.with_changes(change.values) {
-            *held = Arc::new(changed);
+        let answer = self.ask(|handle| handle.change_parameters(change.values, change.source));
+        match answer {
+            Some(Ok(_)) => Ok(()),
+            // The twin says it.
+            Some(Err(AskError::Refused(reason))) => Err(reason.to_string()),
+            Some(Err(error)) => {
+                tracing::warn!(
+                    "a change of parameters by {} is refused: {error}",
+                    change.source
+                );
+                Err(error.to_string())
+            }
+            None => stopping(),
         }
-        Ok(())
+    }
+
+    fn refuse_parameters(&self, source: &'static str, reason: &str) {
+        if let Some(Err(full)) = self.ask(|handle| handle.refuse_change(reason, source)) {
+            tracing::warn!("a change of parameters by {source} is refused: {reason}; {full}");
+        }
     }
 
     fn parameters(&self) -> Arc<Parameters> {
-        Arc::clone(
-            &self
-                .parameters
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner),
-        )
+        self.ask(LiveHandle::parameters)
+            .unwrap_or_else(|| Arc::clone(&self.first_parameters))
     }
 
     fn reset(&self) -> Result<String, String> {
         self.ask(|handle| handle.reset("service ~/reset").map_err(words))
+            .unwrap_or_else(stopping)
             .map(|()| "the column is virgin".to_owned())
     }
 
@@ -196,8 +213,9 @@ impl Twin for LiveTwin {
             restitution: given(request.restitution),
             height: given(request.height),
         };
-        let prediction =
-            self.ask(|handle| handle.predict(&request.column_id, &blow).map_err(words))?;
+        let prediction = self
+            .ask(|handle| handle.predict(&request.column_id, &blow).map_err(words))
+            .unwrap_or_else(stopping)?;
         Ok(ImpactReport {
             compute_time: prediction.compute_time,
             ..ImpactReport::from(&prediction.report)
@@ -205,7 +223,7 @@ impl Twin for LiveTwin {
     }
 
     fn health(&self) -> Health {
-        self.ask(|handle| Ok(health(handle))).unwrap_or_default()
+        self.ask(health).unwrap_or_default()
     }
 
     fn now(&self) -> i64 {
@@ -291,8 +309,12 @@ fn nanos(stamp: Time) -> i64 {
     i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
 }
 
-fn words(error: AskError) -> String {
+fn words(error: impl std::fmt::Display) -> String {
     error.to_string()
+}
+
+fn stopping<T>() -> Result<T, String> {
+    Err("the twin is stopping".to_owned())
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ pub mod bridge;
 mod client;
 mod diagnostics;
 mod environment;
+mod fresh_domain;
 mod inputs;
 mod live_twin;
 mod matches;
@@ -24,7 +25,6 @@ pub mod qos;
 mod raw;
 #[cfg(feature = "record")]
 pub mod replay;
-mod replies;
 mod rosout;
 mod run;
 mod signals;
@@ -33,15 +33,17 @@ mod twin_node;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, WatchError, report_line, send_impact, watch,
+    ClientError, ImpactOptions, ImpactOutcome, Seen, WatchError, follow_impact, report_line,
+    send_impact, watch,
 };
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use fresh_domain::FreshDomain;
 pub use live_twin::{LiveTwinError, start_live_twin};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
 pub use node::{Node, NodeError};
-pub use rosout::{ROSOUT_QUEUE, RosoutLayer, RosoutQueue, rosout_layer, start_logging};
 pub use raw::Raw;
+pub use rosout::{ROSOUT_QUEUE, RosoutLayer, RosoutQueue, rosout_layer, start_logging};
 pub use run::{RunEnd, RunError, RunOptions, StartedTwin, run};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;

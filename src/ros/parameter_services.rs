@@ -122,14 +122,16 @@ pub(super) fn set_atomically(
 }
 
 fn set_all(twin: &dyn Twin, parameters: Vec<raw::Parameter>) -> Result<(), String> {
+    const SOURCE: &str = "parameter service";
     let values = parameters
         .into_iter()
         .map(|parameter| Ok((parameter.name.clone(), settable_value(parameter)?)))
-        .collect::<Result<Vec<_>, String>>()?;
+        .collect::<Result<Vec<_>, String>>()
+        .inspect_err(|reason| twin.refuse_parameters(SOURCE, reason))?;
     twin.set_parameters(ParameterChange {
         column_id: None,
         values,
-        source: "parameter service",
+        source: SOURCE,
     })
 }
 
@@ -233,7 +235,8 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
         | Admissible::Choice(_)
         | Admissible::Text { .. }
         | Admissible::SectionName
-        | Admissible::SteelGrade => {}
+        | Admissible::SteelGrade
+        | Admissible::Processors => {}
     }
     it
 }

@@ -19,7 +19,9 @@ pub struct Raw(Arc<[u8]>);
 
 /// Bytes that cannot be sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("expected plain CDR, little endian (00 01), found the first bytes {0:02x?}; write the recording anew")]
+#[error(
+    "expected plain CDR, little endian (00 01), found the first bytes {0:02x?}; write the recording anew"
+)]
 pub struct NotPlainCdr([u8; 2]);
 
 impl Raw {

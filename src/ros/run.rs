@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-use crate::parameters::{Override, ParameterFaults, Parameters};
+use crate::parameters::{Override, ParameterFaults, Parameters, Source};
 use crate::twin::Output;
 
 use super::NODE_NAME;
@@ -25,9 +25,9 @@ pub struct RunOptions {
     pub ros: RosArguments,
     /// What the environment says.
     pub environment: Environment,
-    /// Parameter files of the program's own flags, read before those of `--params-file`.
+    /// Parameter files of the program's own flags, read before all ROS arguments.
     pub parameter_files: Vec<PathBuf>,
-    /// Parameters by flags of their own, applied after those of `-p`.
+    /// Parameters by flags of their own, applied after all ROS arguments.
     pub overrides: Vec<Override>,
 }
 
@@ -103,14 +103,7 @@ where
         outputs,
         stop,
     } = start_twin(parameters).map_err(|error| RunError::Twin(error.into()))?;
-    let node = TwinNode::start_recorded(
-        environment,
-        names,
-        twin,
-        outputs,
-        log,
-        recording.tap(),
-    )?;
+    let node = TwinNode::start_recorded(environment, names, twin, outputs, log, recording.tap())?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
@@ -173,7 +166,8 @@ impl RunRecording {
         match parameters.settings().record.mode {
             crate::parameters::RecordMode::Off => Ok(Self),
             _ => Err(RunError::Recording(
-                "record.mode asks for one, and this program was built without the feature `record`".into(),
+                "record.mode asks for one, and this program was built without the feature `record`"
+                    .into(),
             )),
         }
     }
@@ -188,10 +182,12 @@ impl RunRecording {
 }
 
 fn load_parameters(options: &RunOptions, names: &Names) -> Result<Parameters, ParameterFaults> {
-    let chained = |first: &[PathBuf], second: &[PathBuf]| [first, second].concat();
-    let files = chained(&options.parameter_files, &options.ros.parameter_files);
-    let overrides = [&options.ros.overrides[..], &options.overrides].concat();
-    Parameters::load_for(&names.for_parameters(), &files, &overrides)
+    let files = options.parameter_files.iter().cloned().map(Source::File);
+    let overrides = options.overrides.iter().cloned().map(Source::Override);
+    let sources = files
+        .chain(options.ros.parameters.iter().cloned())
+        .chain(overrides);
+    Parameters::load_in_order(&names.for_parameters(), sources)
 }
 
 fn say_what_is_not_done(options: &RunOptions) {

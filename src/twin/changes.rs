@@ -107,21 +107,13 @@ impl Twin {
         let Some(Waiting { parameters, source }) = self.waiting_parameters.take() else {
             return;
         };
+        let names = parameters.changed_from(&self.parameters);
         match self.column_with(&parameters) {
             Ok(column) => {
-                let names = parameters.changed_from(&self.parameters);
                 self.at_rest = column;
                 self.forbid_resuming();
-                self.parameters = Arc::clone(&parameters);
                 self.fingerprint = saved_state::fingerprint(&parameters).into();
-                self.reported.due = true;
-                out.put(Output::ParametersChanged(ParametersChanged {
-                    stamp: now,
-                    names: names.iter().map(|parameter| parameter.name).collect(),
-                    change: Change::Applied,
-                    parameters,
-                    source,
-                }));
+                self.parameters = parameters;
             }
             Err(reason) => {
                 let reason =
@@ -129,6 +121,15 @@ impl Twin {
                 self.refuse_change(reason, &source, now, out);
             }
         }
+        // Refused, they go back to what they were: their change was told already.
+        self.reported.due = true;
+        out.put(Output::ParametersChanged(ParametersChanged {
+            stamp: now,
+            names: names.iter().map(|parameter| parameter.name).collect(),
+            change: Change::Applied,
+            parameters: Arc::clone(&self.parameters),
+            source,
+        }));
     }
 
     pub(super) fn refuse_change(

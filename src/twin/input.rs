@@ -28,6 +28,14 @@ pub enum Input {
         /// What became of it, or why it was refused.
         reply: Option<SyncSender<Result<Change, Arc<str>>>>,
     },
+    /// A change of parameters that was found wrong before it came here: it cannot be read, or is for another column.
+    /// Refused, and said, as every other one.
+    RefusedChange {
+        /// Why.
+        reason: Arc<str>,
+        /// Who asks, for logs.
+        source: Arc<str>,
+    },
     /// Back to the virgin column.
     Reset {
         /// Who asks, for logs.

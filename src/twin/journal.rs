@@ -118,6 +118,13 @@ pub enum Given {
         /// Who asked.
         source: Arc<str>,
     },
+    /// A change of parameters that was found wrong before it came to the twin.
+    RefusedChange {
+        /// Why.
+        reason: Arc<str>,
+        /// Who asked.
+        source: Arc<str>,
+    },
     /// Back to the virgin column.
     Reset {
         /// Who asked.
@@ -136,6 +143,7 @@ impl Given {
                 source,
                 reply: None,
             },
+            Self::RefusedChange { reason, source } => Input::RefusedChange { reason, source },
             Self::Reset { source } => Input::Reset {
                 source,
                 reply: None,

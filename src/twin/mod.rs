@@ -264,6 +264,9 @@ impl Twin {
                 Given::Parameters { changes, source },
                 Reply::Parameters(reply),
             ),
+            Input::RefusedChange { reason, source } => {
+                (Given::RefusedChange { reason, source }, Reply::None)
+            }
             Input::Reset { source, reply } => (Given::Reset { source }, Reply::Reset(reply)),
         };
         self.report_starting_point(now, out);
@@ -298,6 +301,9 @@ impl Twin {
             Given::Reset { source } => {
                 self.reset(source, now, out);
                 Ok(Change::Applied)
+            }
+            Given::RefusedChange { reason, source } => {
+                Err(self.refuse_change(reason.to_string(), source, now, out))
             }
         }
     }

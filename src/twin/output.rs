@@ -23,7 +23,7 @@ pub enum Output {
     Status(Status),
     /// Something was refused and has changed nothing.
     Refused(Refused),
-    /// Parameters were changed, or wait for the end of the response to be.
+    /// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
@@ -87,7 +87,7 @@ pub struct Refused {
     pub source: Arc<str>,
 }
 
-/// Parameters were changed, or wait for the end of the response to be.
+/// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.

@@ -1,7 +1,7 @@
 //! The state file: read at the start, replaced as a whole, never lost half way. The only IO of the twin.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -55,6 +55,28 @@ pub enum StateFileError {
         /// What the system says.
         source: io::Error,
     },
+    /// Another twin has it.
+    #[error(
+        "the state file {path} is in use by another running twin of this column (it holds {lock}); two of them would \
+         overwrite each other's damage: stop the other one, or give this one a column_id or a state.directory of its own"
+    )]
+    InUse {
+        /// The file.
+        path: PathBuf,
+        /// The file beside it that is locked.
+        lock: PathBuf,
+    },
+    /// It cannot be reserved for this twin.
+    #[error(
+        "the damage cannot be kept: {lock} cannot be made or locked: {source}; check the permissions, choose another \
+         state.directory, or an empty one for a damage that ends with the program"
+    )]
+    NotReserved {
+        /// The file beside the state file that would be locked.
+        lock: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// It cannot be written; the one before is still there.
     #[error(
         "the state file {path} cannot be written: {source}; the damage since the last one is lost at a restart"
@@ -97,6 +119,40 @@ fn file_name(column_id: &str) -> String {
         }
     }
     name + ".json"
+}
+
+/// A state file that is this twin's alone for as long as this value lives, whatever ends the program.
+#[derive(Debug)]
+pub struct Reserved {
+    _lock: File,
+}
+
+/// Reserves a state file against other programs, and makes its folder. The file beside it that is locked stays behind: to
+/// delete it would let a third program lock a new one while a second one holds the old.
+///
+/// # Errors
+/// Another twin has it, or it cannot be made.
+pub fn reserve(path: &Path) -> Result<Reserved, StateFileError> {
+    let lock = with_suffix(path, ".lock");
+    let open = || {
+        fs::create_dir_all(folder(path))?;
+        File::options()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(&lock)
+    };
+    let locked = open()
+        .map_err(TryLockError::Error)
+        .and_then(|file| file.try_lock().map(|()| file));
+    match locked {
+        Ok(file) => Ok(Reserved { _lock: file }),
+        Err(TryLockError::WouldBlock) => Err(StateFileError::InUse {
+            path: path.to_owned(),
+            lock,
+        }),
+        Err(TryLockError::Error(source)) => Err(StateFileError::NotReserved { lock, source }),
+    }
 }
 
 /// Reads the state file of the column that has these parameters. One that cannot be used is kept aside under another
@@ -164,10 +220,7 @@ pub fn store(path: &Path, saved: &SavedState) -> Result<(), StateFileError> {
 }
 
 fn replace(path: &Path, saved: &SavedState) -> io::Result<()> {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let directory = folder(path);
     fs::create_dir_all(directory)?;
     let new = with_suffix(path, ".new");
     let mut file = File::create(&new)?;
@@ -176,6 +229,13 @@ fn replace(path: &Path, saved: &SavedState) -> io::Result<()> {
     drop(file);
     fs::rename(&new, path)?;
     File::open(directory)?.sync_all() // the rename, too, is to outlive a power cut
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
@@ -187,6 +247,26 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_state_file_has_one_owner() {
+        let root = tempfile::tempdir().expect("a folder");
+        let path = root.path().join("state/column.json");
+        let first = reserve(&path).expect("free");
+        let second = reserve(&path).expect_err("taken").to_string();
+        assert!(
+            second.contains("in use by another running twin"),
+            "{second}"
+        );
+        drop(first);
+        reserve(&path).expect("free again");
+        fs::write(root.path().join("file"), "").expect("written");
+        let below_a_file = reserve(&root.path().join("file/column.json"));
+        assert!(matches!(
+            below_a_file,
+            Err(StateFileError::NotReserved { .. })
+        ));
+    }
 
     #[test]
     fn columns_have_their_own_files() {

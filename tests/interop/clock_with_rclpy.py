@@ -1,45 +1,67 @@
 #!/usr/bin/env python3
-"""A node under use_sim_time follows /clock as rclpy publishes it.
+"""A node under use_sim_time follows /clock as rclpy plays it: a response at any rate is that of the simulation.
 
-Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback. Exit code 1 when the
-node's status does not come to bear the clock's time.
+Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
+
+    clock_with_rclpy.py EXPECTED.json
+
+Exit code 1 when the node's status does not come to bear the clock's time, or its stream differs from what is expected.
 """
 
+import json
 import sys
 import time
 
 import rclpy
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from column_twin.msg import TwinStatus
+from node_with_rclpy import PATIENCE, Peer, check_response, end, event_of, faults
 
-PATIENCE = 30.0
-SIMULATED = 12345
+START = 12345 * 10**9
+# One message of the clock to the next, not a multiple of the samples' period: as a bag is played, faster than real time.
+JUMP = 7_300_000
+
+
+class Player:
+    """Plays the clock until something has happened."""
+
+    def __init__(self, peer):
+        self.peer, self.now = peer, START
+        self.publisher = peer.node.create_publisher(Clock, "/clock", QoSProfile(depth=1))
+
+    def play(self, what, jump, condition):
+        deadline = time.monotonic() + PATIENCE
+        clock = Clock()
+        while not condition():
+            if time.monotonic() > deadline:
+                faults.append(f"waited in vain for {what}")
+                return
+            clock.clock.sec, clock.clock.nanosec = divmod(self.now, 10**9)
+            # The node's reader is best effort: one message alone would not do.
+            self.publisher.publish(clock)
+            self.peer.executor.spin_once(timeout_sec=0.01)
+            self.now += jump
 
 
 def main():
+    expected = json.loads(open(sys.argv[1]).read())
     rclpy.init()
-    node = rclpy.create_node("bag_player")
-    stamps = []
-    latched = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(TwinStatus, "twin_status", lambda it: stamps.append(it.header.stamp.sec), latched)
-    publisher = node.create_publisher(Clock, "/clock", QoSProfile(depth=1))
-    clock = Clock()
-    clock.clock.sec = SIMULATED
-    deadline = time.monotonic() + PATIENCE
-    while SIMULATED not in stamps and time.monotonic() < deadline:
-        # The node's reader is best effort, so that one message would not do.
-        publisher.publish(clock)
-        rclpy.spin_once(node, timeout_sec=0.1)
-    types = dict(node.get_topic_names_and_types())
-    print("/clock:", types.get("/clock"), flush=True)
-    node.destroy_node()
-    rclpy.shutdown()
-    if SIMULATED not in stamps:
-        sys.exit(f"waited {PATIENCE} s in vain for a status of the time {SIMULATED}, found {sorted(set(stamps))}")
-    if types.get("/clock") != ["rosgraph_msgs/msg/Clock"]:
-        sys.exit(f"/clock has the types {types.get('/clock')}")
+    peer = Peer()
+    player = Player(peer)
+    peer.meet()
+    seconds = lambda: [it.header.stamp.sec for it in peer.seen["twin_status"]]
+    player.play("a status of the clock's time", 0, lambda: START // 10**9 in seconds())
+    types = dict(peer.node.get_topic_names_and_types()).get("/clock")
+    if types != ["rosgraph_msgs/msg/Clock"]:
+        faults.append(f"/clock has the types {types}")
+    event, stamp = event_of(expected, "of the bag", START)
+    peer.events.publish(event)
+    # The time stands still: the forecast comes all the same, and nothing after the first sample.
+    player.play("the forecast", 0, lambda: peer.seen["impact_forecast"])
+    player.play("the report", JUMP, lambda: peer.seen["impact_report"])
+    check_response(peer, expected, "of the bag", stamp)
+    end(peer)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,18 @@
-//! What others send by mistake or on purpose: counted, said, and the node goes on.
+//! What others send by mistake or on purpose: refused or bounded, counted, said where it can be read, and the twin goes on.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use column_twin::messages::column_twin::ImpactEvent;
+use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_msgs;
+use column_twin::ros::ImpactOutcome;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{Names, Node};
 use serde::Serialize;
 
 use super::domain::Domain;
-use super::loopback::{Incoming, PATIENCE, start};
+use super::live_twin::RunningTwin;
+use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
+use super::program::Program;
 
 /// Begins as an event does, and then announces a string of 1 GiB that is not there.
 #[derive(Debug, Serialize)]
@@ -20,21 +22,17 @@ struct Announcement {
     frame_id_length: u32,
 }
 
-/// The node's count of messages that it could not read, as its diagnostics say it.
-fn unreadable(array: &DiagnosticArray) -> u64 {
-    let values = array.status.iter().flat_map(|status| &status.values);
-    let mut counts = values.filter(|value| value.key == "unreadable messages");
-    counts
-        .next()
-        .map_or(0, |value| value.value.parse().unwrap())
+/// A count that the diagnostics have under this name.
+fn counted(array: &DiagnosticArray, name: &str) -> Option<u64> {
+    let mut values = array.status.iter().flat_map(|status| &status.values);
+    values.find(|value| value.key == name)?.value.parse().ok()
 }
 
 #[test]
 fn what_cannot_be_read_is_counted_and_the_node_goes_on() {
     let domain = Domain::fresh();
-    let twin = start(&domain);
-    let names = Names::new("/", "vandal", &[]).unwrap();
-    let mut node = Node::new(&domain.environment, names).unwrap();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
     let truncated = node
         .publisher::<std_msgs::String>(&qos::IMPACT_EVENT)
         .unwrap();
@@ -51,38 +49,206 @@ fn what_cannot_be_read_is_counted_and_the_node_goes_on() {
     for guid in [truncated.guid(), huge.guid(), good.guid()] {
         assert!(node.matches().wait_for(guid, 1, deadline));
     }
-    truncated
-        .publish(std_msgs::String {
-            data: "x".to_owned(),
-        })
-        .unwrap();
+    let text = || std_msgs::String {
+        data: "x".to_owned(),
+    };
+    truncated.publish(text()).unwrap();
     huge.publish(Announcement {
         sec: 1,
         nanosec: 2,
         frame_id_length: 1 << 30,
     })
     .unwrap();
-    wrong_type
-        .publish(std_msgs::String {
-            data: "x".to_owned(),
-        })
-        .unwrap();
-    let event = ImpactEvent {
-        mass: 1500.0,
-        velocity: 1.0,
-        ..ImpactEvent::default()
-    };
-    good.publish(event).unwrap();
-    let (mut counted, mut responded) = (0, false);
-    while counted < 2 || !responded {
-        let array = diagnostics.next();
-        counted = unreadable(&array);
-        let values = array.status.iter().flat_map(|status| &status.values);
-        responded |= values
-            .clone()
-            .any(|it| it.key == "events accepted" && it.value == "1");
-    }
-    println!("{counted} messages were unreadable");
+    wrong_type.publish(text()).unwrap();
+    good.publish(event("e1", now(), 1500.0, 1.0)).unwrap();
+    diagnostics.find("two unreadable messages and an accepted event", |it| {
+        counted(it, "unreadable messages") == Some(2) && counted(it, "events accepted") == Some(1)
+    });
     drop(diagnostics);
-    twin.stop(|| {});
+    twin.stop();
+}
+
+#[test]
+fn an_event_that_makes_no_sense_is_refused_with_its_reason() {
+    let domain = Domain::fresh();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let at = |ahead: i64| event("wrong", now() + ahead, 1500.0, 1.0);
+    let second = 1_000_000_000;
+    let cases: [(ImpactEvent, &str); 11] = [
+        (event("wrong", now(), f64::NAN, 1.0), "mass = NaN"),
+        (event("wrong", now(), f64::INFINITY, 1.0), "mass = inf"),
+        (event("wrong", now(), -5.0, 1.0), "mass = -5"),
+        (event("wrong", now(), 1500.0, 0.0), "velocity = 0"),
+        (event("wrong", now(), 1500.0, f64::NAN), "velocity = NaN"),
+        (
+            ImpactEvent {
+                gap: f64::NEG_INFINITY,
+                ..at(0)
+            },
+            "gap = -inf",
+        ),
+        (
+            ImpactEvent {
+                restitution: 1.5,
+                ..at(0)
+            },
+            "restitution = 1.5",
+        ),
+        (
+            ImpactEvent {
+                height: 99.0,
+                ..at(0)
+            },
+            "height = 99",
+        ),
+        (at(3600 * second), "s ahead, event.max_ahead is 1 s"),
+        (at(-3600 * second), "s old, event.max_age is 5 s"),
+        (
+            ImpactEvent {
+                column_id: "another".to_owned(),
+                ..at(0)
+            },
+            "column_id is \"another\"",
+        ),
+    ];
+    let mut refused = 0;
+    for (wrong, reason) in cases {
+        assert!(events.publish(wrong));
+        refused += 1;
+        let status = statuses.find(reason, |it| it.events_refused == refused);
+        assert_eq!(status.last_refusal_event_id, "wrong");
+        assert!(
+            status.last_refusal_reason.contains(reason),
+            "{}",
+            status.last_refusal_reason
+        );
+    }
+    // None of them has used the name up; the second one of a name is refused.
+    for _ in 0..2 {
+        assert!(events.publish(at(0)));
+    }
+    let status = statuses.find("the second one", |it| it.events_refused == refused + 1);
+    assert_eq!(status.events_accepted, 1);
+    assert!(
+        status.last_refusal_reason.contains("was accepted before"),
+        "{}",
+        status.last_refusal_reason
+    );
+    drop(statuses);
+    twin.stop();
+}
+
+/// A topic has no reply: what was refused stands in the status and in `/rosout`.
+#[test]
+fn a_refused_set_of_parameters_is_readable() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let quiet = "-p real_time.priority:=0 -p real_time.lock_memory:=false -p state.directory:=''";
+    let arguments: Vec<_> = quiet.split(' ').collect();
+    let program = Program::ready(&domain, folder.path(), &arguments);
+    let mut node = reader(&domain);
+    let sets = Outgoing::<ColumnParameters>::start(&domain, &qos::COLUMN_PARAMETERS);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let logs = Incoming::<ros2_client::Log>::start(&mut node, &qos::ROSOUT);
+    let own = || ColumnParameters {
+        column_id: "column".to_owned(),
+        ..ColumnParameters::default()
+    };
+    let cases = [
+        (
+            ColumnParameters {
+                top_load: -1.0,
+                ..own()
+            },
+            "top.load: `-1.0` is out of range",
+        ),
+        (
+            ColumnParameters {
+                top_load: f64::INFINITY,
+                ..own()
+            },
+            "is not a finite number",
+        ),
+        (
+            ColumnParameters {
+                support_base: "semi_rigid".to_owned(),
+                ..own()
+            },
+            "support.base",
+        ),
+        (
+            ColumnParameters {
+                column_id: "another".to_owned(),
+                top_load: 1e5,
+                ..own()
+            },
+            "they are for the column \"another\", and this is \"column\"",
+        ),
+    ];
+    let mut refused = 0;
+    for (wrong, reason) in cases {
+        assert!(sets.publish(wrong));
+        refused += 1;
+        let status = statuses.find(reason, |it| it.parameters_refused == refused);
+        assert!(
+            status.last_refusal_reason.contains(reason),
+            "{}",
+            status.last_refusal_reason
+        );
+        logs.find(reason, |it| {
+            it.msg
+                .starts_with("change of parameters by column_parameters is refused")
+                && it.msg.contains(reason)
+        });
+    }
+    assert!(sets.publish(ColumnParameters {
+        top_load: 1e5,
+        ..own()
+    }));
+    statuses.find("a set that is accepted", |it| it.parameters_accepted == 1);
+    drop((statuses, logs));
+    assert!(program.terminate().0.success());
+}
+
+/// Everything that was sent is accepted, refused, or counted as dropped, and the twin answers as before.
+#[test]
+fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
+    const FLOOD: u64 = 10_000;
+    const BATCH: u64 = 100;
+    let domain = Domain::fresh();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+    let begin = Instant::now();
+    let mut sent = 0;
+    for batch in 0..FLOOD / BATCH {
+        for number in 0..BATCH {
+            let id = format!("flood-{}", batch * BATCH + number);
+            sent += u64::from(events.publish(event(&id, now(), 1500.0, 1.0)));
+        }
+        let due = begin + Duration::from_millis(10) * u32::try_from(batch + 1).unwrap();
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+    println!("{sent} of {FLOOD} events sent within {:?}", begin.elapsed());
+    let of = |it: &TwinStatus| (it.events_accepted, it.events_refused, it.dropped_inputs);
+    let last = statuses.find("an account of every event", |it| {
+        let (accepted, refused, dropped) = of(it);
+        println!("{:?}", of(it));
+        accepted + refused + dropped == sent
+    });
+    println!("accepted, refused, dropped: {:?}", of(&last));
+    let array = diagnostics.next();
+    println!("{:?}", counted(&array, "unreadable messages"));
+    drop((statuses, diagnostics));
+    let outcome = impact(&domain, 1500.0, PATIENCE);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    twin.stop();
 }

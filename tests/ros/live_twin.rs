@@ -1,79 +1,98 @@
-//! The live twin behind the node: what a reader receives in real time is what the simulation computes.
+//! The live twin behind the node, in this process: what a reader receives in real time is what the simulation computes.
 
-use std::time::Instant;
-
-use column_twin::column::{Impact, Sample, simulate};
 use column_twin::live::LiveOptions;
-use column_twin::messages::column_twin::ColumnState;
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::ros::{ImpactOutcome, Names, Node, StartedTwin, TwinNode, qos, start_live_twin};
+use column_twin::ros::{Names, RosoutQueue, StartedTwin, TwinNode, qos, start_live_twin};
 
 use super::domain::Domain;
-use super::loopback::{Incoming, PATIENCE, impact};
+use super::loopback::{Incoming, Outgoing, event, now, reader};
+use super::simulation;
+
+/// A live twin and its node.
+pub struct RunningTwin {
+    node: TwinNode,
+    stop: Box<dyn FnOnce()>,
+}
+
+impl RunningTwin {
+    /// Of the default column with these changes. Keeps no damage and asks the system for nothing.
+    pub fn start(domain: &Domain, changes: &[(&str, Value)]) -> Self {
+        Self::start_logging(domain, changes, None)
+    }
+
+    /// The same with log messages on their way to `/rosout`.
+    pub fn start_logging(
+        domain: &Domain,
+        changes: &[(&str, Value)],
+        log: Option<RosoutQueue>,
+    ) -> Self {
+        let started = start_live_twin(parameters(changes), LiveOptions::default()).unwrap();
+        let StartedTwin {
+            twin,
+            outputs,
+            stop,
+        } = started;
+        let names = Names::new("/", "column_twin", &[]).unwrap();
+        let node = TwinNode::start(&domain.environment, names, twin, outputs, log).unwrap();
+        Self { node, stop }
+    }
+
+    /// Ends node and twin.
+    pub fn stop(self) {
+        self.node.stop(self.stop);
+    }
+}
+
+/// The default column with these changes, without a state file and without any wish for real time.
+pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
+    let quiet = [
+        ("state.directory", Value::from("")),
+        ("real_time.priority", Value::Integer(0)),
+        ("real_time.lock_memory", Value::Bool(false)),
+    ];
+    Parameters::from_values(quiet.iter().chain(changes).cloned()).unwrap()
+}
 
 #[test]
 fn the_stream_in_real_time_is_that_of_the_simulation() {
     let domain = Domain::fresh();
-    // Without a state file.
-    let parameters = Parameters::from_values([("state.directory", Value::from(""))]).unwrap();
-    let mut steps = Vec::new();
-    let of_event = Impact {
-        mass: 1500.0,
-        velocity: 1.0,
-        gap: 0.0,
-        restitution: 0.0,
-    };
-    let properties = parameters.column_properties();
-    let mut observe = |sample: &Sample| steps.push(*sample);
-    simulate(
-        &properties,
-        &of_event,
-        parameters.response_duration(),
-        &mut observe,
-    )
-    .unwrap();
-
-    let started = start_live_twin(parameters, LiveOptions::default()).unwrap();
-    let StartedTwin {
-        twin,
-        outputs,
-        stop,
-    } = started;
-    let names = Names::new("/", "column_twin", &[]).unwrap();
-    let node = TwinNode::start(&domain.environment, names, twin, outputs, None).unwrap();
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut reader = Node::new(&domain.environment, names).unwrap();
+    let parameters = parameters(&[]);
+    let (expected, report) = simulation::stream(&parameters, 1500.0, 10.0);
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut reader = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let states = Incoming::<ColumnState>::start(&mut reader, &qos::COLUMN_STATE);
-    let forecast = match impact(&domain, 1500.0, PATIENCE) {
-        Ok(ImpactOutcome::Forecast(forecast)) => forecast,
-        other => panic!("{other:?}"),
-    };
-    println!("forecast computed in {} s", forecast.compute_time);
-    // 50 steps of 20 microseconds for each sample, and the end.
-    let last = steps.len() - 1;
-    let expected = (0..last).step_by(50).chain([last]);
-    let (mut first, mut count) = (None, 0);
-    for step in expected {
-        let state = states.next();
-        let stamp = state.header.stamp.to_nanos().unwrap();
-        let since = stamp - *first.get_or_insert(stamp);
+    let forces = Incoming::<HingeForces>::start(&mut reader, &qos::HINGE_FORCES);
+    let stamp = now();
+    assert!(events.publish(event("e1", stamp, 1500.0, 10.0)));
+    println!("{} samples, {report:?}", expected.len());
+    for mut sample in expected {
+        let (state, forces) = (states.next(), forces.next());
         assert_eq!(
-            since,
-            20_000 * i64::try_from(step).unwrap(),
+            state.header.stamp.to_nanos(),
+            Some(stamp + sample.since),
             "none is missing"
         );
-        let mut of_step = ColumnState::from(&steps[step]);
-        (of_step.header, of_step.phase) = (state.header.clone(), state.phase);
-        (of_step.column_id, of_step.event_id) = ("column".to_owned(), forecast.event_id.clone());
-        // The sum over the steps since the sample before.
-        of_step.percussion = state.percussion;
-        assert_eq!(state, of_step);
-        assert_eq!(state.phase == ColumnState::REST, step == last);
-        count += 1;
+        for (header, column_id, event_id) in [
+            (
+                &mut sample.state.header,
+                &mut sample.state.column_id,
+                &mut sample.state.event_id,
+            ),
+            (
+                &mut sample.forces.header,
+                &mut sample.forces.column_id,
+                &mut sample.forces.event_id,
+            ),
+        ] {
+            header.clone_from(&state.header);
+            "column".clone_into(column_id);
+            "e1".clone_into(event_id);
+        }
+        assert_eq!(state, sample.state);
+        assert_eq!(forces, sample.forces);
     }
-    println!("{count} samples, {} steps", steps.len());
-    let before = Instant::now();
-    node.stop(stop);
-    println!("stopped within {:?}", before.elapsed());
-    drop(states);
+    drop((states, forces));
+    twin.stop();
 }

@@ -2,29 +2,50 @@
 
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
-use column_twin::parameters::Parameters;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{ImpactOptions, ImpactOutcome, Names, Node, TwinNode, send_impact};
+use column_twin::ros::{ImpactOptions, ImpactOutcome, Names, Node, send_impact};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
+use ros2_client::Publisher;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::domain::Domain;
-use super::scripted_twin::{SAMPLE_PERIOD, ScriptedTwin, response};
+pub use super::domain::PATIENCE;
+use super::live_twin::RunningTwin;
 
-/// Discovery and a whole response take a second; this is for machines that have much else to do.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+/// The time of day \[ns\].
+pub fn now() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+    i64::try_from(since.as_nanos()).unwrap()
+}
 
-/// A node of a scripted twin.
-pub fn start(domain: &Domain) -> TwinNode {
-    let (twin, outputs) = ScriptedTwin::start(Parameters::default());
-    let names = Names::new("/", "column_twin", &[]).unwrap();
-    TwinNode::start(&domain.environment, names, twin, outputs, None).unwrap()
+/// An event for the default column that leaves gap, restitution and height open.
+pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEvent {
+    ImpactEvent {
+        header: Header {
+            stamp: Time::from_nanos(stamp).unwrap(),
+            frame_id: String::new(),
+        },
+        column_id: "column".to_owned(),
+        event_id: event_id.to_owned(),
+        mass,
+        velocity,
+        gap: f64::NAN,
+        restitution: f64::NAN,
+        height: f64::NAN,
+    }
+}
+
+/// A node that is not the twin's.
+pub fn reader(domain: &Domain) -> Node {
+    let names = Names::new("/", "reader", &[]).unwrap();
+    Node::new(&domain.environment, names).unwrap()
 }
 
 /// Reads one topic in a thread of its own until it is dropped.
@@ -64,6 +85,18 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         }
     }
 
+    /// The first message from now on that `is_it` says yes to.
+    pub fn find(&self, what: &str, mut is_it: impl FnMut(&M) -> bool) -> M {
+        let deadline = Instant::now() + PATIENCE;
+        while Instant::now() < deadline {
+            let message = self.messages.recv_timeout(PATIENCE);
+            if let Some(it) = message.ok().filter(&mut is_it) {
+                return it;
+            }
+        }
+        panic!("waited in vain for {what}");
+    }
+
     /// The next message.
     pub fn next(&self) -> M {
         self.messages.recv_timeout(PATIENCE).expect("a message")
@@ -79,61 +112,64 @@ impl<M> Drop for Incoming<M> {
     }
 }
 
-#[test]
-fn the_stream_of_a_response_arrives_whole_and_in_order() {
-    let domain = Domain::fresh();
-    let twin = start(&domain);
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut node = Node::new(&domain.environment, names).unwrap();
-    let publisher = node.publisher::<ImpactEvent>(&qos::IMPACT_EVENT).unwrap();
-    let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
-    let forces = Incoming::<HingeForces>::start(&mut node, &qos::HINGE_FORCES);
-    assert!(
-        node.matches()
-            .wait_for(publisher.guid(), 1, Instant::now() + PATIENCE)
-    );
-    let stamp = 1_700_000_000_250_000_000;
-    let event = ImpactEvent {
-        header: Header {
-            stamp: Time::from_nanos(stamp).unwrap(),
-            frame_id: String::new(),
-        },
-        event_id: "e1".to_owned(),
-        mass: 1500.0,
-        velocity: 1.0,
-        ..ImpactEvent::default()
-    };
-    publisher.publish(event).unwrap();
-    let (samples, _) = response(&Parameters::default(), 1500.0, 1.0);
-    println!("{} samples", samples.len());
-    for (sample, expected) in samples
-        .iter()
-        .zip((stamp..).step_by(SAMPLE_PERIOD as usize))
-    {
-        let (state, forces) = (states.next(), forces.next());
-        assert_eq!(state.header.stamp.to_nanos(), Some(expected));
-        assert_eq!(forces.header.stamp, state.header.stamp);
-        let mut of_sample = ColumnState::from(sample);
-        (of_sample.header, of_sample.phase) = (state.header.clone(), state.phase);
-        (of_sample.column_id, of_sample.event_id) = ("column".to_owned(), "e1".to_owned());
-        assert_eq!(state, of_sample);
-        assert_eq!(forces.moment, sample.hinges.map(|hinge| hinge.moment));
+/// Sends on one topic from a node of its own.
+pub struct Outgoing<M: Serialize> {
+    publisher: Publisher<M>,
+    abort: AbortHandle,
+    thread: Option<JoinHandle<()>>,
+    _node: Node,
+}
+
+impl<M: Serialize> Outgoing<M> {
+    /// Waits until there is a reader.
+    pub fn start(domain: &Domain, endpoint: &Endpoint) -> Self {
+        let mut node = reader(domain);
+        let publisher = node.publisher::<M>(endpoint).unwrap();
+        let events = node.participant_events();
+        let (abort, registration) = AbortHandle::new_pair();
+        let follow = move || {
+            let _ = futures::executor::block_on(Abortable::new(events, registration));
+        };
+        let thread = Some(std::thread::spawn(follow));
+        let deadline = Instant::now() + PATIENCE;
+        assert!(
+            node.matches().wait_for(publisher.guid(), 1, deadline),
+            "nobody reads {}",
+            endpoint.name
+        );
+        Self {
+            publisher,
+            abort,
+            thread,
+            _node: node,
+        }
     }
-    drop((states, forces));
-    twin.stop(|| {});
+
+    /// `false` where the reader has been too slow for the writer's window.
+    pub fn publish(&self, message: M) -> bool {
+        self.publisher.publish(message).is_ok()
+    }
+}
+
+impl<M: Serialize> Drop for Outgoing<M> {
+    fn drop(&mut self) {
+        self.abort.abort();
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
 }
 
 #[test]
 fn a_late_joiner_gets_the_status() {
     let domain = Domain::fresh();
-    let twin = start(&domain);
+    let twin = RunningTwin::start(&domain, &[]);
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut node = Node::new(&domain.environment, names).unwrap();
+    let mut node = reader(&domain);
     let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
-    while statuses.next().events_accepted != 1 {}
+    statuses.find("an accepted event", |it| it.events_accepted == 1);
     drop(statuses);
-    twin.stop(|| {});
+    twin.stop();
 }
 
 #[test]
@@ -145,15 +181,18 @@ fn an_impact_from_the_command_line_is_answered_or_refused() {
             .unwrap_err()
             .contains("no twin listens on /impact_event in domain")
     );
-    let twin = start(&domain);
+    let twin = RunningTwin::start(&domain, &[]);
     match impact(&domain, 1500.0, PATIENCE) {
         Ok(ImpactOutcome::Forecast(report)) => assert!(report.max_v1 > 0.0),
         other => panic!("{other:?}"),
     }
-    let refused = impact(&domain, -1.0, PATIENCE).unwrap();
-    let reason = "mass and velocity must be above 0".to_owned();
-    assert_eq!(refused, ImpactOutcome::Refused(reason));
-    twin.stop(|| {});
+    match impact(&domain, -1.0, PATIENCE) {
+        Ok(ImpactOutcome::Refused(reason)) => {
+            assert!(reason.starts_with("mass = -1: is out of range"), "{reason}");
+        }
+        other => panic!("{other:?}"),
+    }
+    twin.stop();
 }
 
 /// Sends one impact of 1 m/s as `column-twin impact` does.
@@ -179,12 +218,11 @@ pub fn impact(
 #[test]
 fn a_node_with_readers_stops() {
     let domain = Domain::fresh();
-    let twin = start(&domain);
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut node = Node::new(&domain.environment, names).unwrap();
+    let twin = RunningTwin::start(&domain, &[]);
+    let mut node = reader(&domain);
     let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
     let start = Instant::now();
-    twin.stop(|| {});
+    twin.stop();
     println!("stopped within {:?}", start.elapsed());
     drop(states);
 }

@@ -1,27 +1,23 @@
-//! The node against ROS 2 itself and against a DDS program that knows no ROS. Slow the first time (a minute or two, and
-//! network), and only where Python 3.11 is: `cargo test --test ros -- --ignored`.
+//! `column-twin run` against ROS 2 itself and against a DDS program that knows no ROS. Slow the first time (a minute or two,
+//! and network), and only where Python 3.11 is: `cargo test --release --test ros -- --ignored`.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 
-use column_twin::column::Sample;
-use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::ImpactEvent;
-use column_twin::messages::std_msgs::Header;
-use column_twin::parameters::{Parameters, Value};
-use column_twin::ros::bridge::Twin;
-use column_twin::ros::{Names, RosoutQueue, TwinNode, rosout_layer};
-use tracing_subscriber::Registry;
-use tracing_subscriber::layer::SubscriberExt;
+use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
+use column_twin::parameters::Parameters;
+use column_twin::ros::qos;
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
 
 use super::domain::Domain;
-use super::scripted_twin::{SAMPLE_PERIOD, ScriptedTwin, response};
+use super::loopback::{Outgoing, event, now};
+use super::program::Program;
+use super::simulation;
 
 const MASS: f64 = 1500.0;
-const VELOCITY: f64 = 1.0;
-const STAMP: i64 = 1_700_000_000_250_000_000;
+const VELOCITY: f64 = 10.0;
 
 fn interop(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -63,84 +59,54 @@ fn finish(mut child: Child) {
     assert!(status.success(), "{status}");
 }
 
-const FIELDS: [&str; 8] = [
-    "time",
-    "v1",
-    "u1",
-    "beta1",
-    "u2",
-    "v1_rate",
-    "contact_force",
-    "ledger_residual",
-];
-
-fn fields(sample: &Sample) -> [f64; 8] {
-    [
-        sample.time,
-        sample.v1,
-        sample.u1,
-        sample.beta1,
-        sample.u2,
-        sample.v1_rate,
-        sample.contact_force,
-        sample.ledger_residual,
-    ]
+/// The numbers of a message that the impact alone decides; not a number is null.
+fn numbers(message: &impl Serialize) -> Map<String, Json> {
+    let Ok(Json::Object(mut fields)) = serde_json::to_value(message) else {
+        panic!("a message is a structure");
+    };
+    for told_by_the_node in ["header", "column_id", "event_id", "kind", "compute_time"] {
+        fields.remove(told_by_the_node);
+    }
+    fields
 }
 
 /// What must come of the event, written by the simulation alone.
 fn expectation(folder: &Path) -> PathBuf {
-    let (samples, report) = response(&Parameters::default(), MASS, VELOCITY);
+    let (samples, report) = simulation::stream(&Parameters::default(), MASS, VELOCITY);
     let samples: Vec<_> = samples
         .iter()
-        .map(|sample| {
-            let moments = sample.hinges.map(|hinge| hinge.moment);
-            let forces = sample.hinges.map(|hinge| hinge.normal_force);
-            let all = [moments, forces].concat();
-            serde_json::json!({ "state": fields(sample), "forces": all })
-        })
+        .map(|it| json!({ "since": it.since, "state": numbers(&it.state), "forces": numbers(&it.forces) }))
         .collect();
-    let expected = serde_json::json!({
-        "mass": MASS, "velocity": VELOCITY, "stamp": STAMP, "period": SAMPLE_PERIOD, "fields": FIELDS, "samples": samples,
-        "max_v1": report.max_v1, "residual_v1": report.residual_v1,
-    });
+    let report = numbers(&ImpactReport::from(&report));
+    let expected =
+        json!({ "mass": MASS, "velocity": VELOCITY, "samples": samples, "report": report });
     let path = folder.join("expected.json");
     std::fs::write(&path, expected.to_string()).unwrap();
     path
 }
 
-fn start(
-    domain: &Domain,
-    parameters: Parameters,
-    log: Option<RosoutQueue>,
-) -> (Arc<ScriptedTwin>, TwinNode) {
-    let (twin, outputs) = ScriptedTwin::start(parameters);
-    let names = Names::new("/", "column_twin", &[]).unwrap();
-    let port = Arc::clone(&twin);
-    let node = TwinNode::start(&domain.environment, names, port, outputs, log).unwrap();
-    (twin, node)
-}
-
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn rclpy_finds_receives_sets_and_is_refused() {
-    let (layer, log) = rosout_layer();
-    tracing::subscriber::set_global_default(Registry::default().with(layer)).unwrap();
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let expected = expectation(folder.path());
-    let (_twin, node) = start(&domain, Parameters::default(), Some(log));
+    let program = Program::ready(&domain, folder.path(), &[]);
     finish(script(&domain, "node_with_rclpy.py", Some(&expected)));
-    node.stop(|| {});
+    let (ended, took, log) = program.terminate();
+    println!("ended within {took:?}");
+    assert!(ended.success(), "{ended}: {log:#?}");
 }
 
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
-fn rclpy_sets_the_clock() {
+fn rclpy_plays_the_clock() {
     let domain = Domain::fresh();
-    let simulated = Parameters::from_values([("use_sim_time", Value::Bool(true))]).unwrap();
-    let (_twin, node) = start(&domain, simulated, None);
-    finish(script(&domain, "clock_with_rclpy.py", None));
-    node.stop(|| {});
+    let folder = tempfile::tempdir().unwrap();
+    let expected = expectation(folder.path());
+    let program = Program::ready(&domain, folder.path(), &["-p", "use_sim_time:=true"]);
+    finish(script(&domain, "clock_with_rclpy.py", Some(&expected)));
+    assert!(program.terminate().0.success());
 }
 
 #[test]
@@ -149,24 +115,15 @@ fn cyclonedds_without_ros_receives_the_state() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let expected = expectation(folder.path());
-    let (twin, node) = start(&domain, Parameters::default(), None);
+    let program = Program::ready(&domain, folder.path(), &[]);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let mut child = script(&domain, "state_with_cyclonedds.py", Some(&expected));
     let mut ready = String::new();
-    let output = child.stdout.take().unwrap();
-    let mut output = BufReader::new(output);
+    let mut output = BufReader::new(child.stdout.take().unwrap());
     output.read_line(&mut ready).unwrap();
     assert_eq!(ready.trim(), "ready");
-    twin.submit_impact(ImpactEvent {
-        header: Header {
-            stamp: Time::from_nanos(STAMP).unwrap(),
-            frame_id: String::new(),
-        },
-        mass: MASS,
-        velocity: VELOCITY,
-        ..ImpactEvent::default()
-    })
-    .unwrap();
+    assert!(events.publish(event("e1", now(), MASS, VELOCITY)));
     child.stdout = Some(output.into_inner());
     finish(child);
-    node.stop(|| {});
+    assert!(program.terminate().0.success());
 }

@@ -186,6 +186,29 @@ fn a_change_that_waited_can_still_be_refused() {
             .contains("waited for the end of the response")
     );
     assert_eq!(value(&bench, "section.name"), Value::from("HEB220"));
+    // Whoever was told that it waits is told that it goes back.
+    let told: Vec<_> = changed(&bench)
+        .iter()
+        .map(|it| it.parameters.get("section.name"))
+        .collect();
+    assert_eq!(
+        told,
+        [Some(Value::from("HEB300")), Some(Value::from("HEB220"))]
+    );
+}
+
+/// What cannot be read, or is for another column, is counted and said like what the twin finds wrong itself.
+#[test]
+fn a_change_that_was_refused_before_is_said_too() {
+    let mut bench = Bench::new(&[]);
+    bench.handle(Input::RefusedChange {
+        reason: "they are for another column".into(),
+        source: "test".into(),
+    });
+    assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
+    let status = bench.status();
+    assert_eq!(status.counts.parameters_refused, 1);
+    assert_eq!(&*status.last_refusal_reason, "they are for another column");
 }
 
 #[test]

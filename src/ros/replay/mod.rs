@@ -174,7 +174,13 @@ pub fn replay(
     };
     let events = node.participant_events();
     let task = Task::start("column_twin/see", move || events)?;
-    wait_for_readers(&node, &channels, options.wait_for_readers, &signals, controls);
+    wait_for_readers(
+        &node,
+        &channels,
+        options.wait_for_readers,
+        &signals,
+        controls,
+    );
     let mut player = Player {
         reader: &reader,
         options,
@@ -188,11 +194,20 @@ pub fn replay(
         next_look: 0,
     };
     let played = player.play();
-    if player.channels.iter().any(|it| node.matches().count(it.publisher.guid()) > 0) {
+    if player
+        .channels
+        .iter()
+        .any(|it| node.matches().count(it.publisher.guid()) > 0)
+    {
         // The one place that cannot wait for an event: ros2-client does not say what is acknowledged.
         thread::sleep(LAST_WORDS);
     }
-    let Player { mut replayed, lateness, channels, .. } = player;
+    let Player {
+        mut replayed,
+        lateness,
+        channels,
+        ..
+    } = player;
     replayed.lateness = lateness.quantiles();
     task.stop();
     drop(channels);
@@ -212,7 +227,8 @@ fn channels(
     options: &ReplayOptions,
 ) -> Result<Vec<Channel>, ReplayError> {
     let topics = reader.topics();
-    let same = |one: &str, other: &str| one.trim_start_matches('/') == other.trim_start_matches('/');
+    let same =
+        |one: &str, other: &str| one.trim_start_matches('/') == other.trim_start_matches('/');
     for wanted in &options.topics {
         if !topics.iter().any(|it| same(&it.name, wanted)) {
             return Err(ReplayError::NoSuchTopic {
@@ -227,7 +243,10 @@ fn channels(
             !(*topic.type_name == *endpoints::JOURNAL.type_name && topic.name.ends_with(journal))
                 && !(options.clock.is_some() && *topic.name == *endpoints::CLOCK.name)
         }
-        false => options.topics.iter().any(|wanted| same(&topic.name, wanted)),
+        false => options
+            .topics
+            .iter()
+            .any(|wanted| same(&topic.name, wanted)),
     };
     topics
         .iter()
@@ -440,7 +459,8 @@ impl Player<'_> {
 
     fn show(&mut self, pace: &Pace) {
         let (first, last) = self.span;
-        let since = |time: i64| Duration::from_nanos(time.saturating_sub(first).max(0).unsigned_abs());
+        let since =
+            |time: i64| Duration::from_nanos(time.saturating_sub(first).max(0).unsigned_abs());
         let progress = ReplayProgress {
             played: since(pace.position(now()).min(last)),
             whole: since(last),

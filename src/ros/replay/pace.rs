@@ -92,7 +92,10 @@ mod tests {
         pace.resume(10 * S);
         assert_eq!(pace.due(3 * S), Some(10 * S + S / 2));
         pace.set_rate(1.0, 11 * S);
-        assert_eq!((pace.position(11 * S), pace.due(5 * S)), (4 * S, Some(12 * S)));
+        assert_eq!(
+            (pace.position(11 * S), pace.due(5 * S)),
+            (4 * S, Some(12 * S))
+        );
     }
 
     #[test]

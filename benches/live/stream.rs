@@ -1,0 +1,241 @@
+//! 1 kHz for a minute, to rclpy and to a Rust reader, in turns with a publisher that does nothing but publish.
+
+use std::time::{Duration, Instant};
+
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::ros::qos::{self, Endpoint};
+
+use super::bare::{BARE_FORCES, BARE_STATE, Bare};
+use super::domain::Domain;
+use super::peers::{Arrival, Peer, Rclpy, Reader, event, now};
+use super::program::Program;
+use super::table::{Ranked, number, row};
+
+/// One turn of one of the two publishers.
+const TURN: Duration = Duration::from_secs(5);
+
+/// Heavy and slow: contact lasts a third of a second, the column stays elastic, and the next event needs no reset.
+const MASS: f64 = 1e6;
+const VELOCITY: f64 = 0.04;
+
+/// Events are stamped this far ahead, so that no sample is due before its event has arrived \[ns\].
+const AHEAD: i64 = 5_000_000;
+
+/// Targets: lateness of a publication \[ms\], latency over that of the bare publisher.
+const LATENESS: f64 = 0.5;
+const LATENCY_RATIO: f64 = 1.5;
+
+/// How long the last messages may still be on their way.
+const STRAGGLERS: Duration = Duration::from_secs(1);
+
+/// One response after the other until the turn is over.
+pub struct Impacts {
+    events: ros2_client::Publisher<ImpactEvent>,
+    reports: Reader<String>,
+    sent: u64,
+}
+
+impl Impacts {
+    pub fn new(peer: &mut Peer) -> Self {
+        Self {
+            reports: peer.reader(
+                &qos::IMPACT_REPORT,
+                |it: ImpactReport, _| it.event_id,
+                |it| it.header.stamp,
+            ),
+            events: peer.publisher(&qos::IMPACT_EVENT),
+            sent: 0,
+        }
+    }
+
+    pub fn for_a_while(&mut self, span: Duration) {
+        let end = Instant::now() + span;
+        while Instant::now() < end {
+            let id = format!("impact-{:06}", self.sent);
+            self.sent += 1;
+            self.events
+                .publish(event(&id, now() + AHEAD, MASS, VELOCITY))
+                .expect("room for one");
+            self.reports.find(|it| *it == id);
+        }
+    }
+}
+
+/// What one reader has of one publisher's topic.
+#[derive(Default)]
+struct Record {
+    arrivals: Vec<Arrival>,
+    /// Sent, as far as the writer's numbers tell.
+    sent: Option<usize>,
+}
+
+impl Record {
+    /// Of one writer, whose numbers tell what it has sent since the first that arrived.
+    fn of_writer(arrivals: Vec<Arrival>) -> Self {
+        let numbers = || arrivals.iter().filter_map(|it| it.sequence);
+        let span = numbers().max().zip(numbers().min());
+        Self {
+            sent: span.and_then(|(last, first)| usize::try_from(last - first + 1).ok()),
+            arrivals,
+        }
+    }
+
+    fn out_of_order(&self) -> usize {
+        let pairs = self.arrivals.windows(2);
+        pairs.filter(|pair| pair[1].stamp < pair[0].stamp).count()
+    }
+
+    fn lateness(&self) -> Ranked {
+        Ranked::new(
+            self.arrivals
+                .iter()
+                .map(|it| 1e-6 * (it.source - it.stamp) as f64),
+        )
+    }
+
+    fn latency(&self) -> Ranked {
+        Ranked::new(
+            self.arrivals
+                .iter()
+                .map(|it| 1e-6 * (it.received - it.stamp) as f64),
+        )
+    }
+}
+
+/// The arrivals of one Rust reader.
+fn rust_reader(peer: &mut Peer, endpoint: &Endpoint) -> Reader<Arrival> {
+    if endpoint.type_name == qos::COLUMN_STATE.type_name {
+        peer.reader(endpoint, |_: ColumnState, it| it, |it| it.header.stamp)
+    } else {
+        peer.reader(endpoint, |_: HingeForces, it| it, |it| it.header.stamp)
+    }
+}
+
+fn drained(reader: &Reader<Arrival>) -> Vec<Arrival> {
+    std::iter::from_fn(|| reader.arrivals.recv_timeout(STRAGGLERS).ok()).collect()
+}
+
+/// What the turns of both publishers brought to one reader: the node's states, the bare ones, the node's forces, the bare
+/// ones.
+type Records = [Record; 4];
+
+pub fn run(span: Duration) {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().expect("a folder");
+    let _program = Program::ready(&domain, folder.path(), &[]);
+    let turns = (span.as_secs_f64() / TURN.as_secs_f64()).ceil().max(1.0) as usize;
+    let turn = span.div_f64(turns as f64);
+    let pairs = turn.as_millis() as u64;
+    // All readers meet all publishers before anything is sent: the bare one waits in each turn for a word.
+    let mut bare = Some(Bare::publisher(&domain, pairs));
+    let mut peer = Peer::new(&domain);
+    let endpoints = [
+        qos::COLUMN_STATE,
+        BARE_STATE,
+        qos::HINGE_FORCES,
+        BARE_FORCES,
+    ];
+    let readers = endpoints.map(|endpoint| rust_reader(&mut peer, &endpoint));
+    let names = endpoints.map(|it| it.name);
+    let mut rclpy = Rclpy::start(&domain, &names);
+    if let Some(rclpy) = &mut rclpy {
+        rclpy.wait_until_ready();
+    }
+    let mut impacts = Impacts::new(&mut peer);
+    // What is sent before a reader's acknowledgement has come may be missing: not in this record.
+    impacts.for_a_while(Duration::from_millis(500));
+    let begun = now();
+    for number in 0..turns {
+        impacts.for_a_while(turn);
+        if let Some(bare) = bare.take() {
+            bare.go();
+        }
+        if number + 1 < turns {
+            bare = Some(Bare::publisher(&domain, pairs));
+        }
+    }
+    let mut rust: Records = readers.each_ref().map(|reader| {
+        let all = drained(reader).into_iter();
+        Record::of_writer(all.filter(|it| it.stamp >= begun).collect())
+    });
+    // Each turn of the bare publisher is a process of its own.
+    for bare in [1, 3] {
+        rust[bare].sent = Some(turns * pairs as usize);
+    }
+    let python = rclpy.map(|rclpy| {
+        let topics = rclpy.finish(names.len()).into_iter();
+        let records = topics.map(|all| Record {
+            arrivals: all.into_iter().filter(|it| it.stamp >= begun).collect(),
+            sent: None,
+        });
+        let mut records: Vec<_> = records.collect();
+        for (record, of_rust) in records.iter_mut().zip(&rust) {
+            record.sent = of_rust.sent;
+        }
+        records
+    });
+    println!(
+        "{turns} turns of {turn:?} each; latency: from the instant that a message is for to the reader's own code"
+    );
+    print_reader("Rust reader", &rust);
+    if let Some(python) = python {
+        print_reader("rclpy", &python);
+    }
+}
+
+fn print_reader(name: &str, records: &[Record]) {
+    let [state, bare_state, forces, bare_forces] = records else {
+        return;
+    };
+    println!();
+    let heads = ["node", "bare", "ratio"].map(str::to_owned);
+    row(name, heads);
+    for (topic, node, bare) in [
+        ("column_state", state, bare_state),
+        ("hinge_forces", forces, bare_forces),
+    ] {
+        let counts = |of: fn(&Record) -> String| [of(node), of(bare)];
+        row(
+            &format!("{topic}: received"),
+            counts(|it| it.arrivals.len().to_string()),
+        );
+        row(
+            "  lost",
+            counts(|it| match it.sent {
+                Some(sent) => (sent as i64 - it.arrivals.len() as i64).to_string(),
+                None => "?".to_owned(),
+            }),
+        );
+        row("  out of order", counts(|it| it.out_of_order().to_string()));
+        let compared = |what: &str, node: f64, bare: f64| {
+            row(what, [node, bare, node / bare].map(number));
+        };
+        let (late, bare_late) = (node.lateness(), bare.lateness());
+        let (latency, bare_latency) = (node.latency(), bare.latency());
+        for percent in [50.0, 99.0, 100.0] {
+            compared(
+                &format!("  published after its deadline, p{percent} [ms]"),
+                late.percentile(percent),
+                bare_late.percentile(percent),
+            );
+        }
+        for percent in [50.0, 99.0, 100.0] {
+            compared(
+                &format!("  latency, p{percent} [ms]"),
+                latency.percentile(percent),
+                bare_latency.percentile(percent),
+            );
+        }
+        row(
+            "  lateness p99 / 0.5 ms",
+            [number(late.percentile(99.0) / LATENESS)],
+        );
+        row(
+            "  ratio of latencies p50, p99 / 1.5",
+            [50.0, 99.0].map(|it| {
+                let ratio = latency.percentile(it) / bare_latency.percentile(it);
+                number(ratio / LATENCY_RATIO)
+            }),
+        );
+    }
+}

@@ -1,0 +1,445 @@
+//! `column-twin demo`: the whole way of one impact on this machine, with nothing installed.
+//!
+//! The node runs as a process of its own and is spoken to over real DDS on loopback, as by anybody else.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use rustix::process::{Pid, Signal, kill_process};
+
+use super::{Exit, Failure};
+use crate::column::{HINGE_NAMES, HINGES};
+use crate::evidence;
+use crate::figures::HINGE_PLACES;
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::ros::{Environment, FreshDomain, ImpactOptions, Seen, follow_impact};
+
+/// What `column-twin demo` is told.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct DemoArgs {
+    /// Folder for all that is made; where it exists, one with a number behind its name is taken
+    #[arg(long, short, value_name = "FOLDER", default_value = "column_twin_demo")]
+    output: PathBuf,
+    /// Mass of the vehicle [kg]
+    #[arg(long, value_name = "KG", default_value = "1500")]
+    mass: f64,
+    /// Its speed [m/s]
+    #[arg(long, value_name = "M/S", default_value = "10")]
+    velocity: f64,
+}
+
+const EXAMPLE: &str = "\
+Starts the node on 127.0.0.1 in a DDS domain that nobody uses, sends it an impact, shows the response as it arrives, records
+it, draws it, proves the recording by computing it anew, and ends. Nothing leaves this machine.
+
+Example: a van
+  column-twin demo --mass 3500 --velocity 8
+
+Exit codes: 0 done, 1 failed, 2 bad input or usage.";
+
+/// The paper's column.
+const COLUMN: &str = include_str!("../../config/heb220_paper.yaml");
+
+/// How long to wait for the node, and for each of its words.
+const PATIENCE: Duration = Duration::from_secs(15);
+
+/// How long the node may take to end.
+const ENDING: Duration = Duration::from_secs(5);
+
+/// Most folders of earlier demonstrations.
+const MOST_FOLDERS: u32 = 1000;
+
+/// Time of the response between two lines \[s\].
+const LINES_EVERY: f64 = 2e-3;
+
+/// Length of the bar at the forecast's peak, in characters.
+const BAR: usize = 40;
+
+/// Runs all of it.
+pub fn run(arguments: &DemoArgs) -> Result<(), Failure> {
+    let started = Instant::now();
+    let folder = new_folder(&arguments.output)?;
+    let domain = FreshDomain::take().ok_or_else(|| {
+        Failure::plain(
+            Exit::Failed,
+            "every DDS domain from 1 to 101 is taken on 127.0.0.1; end other demonstrations and tests first",
+        )
+    })?;
+    let environment = &domain.environment;
+    let column = folder.join("column.yaml");
+    fs::write(&column, COLUMN).map_err(|error| cannot("write", &column, &error))?;
+    println!(
+        "Everything stays on this machine: 127.0.0.1, DDS domain {}. Files: {}\n",
+        environment.domain_id,
+        folder.display()
+    );
+    let mut node = NodeProcess::start(&folder, environment)?;
+    let followed = follow(environment, arguments);
+    let ended = node.end();
+    let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
+    say_outcome(&forecast, &outcome);
+    if !ended.is_some_and(|status| status.success()) {
+        return Err(node.explain(Failure::plain(
+            Exit::Failed,
+            "the node did not end as it should",
+        )));
+    }
+    draw(&folder, arguments)?;
+    let recording = only_entry(&folder.join("recordings"))?;
+    let verification =
+        evidence::verify(&recording).map_err(|error| Failure::plain(Exit::Failed, error))?;
+    if !verification.is_equal() {
+        return Err(Failure::plain(
+            Exit::Failed,
+            format!("the recording is not what the model gives:\n{verification}"),
+        ));
+    }
+    println!(
+        "The recording is proved: {} messages computed anew, equal bit for bit.\n",
+        verification.compared()
+    );
+    say_what_next(&folder, &recording, started.elapsed());
+    Ok(())
+}
+
+fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
+    let path = path.display();
+    Failure::plain(
+        Exit::Failed,
+        format!(
+            "cannot {what} {path}: {error}; name a folder that can be written to with --output"
+        ),
+    )
+}
+
+/// A folder that was not there before.
+fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
+    for number in 1..=MOST_FOLDERS {
+        let folder = match number {
+            1 => wanted.to_owned(),
+            _ => PathBuf::from(format!("{}_{number}", wanted.display())),
+        };
+        if let Some(parent) = folder.parent() {
+            fs::create_dir_all(parent).map_err(|error| cannot("make", parent, &error))?;
+        }
+        match fs::create_dir(&folder) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(cannot("make", &folder, &error)),
+            Ok(()) => return Ok(folder),
+        }
+    }
+    Err(Failure::plain(
+        Exit::Failed,
+        format!(
+            "{} and {MOST_FOLDERS} more exist; remove some, or name another folder with --output",
+            wanted.display()
+        ),
+    ))
+}
+
+/// This program, with a log of what it says.
+fn program(log: &Path) -> Result<Command, Failure> {
+    let own = std::env::current_exe().map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let open = || File::options().create(true).append(true).open(log);
+    let (out, err) = open()
+        .and_then(|out| Ok((out, open()?)))
+        .map_err(|error| cannot("write", log, &error))?;
+    let mut command = Command::new(own);
+    command.stdin(Stdio::null()).stdout(out).stderr(err);
+    Ok(command)
+}
+
+/// The node in its own process. Dropped, it is ended.
+struct NodeProcess {
+    child: Child,
+    log: PathBuf,
+}
+
+impl NodeProcess {
+    fn start(folder: &Path, environment: &Environment) -> Result<Self, Failure> {
+        let log = folder.join("node.log");
+        let setting = |name: &str, value: &str| ["-p".to_owned(), format!("{name}:={value}")];
+        let inside = |name: &str| folder.join(name).display().to_string();
+        let mut settings = vec![
+            setting("state.directory", &inside("state")),
+            setting("record.mode", "always"),
+            setting("record.directory", &inside("recordings")),
+        ];
+        if cfg!(feature = "viewer") {
+            settings.push(setting("viewer.mode", "save"));
+            settings.push(setting("viewer.directory", &inside("viewer")));
+        }
+        let child = program(&log)?
+            .arg("run")
+            .arg("--config")
+            .arg(folder.join("column.yaml"))
+            .arg("--ros-args")
+            .args(settings.concat())
+            .env("ROS_DOMAIN_ID", environment.domain_id.to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env_remove("ROS_LOCALHOST_ONLY")
+            .env_remove("ROS_STATIC_PEERS")
+            .env_remove("ROS_NAMESPACE")
+            .spawn()
+            .map_err(|error| {
+                Failure::plain(Exit::Failed, format!("the node cannot be started: {error}"))
+            })?;
+        println!(
+            "The node runs: column-twin run --config column.yaml --ros-args -p record.mode:=always ..."
+        );
+        Ok(Self { child, log })
+    }
+
+    /// Ends it as Ctrl-C does; `None` where it had to be killed.
+    fn end(&mut self) -> Option<ExitStatus> {
+        if let Some(id) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
+            let _ = kill_process(id, Signal::INT); // it may have ended by itself
+        }
+        let deadline = Instant::now() + ENDING;
+        while Instant::now() < deadline {
+            match self.child.try_wait() {
+                Ok(Some(status)) => return Some(status),
+                Ok(None) => std::thread::sleep(Duration::from_millis(10)),
+                Err(_) => break,
+            }
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        None
+    }
+
+    /// With the last that the node said.
+    fn explain(&self, failure: Failure) -> Failure {
+        let said = fs::read_to_string(&self.log).unwrap_or_default();
+        let lines: Vec<_> = said.lines().collect();
+        let last = lines[lines.len().saturating_sub(8)..].join("\n  ");
+        Failure::plain(
+            failure.exit,
+            format!(
+                "{}\nThe node's last words ({}):\n  {last}",
+                failure.report,
+                self.log.display()
+            ),
+        )
+    }
+}
+
+impl Drop for NodeProcess {
+    fn drop(&mut self) {
+        if matches!(self.child.try_wait(), Ok(None)) {
+            self.end();
+        }
+    }
+}
+
+/// Sends the impact and shows what comes of it; forecast and outcome.
+fn follow(
+    environment: &Environment,
+    arguments: &DemoArgs,
+) -> Result<(ImpactReport, ImpactReport), Failure> {
+    let options = ImpactOptions {
+        column_id: "heb220_paper".to_owned(),
+        event_id: Some("demo-1".to_owned()),
+        mass: arguments.mass,
+        velocity: arguments.velocity,
+        gap: None,
+        restitution: None,
+        height: None,
+        match_timeout: PATIENCE,
+        answer_timeout: PATIENCE,
+    };
+    let mut show = Show::default();
+    follow_impact(
+        environment,
+        &options,
+        &mut |line| println!("Found over DDS; {line}\n"),
+        &mut |seen, since| show.take(seen, since),
+    )
+    .map_err(|error| Failure::plain(Exit::Failed, error))?;
+    match (show.forecast, show.outcome) {
+        (Some(forecast), Some(outcome)) => Ok((forecast, outcome)),
+        _ => Err(Failure::plain(
+            Exit::Failed,
+            "the report came without a forecast",
+        )),
+    }
+}
+
+/// What was shown already.
+#[derive(Default)]
+struct Show {
+    forecast: Option<ImpactReport>,
+    outcome: Option<ImpactReport>,
+    /// Largest `v1` so far, and whether it was said that it was the peak.
+    highest: f64,
+    peak_said: bool,
+    phase: Option<u8>,
+    yielded: [bool; HINGES],
+    next_line: f64,
+    /// Of the last state, which the hinges of the same instant follow.
+    time: f64,
+}
+
+impl Show {
+    fn take(&mut self, seen: &Seen, since: Duration) {
+        match seen {
+            Seen::Forecast(report) => {
+                println!(
+                    "  forecast after {:.1} ms ({:.1} ms of it computing): v1 will peak at {:.1} mm and keep {:.1} mm, {}\n",
+                    1e3 * since.as_secs_f64(),
+                    1e3 * report.compute_time,
+                    1e3 * report.max_v1,
+                    1e3 * report.residual_v1,
+                    outcome_word(report)
+                );
+                self.forecast = Some(report.clone());
+            }
+            Seen::Report(report) => self.outcome = Some(report.clone()),
+            Seen::State(state) => self.state(state),
+            Seen::Forces(forces) => self.forces(forces),
+            Seen::Status(_) => {}
+        }
+    }
+
+    fn state(&mut self, state: &ColumnState) {
+        self.time = state.time;
+        let fell = state.v1 < self.highest && self.highest > 0.0;
+        let word = match (self.phase.replace(state.phase), state.phase) {
+            (Some(before), now) if before == now => None,
+            (_, ColumnState::CONTACT) => Some("the vehicle touches"),
+            (Some(_), ColumnState::FREE) => Some("the vehicle parts"),
+            (_, ColumnState::REST) => Some("at rest"),
+            (_, ColumnState::COLLAPSED) => Some("THE COLUMN COLLAPSES"),
+            _ => None,
+        };
+        if fell && !self.peak_said {
+            self.peak_said = true;
+            println!(
+                "  {:>8} | {:BAR$} | the peak was {:.1} mm",
+                "",
+                "",
+                1e3 * self.highest
+            );
+        }
+        self.highest = self.highest.max(state.v1);
+        if word.is_none() && state.time < self.next_line {
+            return;
+        }
+        self.next_line = state.time + LINES_EVERY - 1e-9;
+        let forecast = self.forecast.as_ref().map_or(0.1, |it| it.max_v1);
+        let part = (state.v1 / forecast).clamp(0.0, 1.0);
+        let bar = "#".repeat((part * BAR as f64).round() as usize);
+        println!(
+            "  {:5.1} ms | {bar:BAR$} | v1 {:6.1} mm  contact {:6.1} kN  {}",
+            1e3 * state.time,
+            1e3 * state.v1,
+            1e-3 * state.contact_force,
+            word.unwrap_or_default()
+        );
+    }
+
+    fn forces(&mut self, forces: &HingeForces) {
+        for hinge in 0..HINGES {
+            if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
+                self.yielded[hinge] = true;
+                println!(
+                    "  {:>8} | {:BAR$} | hinge {} ({}) yields by {:.1} ms",
+                    "",
+                    "",
+                    HINGE_NAMES[hinge],
+                    HINGE_PLACES[hinge],
+                    1e3 * self.time
+                );
+            }
+        }
+    }
+}
+
+fn outcome_word(report: &ImpactReport) -> &'static str {
+    match report.outcome {
+        ImpactReport::ELASTIC => "elastic",
+        ImpactReport::PLASTIC => "plastic: the column stands, bent",
+        _ => "the column collapses",
+    }
+}
+
+fn say_outcome(forecast: &ImpactReport, outcome: &ImpactReport) {
+    println!("\n  {:22}{:>14}{:>14}", "", "forecast", "outcome");
+    let row = |name: &str, unit: &str, of: fn(&ImpactReport) -> f64| {
+        println!(
+            "  {name:22}{:>11.3} {unit:2}{:>11.3} {unit:2}",
+            of(forecast),
+            of(outcome)
+        );
+    };
+    row("peak of v1", "mm", |it| 1e3 * it.max_v1);
+    row("what remains of it", "mm", |it| 1e3 * it.residual_v1);
+    row("parting of the vehicle", "ms", |it| 1e3 * it.release_time);
+    row("peak contact force", "kN", |it| {
+        1e-3 * it.peak_contact_force
+    });
+    row("plastic work", "kJ", |it| 1e-3 * it.plastic_work);
+    println!();
+}
+
+/// The figures of the same impact, made as a user makes them.
+fn draw(folder: &Path, arguments: &DemoArgs) -> Result<(), Failure> {
+    let log = folder.join("figures.log");
+    let status = program(&log)?
+        .arg("simulate")
+        .arg("--config")
+        .arg(folder.join("column.yaml"))
+        .args(["--mass", &arguments.mass.to_string()])
+        .args(["--velocity", &arguments.velocity.to_string()])
+        .arg("--plots")
+        .arg(folder.join("figures"))
+        .status()
+        .map_err(|error| Failure::plain(Exit::Failed, error))?;
+    match status.success() {
+        true => Ok(()),
+        false => Err(Failure::plain(
+            Exit::Failed,
+            format!("the figures cannot be drawn; {} says why", log.display()),
+        )),
+    }
+}
+
+fn only_entry(folder: &Path) -> Result<PathBuf, Failure> {
+    let entry = fs::read_dir(folder).and_then(|mut entries| entries.next().transpose());
+    match entry {
+        Ok(Some(entry)) => Ok(entry.path()),
+        Ok(None) => Err(Failure::plain(
+            Exit::Failed,
+            format!("the node has left no recording in {}", folder.display()),
+        )),
+        Err(error) => Err(cannot("read", folder, &error)),
+    }
+}
+
+fn say_what_next(folder: &Path, recording: &Path, took: Duration) {
+    let folder = folder.display();
+    println!("Made in {:.1} s:", took.as_secs_f64());
+    println!(
+        "  {folder}/figures     the paper's figures, the energy ledger, the hinges' paths: SVG and PNG"
+    );
+    println!(
+        "  {}    all that the node received and said: MCAP, for ros2 bag, Foxglove, PlotJuggler",
+        recording.display()
+    );
+    if cfg!(feature = "viewer") {
+        println!("  {folder}/viewer      the column as it deforms, for the Rerun viewer");
+    }
+    println!("  {folder}/state       the damage, from which a next start goes on\n");
+    println!("Try next:");
+    println!("  column-twin info {}", recording.display());
+    println!("  column-twin export {} --csv", recording.display());
+    match cfg!(feature = "viewer") {
+        true => println!("  rerun {folder}/viewer/*.rrd        (pip install rerun-sdk==0.36.3)"),
+        false => println!("  column-twin simulate --help"),
+    }
+}

@@ -1,0 +1,64 @@
+//! `column-twin idl`: the topics of the node for a program in plain DDS.
+
+use std::io::Write;
+
+use clap::Args;
+
+use super::{Exit, Failure};
+use crate::messages::{self, idl::idl};
+use crate::ros::qos::{Direction, ENDPOINTS, Endpoint};
+
+/// What `column-twin idl` is told.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct IdlArgs {}
+
+const EXAMPLE: &str = "\
+Example: read the column's state in C with Cyclone DDS
+  column-twin idl > column_twin.idl && idlc column_twin.idl
+  then subscribe to topic rt/column_state, type column_twin::msg::dds_::ColumnState_
+
+Exit codes: 0 done, 1 failed.";
+
+/// Prints topics and types.
+pub fn run(_: &IdlArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let topics: Vec<_> = ENDPOINTS
+        .iter()
+        .filter(|endpoint| endpoint.direction != Direction::Service)
+        .filter_map(|endpoint| Some((endpoint, messages::find(endpoint.type_name)?)))
+        .collect();
+    let types: Vec<_> = topics.iter().map(|(_, interface)| *interface).collect();
+    let definitions = idl(&types).map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let mut text = HEAD.to_owned();
+    for (endpoint, interface) in topics {
+        text += &topic(endpoint, &interface.dds_name());
+    }
+    writeln!(out, "{text}\n{definitions}").map_err(|error| Failure::plain(Exit::Failed, error))
+}
+
+const HEAD: &str = "\
+// Topics of the node column_twin on the wire, for programs that know DDS and no ROS. Written by `column-twin idl`.
+// Encoding: plain CDR, little endian. A namespace of the node goes between rt/ and the name: rt/garage/column_state.
+//
+";
+
+fn topic(endpoint: &Endpoint, type_name: &str) -> String {
+    let qos = endpoint.qos;
+    format!(
+        "// {:4} rt/{:<18} {type_name}: {}, {}, keep last {}\n",
+        match endpoint.direction {
+            Direction::In => "to",
+            Direction::Out | Direction::Service => "from",
+        },
+        endpoint.name.trim_start_matches('/'),
+        match qos.reliable {
+            true => "reliable",
+            false => "best effort",
+        },
+        match qos.transient_local {
+            true => "transient local",
+            false => "volatile",
+        },
+        qos.depth,
+    )
+}

@@ -1,0 +1,203 @@
+//! The messages as OMG IDL, for a monitor in plain DDS: names, order and types are those of the wire, comments those of
+//! the definitions.
+
+use std::fmt::Write as _;
+
+use re_ros_msg::message_spec::{ArraySize, BuiltInType, Literal, Type};
+
+use super::interface::{DefinitionError, Interface};
+
+/// The definitions of `interfaces` and of all that they are made of, each once, what is used before what uses it.
+///
+/// # Errors
+/// When a definition is wrong, or has a type that IDL cannot name.
+pub fn idl(interfaces: &[&'static Interface]) -> Result<String, DefinitionError> {
+    let mut ordered = Vec::new();
+    for interface in interfaces {
+        collect(interface, &mut ordered)?;
+    }
+    let mut text = String::new();
+    for (index, interface) in ordered.iter().enumerate() {
+        if index > 0 {
+            text.push('\n');
+        }
+        text += &definition(interface)?;
+    }
+    Ok(text)
+}
+
+fn collect(
+    interface: &'static Interface,
+    ordered: &mut Vec<&'static Interface>,
+) -> Result<(), DefinitionError> {
+    if ordered.contains(&interface) {
+        return Ok(());
+    }
+    for used in interface.field_types()? {
+        collect(used, ordered)?;
+    }
+    ordered.push(interface);
+    Ok(())
+}
+
+fn definition(interface: &Interface) -> Result<String, DefinitionError> {
+    let specification = interface.specification()?;
+    let name = interface.type_name();
+    let comments = Comments::of(interface.text());
+    let mut text = comments.block(&comments.head, 0);
+    let _ = write!(text, "module {} {{ module msg {{\n", interface.package());
+    if !specification.constants.is_empty() {
+        let _ = write!(text, "module {name}_Constants {{\n");
+        for constant in &specification.constants {
+            text += &comments.above(&constant.name, 2);
+            let ty = type_name(interface, &constant.ty)?;
+            let value = literal(&constant.value);
+            let _ = write!(text, "  const {ty} {} = {value};\n", constant.name);
+        }
+        text += "};\n";
+    }
+    let _ = write!(text, "module dds_ {{\n@final\nstruct {name}_ {{\n");
+    for field in &specification.fields {
+        text += &comments.above(&field.name, 2);
+        let (element, length) = match &field.ty {
+            Type::Array {
+                ty,
+                size: ArraySize::Fixed(length),
+            } => (&**ty, format!("[{length}]")),
+            other => (other, String::new()),
+        };
+        let ty = type_name(interface, element)?;
+        let _ = write!(text, "  {ty} {}{length};\n", field.name);
+    }
+    text += "};\n}; }; };\n";
+    Ok(text)
+}
+
+fn type_name(interface: &Interface, ty: &Type) -> Result<String, DefinitionError> {
+    Ok(match ty {
+        Type::BuiltIn(built_in) => built_in_name(built_in),
+        Type::Complex(nested) => interface.resolve(nested)?.dds_name(),
+        Type::Array { ty, size } => {
+            let element = type_name(interface, ty)?;
+            match size {
+                ArraySize::Bounded(length) | ArraySize::Fixed(length) => {
+                    format!("sequence<{element}, {length}>")
+                }
+                ArraySize::Unbounded => format!("sequence<{element}>"),
+            }
+        }
+    })
+}
+
+/// The old names, which every vendor's compiler knows.
+fn built_in_name(built_in: &BuiltInType) -> String {
+    let bounded = |name: &str, length: &Option<usize>| match length {
+        Some(length) => format!("{name}<{length}>"),
+        None => name.to_owned(),
+    };
+    match built_in {
+        BuiltInType::Bool => "boolean",
+        // IDL's int8 is younger than most compilers; the byte on the wire is the same.
+        BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8 | BuiltInType::Int8 => "octet",
+        BuiltInType::Int16 => "short",
+        BuiltInType::UInt16 => "unsigned short",
+        BuiltInType::Int32 => "long",
+        BuiltInType::UInt32 => "unsigned long",
+        BuiltInType::Int64 => "long long",
+        BuiltInType::UInt64 => "unsigned long long",
+        BuiltInType::Float32 => "float",
+        BuiltInType::Float64 => "double",
+        BuiltInType::String(length) => return bounded("string", length),
+        BuiltInType::WString(length) => return bounded("wstring", length),
+    }
+    .to_owned()
+}
+
+fn literal(value: &Literal) -> String {
+    match value {
+        Literal::Bool(value) => if *value { "TRUE" } else { "FALSE" }.to_owned(),
+        Literal::Int(value) => value.to_string(),
+        Literal::UInt(value) => value.to_string(),
+        Literal::Float(value) => format!("{value:?}"),
+        Literal::String(value) => format!("{value:?}"),
+        Literal::Array(values) => {
+            let values: Vec<_> = values.iter().map(literal).collect();
+            format!("{{{}}}", values.join(", "))
+        }
+    }
+}
+
+/// The comments of a definition. Each stands above what it is about, or behind it.
+struct Comments {
+    head: Vec<String>,
+    above: Vec<(String, Vec<String>)>,
+}
+
+impl Comments {
+    fn of(text: &str) -> Self {
+        let mut comments = Self {
+            head: Vec::new(),
+            above: Vec::new(),
+        };
+        let mut pending = Vec::new();
+        for line in text.lines().map(str::trim) {
+            if let Some(comment) = line.strip_prefix('#') {
+                pending.push(comment.trim().to_owned());
+            } else if line.is_empty() {
+                // Set apart from every entry: about the whole.
+                comments.head.append(&mut pending);
+            } else {
+                let (entry, comment) = line.split_once('#').unwrap_or((line, ""));
+                if !comment.is_empty() {
+                    pending.push(comment.trim().to_owned());
+                }
+                let name = entry.split_whitespace().nth(1).unwrap_or_default();
+                let name = name.split('=').next().unwrap_or_default().to_owned();
+                comments.above.push((name, std::mem::take(&mut pending)));
+            }
+        }
+        comments
+    }
+
+    fn above(&self, name: &str, indent: usize) -> String {
+        let found = self.above.iter().find(|(entry, _)| entry == name);
+        found.map_or_else(String::new, |(_, lines)| self.block(lines, indent))
+    }
+
+    fn block(&self, lines: &[String], indent: usize) -> String {
+        let lines = lines.iter().filter(|line| !line.is_empty());
+        lines.fold(String::new(), |text, line| {
+            text + &format!("{:indent$}// {line}\n", "")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Message, column_twin::HingeForces, visualization_msgs::MarkerArray};
+    use super::*;
+
+    #[test]
+    fn names_arrays_constants_and_units_are_those_of_the_definition() {
+        let text = idl(&[HingeForces::INTERFACE]).expect("a definition");
+        for expected in [
+            "module column_twin { module msg {",
+            "  const octet HINGE_2 = 2;",
+            "struct HingeForces_ {",
+            "  std_msgs::msg::dds_::Header_ header;",
+            "  // Bending moment [N m].\n  double moment[4];",
+            "  octet state[4];",
+        ] {
+            assert!(text.contains(expected), "{expected} is not in\n{text}");
+        }
+        let (time, header) = (text.find("struct Time_"), text.find("struct Header_"));
+        assert!(time < header, "what is used stands first");
+    }
+
+    #[test]
+    fn a_type_that_several_use_stands_once() {
+        let text = idl(&[MarkerArray::INTERFACE, HingeForces::INTERFACE]).expect("definitions");
+        assert_eq!(text.matches("struct Header_ ").count(), 1);
+        assert!(text.contains("  sequence<visualization_msgs::msg::dds_::Marker_> markers;"));
+    }
+}

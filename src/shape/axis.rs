@@ -1,0 +1,223 @@
+//! The axis of the deformed column: two straight bars with a short smooth bend at each joint.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Joints, PlanePoint};
+
+/// How much of a bar is bent next to a joint, as a part of the shorter bar; at most [`LONGEST_BEND`].
+pub const BEND_LENGTH: f64 = 0.2;
+
+/// Most of a bar that is bent next to a joint \[m\].
+const LONGEST_BEND: f64 = 0.25;
+
+/// Pieces that a bend on one side of a joint is drawn in.
+const BEND_PIECES: usize = 4;
+
+/// A place along the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Where the axis is \[m\].
+    pub place: PlanePoint,
+    /// The axis' direction, upwards, of length 1: the section is perpendicular to it.
+    pub direction: PlanePoint,
+}
+
+/// The axis from the base to the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    stations: Vec<Station>,
+}
+
+impl Axis {
+    /// Number of stations of every axis.
+    pub const STATIONS: usize = 4 * BEND_PIECES + 3;
+
+    /// The axis through the joints. `rotation` \[rad\] is that of the impact point, positive as a bar leans in the vehicle's
+    /// direction going up; ends that are not fixed turn with their bar.
+    #[must_use]
+    pub fn new(joints: &Joints, rotation: f64, base_is_fixed: bool, top_is_fixed: bool) -> Self {
+        let Joints { base, impact, top } = *joints;
+        let (below, above) = (base.direction_to(impact), impact.direction_to(top));
+        let up = PlanePoint::new(0.0, 1.0);
+        let at_base = if base_is_fixed { up } else { below };
+        let at_top = if top_is_fixed { up } else { above };
+        let at_impact = between(rotation, below, above);
+        let bend = bend_length(joints);
+        let mut stations = Vec::with_capacity(Self::STATIONS);
+        let mut add = |from: (PlanePoint, PlanePoint), to: (PlanePoint, PlanePoint), first| {
+            let pieces = first..=BEND_PIECES;
+            stations
+                .extend(pieces.map(|piece| hermite(from, to, piece as f64 / BEND_PIECES as f64)));
+        };
+        let bend_of = |place: PlanePoint, factor: f64, direction: PlanePoint| {
+            (place.plus(factor * bend, direction), direction)
+        };
+        add((base, at_base), bend_of(base, 1.0, below), 0);
+        add(bend_of(impact, -1.0, below), (impact, at_impact), 0);
+        add((impact, at_impact), bend_of(impact, 1.0, above), 1);
+        add(bend_of(top, -1.0, above), (top, at_top), 0);
+        Self { stations }
+    }
+
+    /// The stations from the base to the top.
+    #[must_use]
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+}
+
+/// How much of each bar is bent next to a joint \[m\].
+fn bend_length(joints: &Joints) -> f64 {
+    let below = joints.impact.plus(-1.0, joints.base).norm();
+    let above = joints.top.plus(-1.0, joints.impact).norm();
+    (BEND_LENGTH * below.min(above)).min(LONGEST_BEND)
+}
+
+/// The direction at the impact point: turned by `rotation`, but not out of the bars' own directions, so that a section that
+/// a magnification has turned too far does not fold the solid.
+fn between(rotation: f64, below: PlanePoint, above: PlanePoint) -> PlanePoint {
+    let lean = |direction: PlanePoint| direction.x.atan2(direction.z);
+    let (one, other) = (lean(below), lean(above));
+    let angle = if rotation.is_finite() {
+        rotation.clamp(one.min(other), one.max(other))
+    } else {
+        0.5 * (one + other)
+    };
+    let angle = angle.clamp(-FRAC_PI_2, FRAC_PI_2);
+    PlanePoint::new(angle.sin(), angle.cos())
+}
+
+/// Place and direction at the part `t`, 0 to 1, of the cubic curve from one place and direction to another.
+fn hermite(
+    (from, start): (PlanePoint, PlanePoint),
+    (to, end): (PlanePoint, PlanePoint),
+    t: f64,
+) -> Station {
+    let length = to.plus(-1.0, from).norm();
+    let sum = |[a, b, c, d]: [f64; 4]| {
+        let places = PlanePoint::new(a * from.x + b * to.x, a * from.z + b * to.z);
+        places.plus(length * c, start).plus(length * d, end)
+    };
+    let (square, cube) = (t * t, t * t * t);
+    let slope = sum([
+        6.0 * square - 6.0 * t,
+        6.0 * t - 6.0 * square,
+        3.0 * square - 4.0 * t + 1.0,
+        3.0 * square - 2.0 * t,
+    ]);
+    Station {
+        place: sum([
+            2.0 * cube - 3.0 * square + 1.0,
+            3.0 * square - 2.0 * cube,
+            cube - 2.0 * square + t,
+            cube - square,
+        ]),
+        direction: PlanePoint::default().direction_to(slope),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::Sample;
+    use crate::shape::Lengths;
+
+    fn joints() -> Joints {
+        let lengths = Lengths {
+            below: 1.0,
+            above: 3.0,
+        };
+        let sample = Sample {
+            v1: 0.1,
+            u1: 0.006,
+            u2: 0.009,
+            ..Sample::default()
+        };
+        Joints::new(lengths, &sample, 1.0)
+    }
+
+    fn close(one: PlanePoint, other: PlanePoint) -> bool {
+        one.plus(-1.0, other).norm() < 1e-12
+    }
+
+    #[test]
+    fn the_axis_passes_through_the_joints() {
+        let joints = joints();
+        let axis = Axis::new(&joints, 0.03, true, true);
+        let stations = axis.stations();
+        assert_eq!(stations.len(), Axis::STATIONS);
+        assert!(close(stations[0].place, joints.base));
+        assert!(close(stations[2 * BEND_PIECES + 1].place, joints.impact));
+        assert!(close(stations[Axis::STATIONS - 1].place, joints.top));
+        // The impact point has turned by beta1.
+        let turned = stations[2 * BEND_PIECES + 1].direction;
+        assert!((turned.x.atan2(turned.z) - 0.03).abs() < 1e-12);
+    }
+
+    #[test]
+    fn fixed_ends_stay_level_and_free_ends_turn_with_their_bar() {
+        let joints = joints();
+        let up = PlanePoint::new(0.0, 1.0);
+        let fixed = Axis::new(&joints, 0.0, true, true);
+        let free = Axis::new(&joints, 0.0, false, false);
+        let last = Axis::STATIONS - 1;
+        assert!(close(fixed.stations()[0].direction, up));
+        assert!(close(fixed.stations()[last].direction, up));
+        let below = joints.base.direction_to(joints.impact);
+        let above = joints.impact.direction_to(joints.top);
+        assert!(close(free.stations()[0].direction, below));
+        assert!(close(free.stations()[last].direction, above));
+    }
+
+    /// Between the bends the bars are straight, and along the bends the direction never jumps.
+    #[test]
+    fn bars_are_straight_and_bends_are_smooth() {
+        let joints = joints();
+        let stations = Axis::new(&joints, 0.03, true, true).stations().to_vec();
+        for (first, bar) in [
+            (BEND_PIECES, joints.base.direction_to(joints.impact)),
+            (3 * BEND_PIECES + 1, joints.impact.direction_to(joints.top)),
+        ] {
+            assert!(close(stations[first].direction, bar));
+            let chord = stations[first]
+                .place
+                .direction_to(stations[first + 1].place);
+            assert!(close(chord, bar));
+        }
+        let kink = joints
+            .base
+            .direction_to(joints.impact)
+            .plus(-1.0, joints.impact.direction_to(joints.top))
+            .norm();
+        for pair in stations.windows(2) {
+            let jump = pair[0].direction.plus(-1.0, pair[1].direction).norm();
+            assert!(jump < 0.6 * kink, "{jump} of {kink}");
+        }
+    }
+
+    /// Nothing folds or becomes NaN where the model's numbers do, or a magnification is absurd.
+    #[test]
+    fn absurd_columns_are_drawn_too() {
+        let lengths = Lengths {
+            below: 0.1,
+            above: 3.0,
+        };
+        for v1 in [0.0, 1e-300, 5.0, -5.0] {
+            for rotation in [0.0, 30.0, f64::NAN, f64::INFINITY] {
+                let sample = Sample {
+                    v1,
+                    u1: 0.1,
+                    ..Sample::default()
+                };
+                let axis = Axis::new(&Joints::new(lengths, &sample, 1.0), rotation, true, false);
+                for station in axis.stations() {
+                    assert!(
+                        (station.direction.norm() - 1.0).abs() < 1e-12,
+                        "{station:?}"
+                    );
+                    assert!(station.place.norm() < 10.0);
+                }
+            }
+        }
+    }
+}

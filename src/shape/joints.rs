@@ -1,0 +1,170 @@
+//! Where the ends of the two bars are.
+
+use crate::column::{HINGES, Sample};
+use crate::parameters::Parameters;
+
+/// A point in the plane that the column bends in \[m\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlanePoint {
+    /// In the vehicle's direction of travel.
+    pub x: f64,
+    /// Up, from the base.
+    pub z: f64,
+}
+
+impl PlanePoint {
+    /// A point by its coordinates \[m\].
+    #[must_use]
+    pub const fn new(x: f64, z: f64) -> Self {
+        Self { x, z }
+    }
+
+    /// `self + factor * other`.
+    #[must_use]
+    pub fn plus(self, factor: f64, other: Self) -> Self {
+        Self::new(self.x + factor * other.x, self.z + factor * other.z)
+    }
+
+    /// Distance from the origin \[m\].
+    #[must_use]
+    pub fn norm(self) -> f64 {
+        self.x.hypot(self.z)
+    }
+
+    /// The direction from here to `other`, of length 1; up where the two coincide.
+    #[must_use]
+    pub fn direction_to(self, other: Self) -> Self {
+        let between = other.plus(-1.0, self);
+        let length = between.norm();
+        if length > 0.0 {
+            Self::new(between.x / length, between.z / length)
+        } else {
+            Self::new(0.0, 1.0)
+        }
+    }
+}
+
+/// The undeformed lengths of the two bars \[m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lengths {
+    /// `L_a`: from the base to the impact point.
+    pub below: f64,
+    /// `L_b`: from the impact point to the top.
+    pub above: f64,
+}
+
+impl Lengths {
+    /// Height of the undeformed column \[m\].
+    #[must_use]
+    pub fn total(self) -> f64 {
+        self.below + self.above
+    }
+}
+
+impl From<&Parameters> for Lengths {
+    fn from(parameters: &Parameters) -> Self {
+        let geometry = &parameters.settings().geometry;
+        Self {
+            below: geometry.length_below,
+            above: geometry.length_above,
+        }
+    }
+}
+
+/// The ends of the two bars of a deformed column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joints {
+    /// The base, which does not move: hinge 3.
+    pub base: PlanePoint,
+    /// The impact point: hinges 1a and 1b.
+    pub impact: PlanePoint,
+    /// The top, which moves along the column only: hinge 2.
+    pub top: PlanePoint,
+}
+
+impl Joints {
+    /// The joints of a column whose displacements are drawn `magnification` times as large as they are.
+    #[must_use]
+    pub fn new(lengths: Lengths, sample: &Sample, magnification: f64) -> Self {
+        let drawn = |displacement: f64| magnification * displacement;
+        Self {
+            base: PlanePoint::default(),
+            impact: PlanePoint::new(drawn(sample.v1), lengths.below - drawn(sample.u1)),
+            top: PlanePoint::new(0.0, lengths.total() - drawn(sample.u2)),
+        }
+    }
+
+    /// Where the hinges 1a, 1b, 2, 3 are shown: 1a and 1b, which are one point in the model, `apart` \[m\] from the impact
+    /// point along their bars.
+    #[must_use]
+    pub fn hinges(&self, apart: f64) -> [PlanePoint; HINGES] {
+        let Self { base, impact, top } = *self;
+        [
+            impact.plus(apart, impact.direction_to(base)),
+            impact.plus(apart, impact.direction_to(top)),
+            top,
+            base,
+        ]
+    }
+
+    /// `x` of the impactor's front where the column's face lies `half_depth` before its axis \[m\]: its distance from the
+    /// drawn column is the true gap, whatever the magnification.
+    #[must_use]
+    pub fn impactor_front(&self, sample: &Sample, half_depth: f64) -> f64 {
+        self.impact.x - sample.gap - half_depth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LENGTHS: Lengths = Lengths {
+        below: 1.0,
+        above: 3.0,
+    };
+
+    fn bent() -> Sample {
+        Sample {
+            v1: 0.25,
+            u1: 0.125,
+            u2: 0.5,
+            gap: 0.75,
+            ..Sample::default()
+        }
+    }
+
+    #[test]
+    fn the_joints_are_where_the_sample_says() {
+        let joints = Joints::new(LENGTHS, &bent(), 1.0);
+        assert_eq!(joints.base, PlanePoint::default());
+        assert_eq!(joints.impact, PlanePoint::new(0.25, 0.875));
+        assert_eq!(joints.top, PlanePoint::new(0.0, 3.5));
+        // The face is 0.1 m before the axis.
+        assert_eq!(joints.impactor_front(&bent(), 0.1), 0.25 - 0.75 - 0.1);
+    }
+
+    #[test]
+    fn magnified_displacements_leave_the_gap_as_it_is() {
+        let joints = Joints::new(LENGTHS, &bent(), 2.0);
+        assert_eq!(joints.impact, PlanePoint::new(0.5, 0.75));
+        assert_eq!(joints.top, PlanePoint::new(0.0, 3.0));
+        assert_eq!(
+            joints.impact.x - joints.impactor_front(&bent(), 0.0),
+            bent().gap
+        );
+    }
+
+    #[test]
+    fn hinges_1a_and_1b_lie_on_their_bars() {
+        let joints = Joints::new(LENGTHS, &bent(), 1.0);
+        let [below, above, top, base] = joints.hinges(0.125);
+        for (hinge, end) in [(below, base), (above, top)] {
+            let whole = joints.impact.direction_to(end);
+            let part = joints.impact.direction_to(hinge);
+            assert!(whole.plus(-1.0, part).norm() < 1e-15);
+            assert!((hinge.plus(-1.0, joints.impact).norm() - 0.125).abs() < 1e-15);
+        }
+        assert_eq!((top, base), (joints.top, joints.base));
+    }
+}

@@ -1,0 +1,308 @@
+//! How the viewer arranges what it shows, for a laptop's screen: column and log on the left, curves in the middle, yield
+//! surfaces on the right.
+//!
+//! Rerun's own blueprint API for Rust cannot set the eye, the bounds of a view or the range of an axis, so that the
+//! archetypes are logged one by one, as it does it itself.
+
+use rerun::blueprint::components::{
+    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
+    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    VisualBounds2D,
+};
+use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
+use rerun::components::Range1D;
+use rerun::datatypes::{
+    self, Range2D, TimeInt, TimeRange, TimeRangeBoundary, Utf8, VisibleTimeRange as TimeWindow,
+};
+use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
+use rerun::external::re_sdk_types::blueprint::archetypes::{
+    Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend,
+    ScalarAxis, TextLogColumns, TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
+    VisibleTimeRanges, VisualBounds2D as VisualBounds,
+};
+use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+
+use super::fixtures::stress_entity;
+use super::plots::{self, PLOTS};
+use super::scene::{Drawing, HINGE_PLACES};
+use super::timeline::IMPACT_TIME;
+use crate::column::{HINGE_NAMES, HINGES};
+
+/// What recordings of this program are called in the viewer.
+pub const APPLICATION: &str = "column_twin";
+
+/// How much slower than in reality a recording plays: an impact is over in 60 ms.
+const PLAYBACK_SPEED: f64 = 0.01;
+
+/// Where things of the blueprint are kept, told apart by these numbers.
+const ROOT: u8 = 1;
+const LEFT: u8 = 2;
+const MIDDLE: u8 = 3;
+const RIGHT: u8 = 4;
+const SCENE: u8 = 10;
+const LOG: u8 = 11;
+const FIRST_PLOT: u8 = 20;
+const FIRST_HINGE: u8 = 40;
+
+/// Sends the blueprint and makes it the one that is shown.
+///
+/// # Errors
+/// The stream takes nothing.
+pub fn send(
+    recording: &RecordingStream,
+    drawing: &Drawing,
+    axes: &[[f64; 2]; PLOTS],
+    follows: bool,
+) -> RecordingStreamResult<()> {
+    let (stream, storage) = RecordingStreamBuilder::new(APPLICATION)
+        .enabled(true)
+        .blueprint()
+        .memory()?;
+    stream.set_time_sequence("blueprint", 0);
+    let blueprint = Blueprint { stream };
+    blueprint.layout()?;
+    blueprint.scene(drawing)?;
+    blueprint.log()?;
+    for (number, axis) in (0..).zip(axes) {
+        blueprint.plot(number, *axis)?;
+    }
+    for hinge in 0..HINGES {
+        blueprint.yield_surface(hinge)?;
+    }
+    blueprint.panels(follows)?;
+    let messages = storage.take();
+    let store = messages.iter().find_map(|message| match message {
+        LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
+        _ => None,
+    });
+    if let Some(blueprint_id) = store {
+        let activation = BlueprintActivationCommand {
+            blueprint_id,
+            make_active: true,
+            make_default: true,
+        };
+        recording.send_blueprint(messages, activation);
+    }
+    Ok(())
+}
+
+struct Blueprint {
+    stream: RecordingStream,
+}
+
+/// The UUID with this number.
+fn uuid(number: u8) -> String {
+    format!("c01c01c0-0000-4000-8000-0000000000{number:02x}")
+}
+
+fn uuid_bytes(number: u8) -> [u8; 16] {
+    [
+        0xc0, 0x1c, 0x01, 0xc0, 0, 0, 0x40, 0, 0x80, 0, 0, 0, 0, 0, 0, number,
+    ]
+}
+
+fn view(number: u8) -> String {
+    format!("view/{}", uuid(number))
+}
+
+fn container(number: u8) -> String {
+    format!("container/{}", uuid(number))
+}
+
+impl Blueprint {
+    fn write(&self, path: &str, what: &dyn AsComponents) -> RecordingStreamResult<()> {
+        self.stream.log(path, what)
+    }
+
+    fn layout(&self) -> RecordingStreamResult<()> {
+        let plots = (0..PLOTS as u8).map(|number| view(FIRST_PLOT + number));
+        let hinges = (0..HINGES as u8).map(|hinge| view(FIRST_HINGE + hinge));
+        let contents = |paths: Vec<String>| {
+            let paths = paths.into_iter();
+            paths
+                .map(|path| IncludedContent(path.as_str().into()))
+                .collect::<Vec<_>>()
+        };
+        let left = ContainerBlueprint::new(ContainerKind::Vertical)
+            .with_contents(contents(vec![view(SCENE), view(LOG)]))
+            .with_row_shares([0.74_f32, 0.26]);
+        self.write(&container(LEFT), &left)?;
+        let middle = ContainerBlueprint::new(ContainerKind::Grid)
+            .with_contents(contents(plots.collect()))
+            .with_grid_columns(2_u32);
+        self.write(&container(MIDDLE), &middle)?;
+        let right = ContainerBlueprint::new(ContainerKind::Vertical)
+            .with_contents(contents(hinges.collect()));
+        self.write(&container(RIGHT), &right)?;
+        let root = ContainerBlueprint::new(ContainerKind::Horizontal)
+            .with_contents(contents(vec![
+                container(LEFT),
+                container(MIDDLE),
+                container(RIGHT),
+            ]))
+            .with_col_shares([0.37_f32, 0.45, 0.18]);
+        self.write(&container(ROOT), &root)?;
+        let viewport = ViewportBlueprint::new()
+            .with_root_container(RootContainer(uuid_bytes(ROOT).into()))
+            .with_auto_layout(false)
+            .with_auto_views(false);
+        self.write("viewport", &viewport)
+    }
+
+    fn view(
+        &self,
+        number: u8,
+        class: &str,
+        title: &str,
+        origin: &str,
+        contents: &[String],
+    ) -> RecordingStreamResult<()> {
+        let path = view(number);
+        let query = ViewContents::new(contents.iter().map(String::as_str));
+        self.write(&format!("{path}/ViewContents"), &query)?;
+        let it = ViewBlueprint::new(class)
+            .with_display_name(title)
+            .with_space_origin(origin);
+        self.write(&path, &it)
+    }
+
+    fn property(
+        &self,
+        number: u8,
+        name: &str,
+        what: &dyn AsComponents,
+    ) -> RecordingStreamResult<()> {
+        self.write(&format!("{}/{name}", view(number)), what)
+    }
+
+    /// Seen along the flanges, a little from above and from the side of the vehicle's nose: the bend lies in the picture.
+    fn scene(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
+        let title = if drawing.magnification == 1.0 {
+            format!("{}, to scale", drawing.section)
+        } else {
+            format!(
+                "{}, displacements x {}",
+                drawing.section, drawing.magnification
+            )
+        };
+        let contents = [
+            "column",
+            "top",
+            "top_spring",
+            "supports",
+            "ghost",
+            "vehicle",
+            "legend",
+        ]
+        .iter()
+        .map(|it| format!("+ /{it}/**"))
+        .chain(["+ /contact_force".to_owned()])
+        .collect::<Vec<_>>();
+        self.view(SCENE, "3D", &title, "/", &contents)?;
+        let height = drawing.lengths.total() as f32;
+        let middle = [0.02 * height, 0.0, 0.52 * height];
+        let eye = EyeControls3D::new()
+            .with_kind(Eye3DKind::Orbital)
+            .with_position([0.12 * height, -1.62 * height, 0.62 * height])
+            .with_look_target(middle)
+            .with_eye_up([0.0, 0.0, 1.0]);
+        self.property(SCENE, "EyeControls3D", &eye)?;
+        let background = Background::new(BackgroundKind::GradientDark);
+        self.property(SCENE, "Background", &background)?;
+        let grid = LineGrid3D::new().with_visible(false);
+        self.property(SCENE, "LineGrid3D", &grid)
+    }
+
+    fn log(&self) -> RecordingStreamResult<()> {
+        let title = "What happened, by time since impact";
+        self.view(LOG, "TextLog", title, "/", &["+ /log".to_owned()])?;
+        let columns = TextLogColumns::new()
+            .with_timeline_columns([TimelineColumn {
+                timeline: Utf8::from(IMPACT_TIME),
+                visible: true.into(),
+            }])
+            .with_text_log_columns([TextLogColumn {
+                kind: TextLogColumnKind::Body,
+                visible: true.into(),
+            }]);
+        self.property(LOG, "TextLogColumns", &columns)
+    }
+
+    fn plot(&self, number: u8, axis: [f64; 2]) -> RecordingStreamResult<()> {
+        let plot = &plots::ALL[usize::from(number)];
+        let id = FIRST_PLOT + number;
+        let origin = format!("/{}", plot.entity);
+        let mut contents = vec![format!("+ {origin}")];
+        if usize::from(number) == plots::CONTACT_FORCE {
+            contents.push(format!("+ /{}", plots::PERCUSSIONS));
+        }
+        self.view(id, "TimeSeries", plot.title, "/plots", &contents)?;
+        let axis = ScalarAxis::new()
+            .with_range(Range1D::new(axis[0], axis[1]))
+            .with_zoom_lock(LockRangeDuringZoom(false.into()));
+        self.property(id, "ScalarAxis", &axis)?;
+        let legend = PlotLegend::new().with_corner(Corner2D::RightTop);
+        self.property(id, "PlotLegend", &legend)
+    }
+
+    /// The whole path until now is seen, everything else as it is now.
+    fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
+        let id = FIRST_HINGE + hinge as u8;
+        let title = format!(
+            "Hinge {} ({}): N/Np over M/Mp [-]",
+            HINGE_NAMES[hinge], HINGE_PLACES[hinge]
+        );
+        let origin = format!("/yield/{}", HINGE_NAMES[hinge]);
+        self.view(id, "2D", &title, &origin, &["+ $origin/**".to_owned()])?;
+        let bounds = VisualBounds::new(VisualBounds2D(Range2D {
+            x_range: [-1.5, 1.5].into(),
+            y_range: [-1.3, 1.3].into(),
+        }));
+        self.property(id, "VisualBounds2D", &bounds)?;
+        let until_now = VisibleTimeRange(TimeWindow {
+            timeline: Utf8::from(IMPACT_TIME),
+            range: TimeRange {
+                start: TimeRangeBoundary::Infinite,
+                end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
+            },
+        });
+        let path = format!(
+            "{}/ViewContents/overrides/{}/visualizers",
+            view(id),
+            stress_entity(hinge, "path")
+        );
+        self.write(&path, &VisibleTimeRanges::new([until_now]))
+    }
+
+    fn panels(&self, follows: bool) -> RecordingStreamResult<()> {
+        for panel in ["blueprint_panel", "selection_panel"] {
+            let hidden = PanelBlueprint::new().with_state(PanelState::Collapsed);
+            self.write(panel, &hidden)?;
+        }
+        let play = if follows {
+            PlayState::Following
+        } else {
+            PlayState::Playing
+        };
+        let time = TimePanelBlueprint::new()
+            .with_state(PanelState::Collapsed)
+            .with_timeline(TimelineName(Utf8::from(IMPACT_TIME)))
+            .with_playback_speed(PlaybackSpeed(datatypes::Float64(PLAYBACK_SPEED)))
+            .with_play_state(play);
+        self.write("time_panel", &time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_uuid_is_the_same_as_text_and_as_bytes() {
+        let text: String = uuid_bytes(0x2a)
+            .iter()
+            .map(|it| format!("{it:02x}"))
+            .collect();
+        assert_eq!(uuid(0x2a).replace('-', ""), text);
+    }
+}

@@ -1,0 +1,106 @@
+//! Colours: one for each meaning, in the scene and in the plots.
+
+use crate::column::{HINGES, HingeState};
+
+/// Red, green, blue, each 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// Steel that is not used at all.
+pub const STEEL: Rgb = [122, 134, 148];
+/// Half used.
+const HALF: Rgb = [240, 196, 60];
+/// On the yield surface.
+const YIELD: Rgb = [222, 40, 28];
+
+/// Hinge that has never flowed.
+pub const ELASTIC: Rgb = [64, 184, 96];
+/// Hinge that flows.
+pub const PLASTIC: Rgb = [235, 52, 40];
+/// Hinge that has flowed and is elastic again.
+pub const UNLOADED: Rgb = [250, 160, 40];
+
+/// The vehicle, and what is of it in the plots.
+pub const IMPACTOR: Rgb = [70, 130, 220];
+/// Contact force.
+pub const CONTACT: Rgb = [214, 84, 190];
+/// Load and top.
+pub const TOP: Rgb = [90, 200, 200];
+/// Impact point.
+pub const IMPACT_POINT: Rgb = [240, 240, 240];
+/// The undeformed column.
+pub const GHOST: Rgb = [110, 116, 124];
+/// Supports.
+pub const SUPPORT: Rgb = [150, 150, 150];
+/// Moments.
+pub const MOMENT: Rgb = [176, 140, 240];
+/// Bar a.
+pub const BAR_A: Rgb = [120, 190, 255];
+/// Bar b.
+pub const BAR_B: Rgb = [255, 170, 90];
+/// Yield surfaces and axes.
+pub const SURFACE: Rgb = [190, 190, 190];
+/// Axes.
+pub const AXIS: Rgb = [90, 90, 90];
+
+/// Hinges 1a, 1b, 2, 3 in the plots.
+pub const HINGE: [Rgb; HINGES] = [
+    [120, 190, 255],
+    [255, 170, 90],
+    [90, 200, 200],
+    [250, 110, 110],
+];
+
+/// Entries of the energy ledger, from the foot of the stack.
+pub const ENERGIES: [Rgb; 5] = [
+    [214, 84, 190],
+    [235, 70, 50],
+    [150, 150, 150],
+    [90, 200, 120],
+    [90, 150, 240],
+];
+
+/// Colour of a hinge by its state.
+#[must_use]
+pub fn of_state(state: HingeState) -> Rgb {
+    match state {
+        HingeState::Elastic => ELASTIC,
+        HingeState::Plastic => PLASTIC,
+        HingeState::Unloaded => UNLOADED,
+    }
+}
+
+/// Colour of the steel at a utilisation: grey at 0, yellow at a half, red from 1 on.
+#[must_use]
+pub fn of_utilisation(utilisation: f64) -> Rgb {
+    if utilisation <= 0.5 {
+        mix(STEEL, HALF, 2.0 * utilisation)
+    } else {
+        mix(HALF, YIELD, 2.0 * utilisation - 1.0)
+    }
+}
+
+/// `part` of `other` in `one`.
+#[must_use]
+pub fn mix(one: Rgb, other: Rgb, part: f64) -> Rgb {
+    let part = part.clamp(0.0, 1.0);
+    let mut mixed = one;
+    for (value, (from, to)) in mixed.iter_mut().zip(one.into_iter().zip(other)) {
+        let (from, to) = (f64::from(from), f64::from(to));
+        *value = (from + part * (to - from)).round() as u8; // between two colours; NaN is 0
+    }
+    mixed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn utilisation_has_its_colours() {
+        assert_eq!(of_utilisation(0.0), STEEL);
+        assert_eq!(of_utilisation(0.5), HALF);
+        assert_eq!(of_utilisation(1.0), YIELD);
+        assert_eq!(of_utilisation(1.2), YIELD);
+        assert_eq!(of_utilisation(-0.1), STEEL);
+    }
+}

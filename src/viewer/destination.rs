@@ -1,0 +1,206 @@
+//! Where the pictures of a running twin go, as `viewer.mode` says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rerun::RecordingStreamBuilder;
+
+use super::blueprint::APPLICATION;
+use super::connection::{self, Connection};
+use super::film::{Film, FilmOptions};
+use super::item::Item;
+use super::plots::Ranges;
+use super::server;
+use super::spawned::Spawned;
+use super::{Telling, ViewerError};
+use crate::parameters::{Parameters, ViewerMode};
+use crate::twin::Severity;
+
+/// Shortest time between two pictures of the scene \[ns\].
+const PICTURE_PERIOD: i64 = 1_000_000;
+
+/// A place that takes what there is to show.
+pub enum Destination {
+    /// A file, or viewers that connect to this program.
+    Stream(Box<Film>),
+    /// A viewer that runs.
+    Connection(Box<Connection>),
+    /// A viewer that was started.
+    Spawned(Spawned, Box<Connection>),
+}
+
+impl Destination {
+    /// The destination that the parameters name; `None` where they say off.
+    ///
+    /// # Errors
+    /// It cannot be had.
+    pub fn open(
+        parameters: &Arc<Parameters>,
+        now: i64,
+        telling: &Telling,
+    ) -> Result<Option<Self>, ViewerError> {
+        let viewer = &parameters.settings().viewer;
+        let options = FilmOptions {
+            picture_period: PICTURE_PERIOD,
+            follows: true,
+            ranges: Ranges::foreseen(parameters, None, None),
+        };
+        let film = |stream| Film::new(stream, Arc::clone(parameters), options.clone());
+        let connection = |address| {
+            let parameters = Arc::clone(parameters);
+            Box::new(Connection::new(
+                address,
+                parameters,
+                options.clone(),
+                Arc::clone(telling),
+            ))
+        };
+        Ok(Some(match viewer.mode {
+            ViewerMode::Off => return Ok(None),
+            ViewerMode::Save => {
+                let path = new_file(Path::new(&viewer.directory), parameters, now)?;
+                let stream = saving(&path)?;
+                telling(
+                    Severity::Info,
+                    format!("pictures go into {}", path.display()),
+                );
+                Self::Stream(Box::new(film(stream)?))
+            }
+            ViewerMode::Serve => {
+                let address = server::loopback(&viewer.address, viewer.port)?;
+                let stream = server::stream(address, viewer.memory_limit)?;
+                let url = server::url(address);
+                telling(Severity::Info, format!("to look: rerun {url}"));
+                Self::Stream(Box::new(film(stream)?))
+            }
+            ViewerMode::Connect => {
+                let address = connection::resolve(&viewer.address, viewer.port)?;
+                Self::Connection(connection(address))
+            }
+            ViewerMode::Spawn => {
+                let address = server::loopback(&viewer.address, viewer.port)?;
+                let telling = Arc::clone(telling);
+                let spawned = Spawned::start(address, viewer.memory_limit, telling)?;
+                Self::Spawned(spawned, connection(address))
+            }
+        }))
+    }
+
+    /// Shows some items; may wait for as long as the destination takes nothing.
+    ///
+    /// # Errors
+    /// The destination takes nothing any more.
+    pub fn show(&mut self, items: Vec<Item>) -> Result<(), ViewerError> {
+        match self {
+            Self::Stream(film) if items.is_empty() => {
+                debug_assert!(film.stream().is_enabled());
+            }
+            Self::Stream(film) => film.show(items)?,
+            Self::Connection(connection) => connection.show(items),
+            Self::Spawned(spawned, connection) => {
+                spawned.look_after();
+                connection.show(items);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn saving(path: &Path) -> Result<rerun::RecordingStream, ViewerError> {
+    RecordingStreamBuilder::new(APPLICATION)
+        .enabled(true)
+        .batcher_config(connection::batches())
+        .save(path)
+        .map_err(|error| ViewerError::File {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })
+}
+
+/// A file that is not there yet, named after the column and the time.
+fn new_file(folder: &Path, parameters: &Parameters, now: i64) -> Result<PathBuf, ViewerError> {
+    fs::create_dir_all(folder).map_err(|error| ViewerError::File {
+        path: folder.to_owned(),
+        reason: error.to_string(),
+    })?;
+    let column = file_name(&parameters.settings().column_id);
+    let secs = now.div_euclid(1_000_000_000);
+    let free = (0..).map(|number: u32| {
+        let again = if number == 0 {
+            String::new()
+        } else {
+            format!("_{number}")
+        };
+        folder.join(format!("{column}_{}{again}.rrd", date_and_time(secs)))
+    });
+    let found = free.take(1000).find(|path| !path.exists());
+    found.ok_or_else(|| ViewerError::File {
+        path: folder.to_owned(),
+        reason: "every name of this second is taken".to_owned(),
+    })
+}
+
+/// Only what every file system takes.
+fn file_name(id: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    id.chars().map(plain).take(64).collect()
+}
+
+/// `20260131T235959Z` of seconds since the epoch.
+fn date_and_time(secs: i64) -> String {
+    let (day, second) = (secs.div_euclid(86_400), secs.rem_euclid(86_400));
+    // Days are counted from 1 March of the year 0, so that a leap day is the last of its year (Hinnant, "chrono-compatible
+    // low-level date algorithms").
+    let shifted = day + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day_of_month = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = year_of_era + 400 * era + i64::from(month <= 2);
+    let (hour, minute) = (second / 3600, second / 60 % 60);
+    format!(
+        "{year:04}{month:02}{day_of_month:02}T{hour:02}{minute:02}{:02}Z",
+        second % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `date -u -d @SECONDS` prints them.
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        for (secs, date) in [
+            (0, "19700101T000000Z"),
+            (951_782_400, "20000229T000000Z"),
+            (1_700_000_000, "20231114T221320Z"),
+            (1_798_761_599, "20261231T235959Z"),
+            (4_107_542_400, "21000301T000000Z"),
+        ] {
+            assert_eq!(date_and_time(secs), date);
+        }
+    }
+
+    #[test]
+    fn no_file_is_overwritten_and_no_name_leaves_its_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let parameters = Parameters::from_values([(
+            "column_id",
+            crate::parameters::Value::from("../garage a3"),
+        )])
+        .expect("admissible");
+        let new = || new_file(folder.path(), &parameters, 0).expect("a name");
+        let first = new();
+        assert_eq!(first.parent(), Some(folder.path()));
+        fs::write(&first, "").expect("written");
+        assert_ne!(new(), first);
+        let error = new_file(&first, &parameters, 0).expect_err("a file is no folder");
+        assert!(matches!(error, ViewerError::File { .. }));
+    }
+}

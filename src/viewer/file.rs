@@ -1,0 +1,164 @@
+//! A file for the viewer, from a simulation or a recording.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use rerun::RecordingStreamBuilder;
+
+use super::ViewerError;
+use super::blueprint::APPLICATION;
+use super::film::{Film, FilmOptions};
+use super::item::{Announcement, Item};
+use super::plots::Ranges;
+use crate::column::{Outcome, Report, Sample};
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::parameters::Parameters;
+use crate::twin::{StateOutput, TwinPhase};
+
+/// Shortest time between two pictures of the scene \[ns\].
+const PICTURE_PERIOD: i64 = 500_000;
+
+/// Most pictures of the scene that one impact is worth.
+const MOST_PICTURES: i64 = 600;
+
+/// Longest wait for the disk.
+const WRITTEN_WITHIN: Duration = Duration::from_secs(60);
+
+/// What the messages of a recording show, in the order of the states. A report stands before the first state of its impact
+/// if it is a forecast, and after the last one if it is a result; a report without states is left out.
+pub fn from_messages(
+    states: impl IntoIterator<Item = (ColumnState, HingeForces)>,
+    reports: impl IntoIterator<Item = ImpactReport>,
+) -> Vec<Item> {
+    let mut forecasts = HashMap::new();
+    let mut results = HashMap::new();
+    for report in reports {
+        let of_kind = match report.kind {
+            ImpactReport::FORECAST => &mut forecasts,
+            ImpactReport::RESULT => &mut results,
+            _ => continue,
+        };
+        of_kind.insert(report.event_id.clone(), report);
+    }
+    let mut items = Vec::new();
+    let mut going: Option<String> = None;
+    for (state, forces) in states {
+        if going.as_ref() != Some(&state.event_id) {
+            let ended = going.replace(state.event_id.clone());
+            let result = ended.and_then(|event_id| results.remove(&event_id));
+            items.extend(result.map(|it| Item::Result(announcement(it))));
+            let forecast = forecasts.remove(&state.event_id);
+            items.extend(forecast.map(|it| Item::Forecast(announcement(it))));
+        }
+        items.push(Item::of_messages(&state, &forces));
+    }
+    let result = going.and_then(|event_id| results.remove(&event_id));
+    items.extend(result.map(|it| Item::Result(announcement(it))));
+    items
+}
+
+/// What a simulation shows, with its outcome before and after; `stamp` dates the event.
+pub fn from_samples(
+    event_id: &str,
+    stamp: i64,
+    samples: impl IntoIterator<Item = Sample>,
+    report: &Report,
+) -> Vec<Item> {
+    let event_id: Arc<str> = event_id.into();
+    let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
+    let mut items = vec![Item::Forecast(announcement())];
+    items.extend(samples.into_iter().map(|sample| {
+        Item::State(StateOutput {
+            stamp: stamp.saturating_add(super::timeline::nanos(sample.time)),
+            event_id: Arc::clone(&event_id),
+            phase: TwinPhase::from(sample.phase),
+            sample,
+        })
+    }));
+    if let (Some(Item::State(last)), Outcome::Elastic | Outcome::Plastic) =
+        (items.last_mut(), report.outcome)
+    {
+        last.phase = TwinPhase::Rest;
+    }
+    items.push(Item::Result(announcement()));
+    items
+}
+
+fn announcement(report: ImpactReport) -> Announcement {
+    let stamp = report.header.stamp;
+    Announcement {
+        stamp: i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec),
+        event_id: report.event_id.as_str().into(),
+        report: Box::new(report),
+    }
+}
+
+/// How a whole film is made: its axes hold all of it from the start.
+pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
+    let mut ranges = Ranges::default();
+    let mut longest = 0.0_f64;
+    for item in items {
+        match item {
+            Item::State(state) => {
+                ranges.reach(&state.sample);
+                longest = longest.max(state.sample.time);
+            }
+            Item::Forecast(it) | Item::Result(it) => ranges.reach_report(&it.report),
+            Item::Rest { .. } | Item::Line { .. } | Item::Parameters(_) => {}
+        }
+    }
+    let spaced = super::timeline::nanos(longest) / MOST_PICTURES;
+    FilmOptions {
+        picture_period: PICTURE_PERIOD.max(spaced),
+        follows,
+        ranges,
+    }
+}
+
+/// Writes a file that the viewer opens. It appears under its name when it is complete.
+///
+/// The viewer shows the first moment and plays on slowly, or the last one where it `follows`.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_rrd(
+    path: &Path,
+    parameters: &Arc<Parameters>,
+    items: Vec<Item>,
+    follows: bool,
+) -> Result<(), ViewerError> {
+    let fault = |reason: String| ViewerError::File {
+        path: path.to_owned(),
+        reason,
+    };
+    let unfinished = unfinished(path);
+    let written = || -> Result<(), String> {
+        let stream = RecordingStreamBuilder::new(APPLICATION)
+            .enabled(true)
+            .save(&unfinished)
+            .map_err(|error| error.to_string())?;
+        let mut film = Film::new(stream, Arc::clone(parameters), options(&items, follows))
+            .map_err(|error| error.to_string())?;
+        film.show(items).map_err(|error| error.to_string())?;
+        film.stream()
+            .flush_with_timeout(WRITTEN_WITHIN)
+            .map_err(|error| error.to_string())
+    };
+    // The film ends with the stream and the file's footer in it, before the file has its name.
+    let outcome =
+        written().and_then(|()| fs::rename(&unfinished, path).map_err(|error| error.to_string()));
+    if outcome.is_err() {
+        let _ = fs::remove_file(&unfinished); // it may not even be there
+    }
+    outcome.map_err(fault)
+}
+
+/// The name of a file until it is complete.
+fn unfinished(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".unfinished");
+    name.into()
+}

@@ -1,0 +1,529 @@
+//! Writes what is shown into a Rerun stream: statics once, states in batches, one column of data for each entity.
+
+use std::sync::Arc;
+
+use rerun::{
+    Arrows3D, Boxes3D, Color, FillMode, LineStrip2D, LineStrip3D, LineStrips2D, LineStrips3D,
+    Mesh3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult, Scalars,
+    SeriesLines, SeriesPoints, TextLog, TextLogLevel, TimeColumn, Transform3D,
+};
+
+use rerun::components::Translation3D;
+
+use super::blueprint;
+use super::colour::{self, Rgb};
+use super::fixtures;
+use super::happenings::{Happening, Happenings, summary};
+use super::item::{Announcement, Item};
+use super::plots::{self, Ranges};
+use super::scene::{Drawing, Scene, VEHICLE};
+use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
+use crate::column::{HINGES, Sample};
+use crate::parameters::Parameters;
+use crate::shape::Solid;
+use crate::twin::{Severity, StateOutput};
+
+/// Most states that are written at once.
+pub const LARGEST_BATCH: usize = 512;
+
+/// How a film is made.
+#[derive(Debug, Clone)]
+pub struct FilmOptions {
+    /// Shortest time between two pictures of the scene, in the time of the impact \[ns\]; curves have every state.
+    pub picture_period: i64,
+    /// Whether the viewer follows what comes, or stands at the beginning.
+    pub follows: bool,
+    /// How far the axes reach from the start.
+    pub ranges: Ranges,
+}
+
+/// Where states were that go on in the next batch.
+#[derive(Debug, Clone, Default)]
+struct Going {
+    /// First state of the present impact.
+    first: Option<Sample>,
+    /// The last state.
+    last: Option<Sample>,
+    /// Time of the last picture of the scene \[s\].
+    pictured: Option<f64>,
+    happenings: Happenings,
+    /// The event, for what a report tells.
+    stamp: i64,
+}
+
+/// A stream into which everything is written that there is to see.
+pub struct Film {
+    stream: RecordingStream,
+    options: FilmOptions,
+    parameters: Arc<Parameters>,
+    drawing: Drawing,
+    timeline: Timeline,
+    ranges: Ranges,
+    going: Going,
+    /// The last displacements that were shown at rest.
+    at_rest: Option<[f64; 2]>,
+    /// A forecast whose states have not come yet.
+    forecast: Option<Announcement>,
+    batch: Vec<(Moment, StateOutput)>,
+}
+
+/// A line of the log.
+struct Line {
+    moment: Moment,
+    severity: Severity,
+    text: String,
+}
+
+impl Film {
+    /// Writes statics and blueprint, and the column at rest.
+    ///
+    /// # Errors
+    /// The stream takes nothing.
+    pub fn new(
+        stream: RecordingStream,
+        parameters: Arc<Parameters>,
+        options: FilmOptions,
+    ) -> RecordingStreamResult<Self> {
+        let timeline = Timeline::new(parameters.column_properties().step_nanos);
+        let film = Self {
+            drawing: Drawing::new(&parameters),
+            ranges: options.ranges,
+            stream,
+            options,
+            parameters,
+            timeline,
+            going: Going::default(),
+            at_rest: None,
+            forecast: None,
+            batch: Vec::new(),
+        };
+        film.send_blueprint()?;
+        film.statics()?;
+        Ok(film)
+    }
+
+    /// Shows some items in their order.
+    ///
+    /// # Errors
+    /// The stream takes nothing.
+    pub fn show(&mut self, items: impl IntoIterator<Item = Item>) -> RecordingStreamResult<()> {
+        for item in items {
+            match item {
+                Item::State(state) => self.state(state)?,
+                other => {
+                    self.flush()?;
+                    self.other(other)?;
+                }
+            }
+        }
+        self.flush()
+    }
+
+    /// The stream.
+    #[must_use]
+    pub fn stream(&self) -> &RecordingStream {
+        &self.stream
+    }
+
+    fn other(&mut self, item: Item) -> RecordingStreamResult<()> {
+        match item {
+            Item::State(_) => Ok(()),
+            Item::Forecast(forecast) => {
+                let line = Line {
+                    moment: self.timeline.at_last(forecast.stamp),
+                    severity: Severity::Info,
+                    text: format!(
+                        "forecast of {}: {}",
+                        forecast.event_id,
+                        summary(&forecast.report)
+                    ),
+                };
+                let mut ranges = Ranges::default();
+                ranges.reach_report(&forecast.report);
+                self.forecast = Some(forecast);
+                self.cover(&ranges)?;
+                self.line(line)
+            }
+            Item::Result(result) => self.result(&result),
+            Item::Rest { stamp, v1, u2 } => self.rest(stamp, v1, u2),
+            Item::Line {
+                stamp,
+                severity,
+                text,
+            } => self.line(Line {
+                moment: self.timeline.at_last(stamp),
+                severity,
+                text,
+            }),
+            Item::Parameters(parameters) => self.change(parameters),
+        }
+    }
+
+    fn state(&mut self, state: StateOutput) -> RecordingStreamResult<()> {
+        let Placed { moment, begins } = self.timeline.place(&state);
+        if begins {
+            self.flush()?;
+            self.begin(&state)?;
+        }
+        self.batch.push((moment, state));
+        if self.batch.len() >= LARGEST_BATCH {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Another impact begins.
+    fn begin(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
+        let first = state.sample;
+        let stamp = state.stamp - super::timeline::nanos(first.time);
+        self.going = Going {
+            first: Some(first),
+            stamp,
+            ..Going::default()
+        };
+        self.at_rest = None;
+        let announced = self.forecast.take();
+        if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
+            self.going.happenings.announce(&forecast.report);
+        }
+        if let Some(mass) = plots::mass_of(&first, &first) {
+            let velocity = Some(first.impactor_velocity);
+            let foreseen = Ranges::foreseen(&self.parameters, Some(mass), velocity);
+            self.cover(&foreseen)?;
+        }
+        Ok(())
+    }
+
+    fn cover(&mut self, ranges: &Ranges) -> RecordingStreamResult<()> {
+        if self.ranges.cover(ranges) {
+            self.send_blueprint()?;
+        }
+        Ok(())
+    }
+
+    fn result(&mut self, result: &Announcement) -> RecordingStreamResult<()> {
+        let end = self
+            .timeline
+            .in_impact(result.report.end_time, result.stamp);
+        self.line(Line {
+            moment: end,
+            severity: Severity::Info,
+            text: format!("result of {}: {}", result.event_id, summary(&result.report)),
+        })
+    }
+
+    /// The column at rest, unless it is already shown so.
+    fn rest(&mut self, stamp: i64, v1: f64, u2: f64) -> RecordingStreamResult<()> {
+        if self.at_rest == Some([v1, u2]) {
+            return Ok(());
+        }
+        let shown = self.going.last.map(|last| [last.v1, last.u2]);
+        self.at_rest = Some([v1, u2]);
+        // After an impact its last state is better than what the twin says of its rest: it has forces.
+        let near = |shown: [f64; 2]| (shown[0] - v1).abs() < 0.02 && (shown[1] - u2).abs() < 0.02;
+        if shown.is_some_and(near) {
+            return Ok(());
+        }
+        let moment = self.timeline.after_last(stamp);
+        let u1 = self.drawing.at_rest.u1 + 0.5 * (u2 - self.drawing.at_rest.u2);
+        let sample = Sample {
+            v1,
+            u1,
+            u2,
+            ..self.drawing.at_rest
+        };
+        self.going.last = Some(sample);
+        self.pictures(&[(moment, self.drawing.scene(&sample, None))])
+    }
+
+    fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
+        self.drawing = Drawing::new(&parameters);
+        self.parameters = parameters;
+        self.at_rest = None;
+        self.send_blueprint()?;
+        self.statics()
+    }
+
+    fn send_blueprint(&self) -> RecordingStreamResult<()> {
+        let axes = self.ranges.axes();
+        blueprint::send(&self.stream, &self.drawing, &axes, self.options.follows)
+    }
+
+    /// Writes the states that wait.
+    fn flush(&mut self) -> RecordingStreamResult<()> {
+        let batch = std::mem::take(&mut self.batch);
+        if batch.is_empty() {
+            return Ok(());
+        }
+        self.curves(&batch)?;
+        self.percussions(&batch)?;
+        self.stresses(&batch)?;
+        self.scenes(&batch)?;
+        for (moment, state) in &batch {
+            for Happening { time, text } in self.going.happenings.until(&state.sample) {
+                let moment = if time == state.sample.time {
+                    *moment
+                } else {
+                    self.timeline.in_impact(time, self.going.stamp)
+                };
+                self.line(Line {
+                    moment,
+                    severity: Severity::Info,
+                    text,
+                })?;
+            }
+        }
+        self.going.last = batch.last().map(|(_, state)| state.sample);
+        Ok(())
+    }
+
+    fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let times = columns(batch.iter().map(|(moment, _)| *moment));
+        for plot in &plots::ALL {
+            let values = batch.iter().flat_map(|(_, state)| {
+                let values = (plot.values)(&state.sample);
+                values.into_iter().map(|value| plot.per_si * value)
+            });
+            let scalars = Scalars::new(values);
+            let lengths = vec![plot.curves.len(); batch.len()];
+            self.stream
+                .send_columns(plot.entity, times.clone(), scalars.columns(lengths)?)?;
+        }
+        Ok(())
+    }
+
+    fn percussions(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let struck = batch.iter().filter(|(_, it)| it.sample.percussion > 0.0);
+        let times: Vec<_> = struck.map(|(moment, _)| *moment).collect();
+        if times.is_empty() {
+            return Ok(());
+        }
+        let marks = Scalars::new(vec![self.ranges.percussion_mark(); times.len()]);
+        let columns_of_marks = marks.columns(vec![1; times.len()])?;
+        self.stream
+            .send_columns(plots::PERCUSSIONS, columns(times), columns_of_marks)
+    }
+
+    /// The path of each hinge in its yield surface, piece by piece, and where it is now.
+    fn stresses(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let times = columns(batch.iter().map(|(moment, _)| *moment));
+        let resistances = [
+            self.drawing.resistance_moment,
+            self.drawing.resistance_axial,
+        ];
+        for hinge in 0..HINGES {
+            let mut last = self.going.last.unwrap_or(batch[0].1.sample);
+            let mut strips = Vec::with_capacity(batch.len());
+            let mut points = Vec::with_capacity(batch.len());
+            for (_, state) in batch {
+                let from = plots::stress(&last, hinge, resistances);
+                let to = plots::stress(&state.sample, hinge, resistances);
+                strips.push(LineStrip2D::from_iter([from, to]));
+                points.push(to);
+                last = state.sample;
+            }
+            let ones = vec![1; batch.len()];
+            let path = LineStrips2D::update_fields().with_strips(strips);
+            let entity = fixtures::stress_entity(hinge, "path");
+            self.stream
+                .send_columns(entity, times.clone(), path.columns(ones.clone())?)?;
+            let colours = batch
+                .iter()
+                .map(|(_, state)| color(colour::of_state(state.sample.hinges[hinge].state)));
+            let now = Points2D::update_fields()
+                .with_positions(points)
+                .with_colors(colours);
+            let entity = fixtures::stress_entity(hinge, "now");
+            self.stream
+                .send_columns(entity, times.clone(), now.columns(ones)?)?;
+        }
+        Ok(())
+    }
+
+    /// Pictures of the scene of those states that are far enough apart, and of the last one of an impact.
+    fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+        let mut pictures = Vec::new();
+        let first = self.going.first.unwrap_or_default();
+        for (moment, state) in batch {
+            let sample = &state.sample;
+            let period = self.options.picture_period;
+            let goes_on = (state.phase as u8) < crate::twin::TwinPhase::Rest as u8;
+            if goes_on && !plots::apart(self.going.pictured, sample.time, period) {
+                continue;
+            }
+            self.going.pictured = Some(sample.time);
+            let mass = plots::mass_of(&first, sample);
+            pictures.push((*moment, self.drawing.scene(sample, mass)));
+        }
+        self.pictures(&pictures)
+    }
+
+    fn pictures(&self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
+        if pictures.is_empty() {
+            return Ok(());
+        }
+        let times = columns(pictures.iter().map(|(moment, _)| *moment));
+        let scenes = || pictures.iter().map(|(_, scene)| scene);
+        let ones = || vec![1; pictures.len()];
+        let send = |entity: &str, columns_of_data| {
+            self.stream
+                .send_columns(entity, times.clone(), columns_of_data)
+        };
+
+        let corners: Vec<_> = scenes().map(|it| it.solid.positions.len()).collect();
+        let positions = scenes().flat_map(|it| it.solid.positions.iter().copied());
+        let normals = scenes().flat_map(|it| it.solid.normals.iter().copied());
+        let colours = scenes().flat_map(|it| it.colours.iter().map(|it| color(*it)));
+        let mesh = Mesh3D::update_fields()
+            .with_vertex_positions(positions)
+            .with_vertex_normals(normals)
+            .with_vertex_colors(colours);
+        send("column/steel", mesh.columns(corners)?.collect::<Vec<_>>())?;
+
+        let hinges = || scenes().flat_map(|it| it.hinges.iter());
+        let four = || vec![HINGES; pictures.len()];
+        let marks = Points3D::update_fields()
+            .with_positions(hinges().map(|it| it.place))
+            .with_colors(hinges().map(|it| color(it.colour)));
+        send("column/hinges", marks.columns(four())?.collect())?;
+        let labels = Points3D::update_fields()
+            .with_positions(hinges().map(|it| it.label_place))
+            .with_colors(hinges().map(|it| color(it.colour)))
+            .with_labels(hinges().map(|it| it.label.as_str()));
+        send("column/hinge_labels", labels.columns(four())?.collect())?;
+        let arcs = LineStrips3D::update_fields()
+            .with_strips(hinges().map(|it| LineStrip3D::from_iter(it.arc.iter().copied())));
+        send("column/moments", arcs.columns(four())?.collect())?;
+        let heads = || hinges().map(|it| fixtures::arc_head(&it.arc));
+        let heads = Arrows3D::update_fields()
+            .with_origins(heads().map(|(origin, _)| origin))
+            .with_vectors(heads().map(|(_, vector)| vector));
+        send("column/moment_heads", heads.columns(four())?.collect())?;
+
+        let tops = scenes().map(|it| Translation3D::from(it.top));
+        let top = Transform3D::update_fields().with_many_translation(tops);
+        send("top", top.columns(ones())?.collect())?;
+        let springs = scenes().map(|it| LineStrip3D::from_iter(it.spring.iter().copied()));
+        let spring = LineStrips3D::update_fields().with_strips(springs);
+        send("top_spring", spring.columns(ones())?.collect())?;
+
+        let there: Vec<_> = scenes()
+            .map(|it| usize::from(it.vehicle.is_some()))
+            .collect();
+        let bodies = || scenes().filter_map(|it| it.vehicle.as_ref());
+        let vehicle = Boxes3D::update_fields()
+            .with_centers(bodies().map(|it| it.centre))
+            .with_half_sizes(bodies().map(|_| VEHICLE.map(|it| 0.5 * it as f32)))
+            .with_labels(bodies().map(|it| it.label.as_str()));
+        send("vehicle/body", vehicle.columns(there)?.collect())?;
+        let there: Vec<_> = scenes()
+            .map(|it| usize::from(it.contact.is_some()))
+            .collect();
+        let forces = || scenes().filter_map(|it| it.contact.as_ref());
+        let contact = Arrows3D::update_fields()
+            .with_origins(forces().map(|it| it.origin))
+            .with_vectors(forces().map(|it| it.vector))
+            .with_labels(forces().map(|it| it.label.as_str()));
+        send("contact_force", contact.columns(there)?.collect())
+    }
+
+    fn line(&self, line: Line) -> RecordingStreamResult<()> {
+        let level = match line.severity {
+            Severity::Info => TextLogLevel::INFO,
+            Severity::Warning => TextLogLevel::WARN,
+            Severity::Error => TextLogLevel::ERROR,
+        };
+        let text = TextLog::new(line.text).with_level(level);
+        let data = text.columns_of_unit_batches()?;
+        self.stream
+            .send_columns("log", columns([line.moment]), data)
+    }
+
+    /// What does not change while the column is the same.
+    fn statics(&self) -> RecordingStreamResult<()> {
+        let drawing = &self.drawing;
+        let exponents = self.parameters.column_properties().yield_surface;
+        fixtures::send(&self.stream, drawing, exponents)?;
+        let (_, axis) = drawing.axis(&drawing.at_rest);
+        let triangles = Solid::swept(&drawing.outline, &axis).triangles;
+        let stream = &self.stream;
+        let mesh = Mesh3D::update_fields().with_triangle_indices(triangles);
+        stream.log_static("column/steel", &mesh)?;
+        let radius = |metres: f64| Radius::new_scene_units(metres as f32);
+        let of_hinges = Points3D::update_fields().with_radii([radius(0.5 * drawing.half_depth())]);
+        stream.log_static("column/hinges", &of_hinges)?;
+        let of_labels = Points3D::update_fields()
+            .with_radii([radius(0.0)])
+            .with_show_labels(true);
+        stream.log_static("column/hinge_labels", &of_labels)?;
+        let thin = radius(0.004 * drawing.lengths.total());
+        let arcs = LineStrips3D::update_fields()
+            .with_colors([color(colour::MOMENT)])
+            .with_radii([thin]);
+        stream.log_static("column/moments", &arcs)?;
+        let heads = Arrows3D::update_fields()
+            .with_colors([color(colour::MOMENT)])
+            .with_radii([thin]);
+        stream.log_static("column/moment_heads", &heads)?;
+        let spring = LineStrips3D::update_fields()
+            .with_colors([color(colour::SUPPORT)])
+            .with_radii([radius(0.003 * drawing.lengths.total())]);
+        stream.log_static("top_spring", &spring)?;
+        let vehicle = Boxes3D::update_fields()
+            .with_colors([color(colour::IMPACTOR)])
+            .with_fill_mode(FillMode::TransparentFillMajorWireframe)
+            .with_show_labels(true);
+        stream.log_static("vehicle/body", &vehicle)?;
+        let contact = Arrows3D::update_fields()
+            .with_colors([color(colour::CONTACT)])
+            .with_radii([radius(0.006 * drawing.lengths.total())])
+            .with_show_labels(true);
+        stream.log_static("contact_force", &contact)?;
+        self.styles()
+    }
+
+    /// Names, colours and widths of the curves.
+    fn styles(&self) -> RecordingStreamResult<()> {
+        let stream = &self.stream;
+        for plot in &plots::ALL {
+            let last = plot.curves.len() - 1;
+            let widths = (0..=last).map(|index| if index == last { plot.last_width } else { 1.5 });
+            let lines = SeriesLines::new()
+                .with_names(plot.curves.iter().map(|(name, _)| *name))
+                .with_colors(plot.curves.iter().map(|(_, rgb)| color(*rgb)))
+                .with_widths(widths);
+            stream.log_static(plot.entity, &lines)?;
+        }
+        let marks = SeriesPoints::new()
+            .with_names(["percussion (an instant, not to scale)"])
+            .with_colors([color(colour::ENERGIES[1])])
+            .with_markers([rerun::components::MarkerShape::Down])
+            .with_marker_sizes([6.0]);
+        stream.log_static(plots::PERCUSSIONS, &marks)?;
+        for hinge in 0..HINGES {
+            let path = LineStrips2D::update_fields()
+                .with_colors([color(colour::HINGE[hinge])])
+                .with_radii([Radius::new_ui_points(1.5)]);
+            stream.log_static(fixtures::stress_entity(hinge, "path"), &path)?;
+            let now = Points2D::update_fields().with_radii([Radius::new_ui_points(5.0)]);
+            stream.log_static(fixtures::stress_entity(hinge, "now"), &now)?;
+        }
+        Ok(())
+    }
+}
+
+/// A colour as Rerun has it.
+pub(super) fn color([red, green, blue]: Rgb) -> Color {
+    Color::from_rgb(red, green, blue)
+}
+
+/// The times of some rows on all timelines.
+fn columns(moments: impl IntoIterator<Item = Moment>) -> Vec<TimeColumn> {
+    let moments: Vec<_> = moments.into_iter().collect();
+    let of = |time: fn(&Moment) -> i64| moments.iter().map(time).collect::<Vec<_>>();
+    vec![
+        TimeColumn::new_duration_nanos(IMPACT_TIME, of(|it| it.impact_time)),
+        TimeColumn::new_sequence(STEP, of(|it| it.step)),
+        TimeColumn::new_timestamp_nanos_since_epoch(WALL_CLOCK, of(|it| it.wall_clock)),
+    ]
+}

@@ -1,0 +1,305 @@
+//! What stands still in the scene: ghost, supports, legend, and the yield surfaces.
+
+use rerun::{
+    Arrows3D, Boxes3D, FillMode, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius,
+    RecordingStream, RecordingStreamResult, ViewCoordinates,
+};
+
+use super::colour;
+use super::film::color;
+use super::scene::{Drawing, Point, in_space};
+use crate::column::{HINGE_NAMES, YieldExponents};
+use crate::parameters::SupportKind;
+use crate::shape::PlanePoint;
+
+/// Corners of a yield surface.
+const SURFACE_POINTS: i32 = 180;
+
+/// Half the width of the plate on the top and of the supports \[m\].
+const HALF_PLATE: f64 = 0.5;
+
+/// Where something of a hinge's yield surface is logged.
+pub fn stress_entity(hinge: usize, what: &str) -> String {
+    format!("yield/{}/{what}", HINGE_NAMES[hinge])
+}
+
+/// The closed curve `|M / M^p|^alpha + |N / N^p|^beta = 1` (Eq 28), as `[M / M^p, N / N^p]`.
+#[must_use]
+pub fn yield_surface(exponents: YieldExponents) -> Vec<[f32; 2]> {
+    // With the parameter t, M^alpha = cos^2 t and N^beta = sin^2 t satisfy the equation for every exponent.
+    let power = |value: f64, exponent: f64| value.abs().powf(2.0 / exponent).copysign(value);
+    (0..=SURFACE_POINTS)
+        .map(|number| {
+            let angle = f64::from(number) / f64::from(SURFACE_POINTS) * std::f64::consts::TAU;
+            [
+                power(angle.cos(), exponents.alpha) as f32,
+                power(angle.sin(), exponents.beta) as f32,
+            ]
+        })
+        .collect()
+}
+
+/// The head of an arc: a short arrow along its end; none where the arc is shorter.
+#[must_use]
+pub fn arc_head(arc: &[Point]) -> (Point, Point) {
+    let (Some(from), Some(end)) = (arc.get(arc.len().saturating_sub(4)), arc.last()) else {
+        return ([0.0; 3], [0.0; 3]);
+    };
+    let mut vector = [0.0; 3];
+    for (axis, value) in vector.iter_mut().enumerate() {
+        *value = end[axis] - from[axis];
+    }
+    (*from, vector)
+}
+
+/// Logs all of it.
+pub(super) fn send(
+    stream: &RecordingStream,
+    drawing: &Drawing,
+    exponents: YieldExponents,
+) -> RecordingStreamResult<()> {
+    stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    ghost(stream, drawing)?;
+    base(stream, drawing)?;
+    top(stream, drawing)?;
+    legend(stream, drawing)?;
+    surfaces(stream, exponents)
+}
+
+fn metres(value: f64) -> Radius {
+    Radius::new_scene_units(value as f32)
+}
+
+fn lines(
+    stream: &RecordingStream,
+    entity: &str,
+    strips: Vec<Vec<Point>>,
+    rgb: colour::Rgb,
+    radius: f64,
+) -> RecordingStreamResult<()> {
+    let lines = LineStrips3D::new(strips)
+        .with_colors([color(rgb)])
+        .with_radii([metres(radius)]);
+    stream.log_static(entity, &lines)
+}
+
+/// The undeformed column by the edges of its flanges.
+fn ghost(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+    let section = drawing.outline.section();
+    let height = drawing.lengths.total() as f32;
+    let (a, b) = (0.5 * section.depth as f32, 0.5 * section.width as f32);
+    let edges = [[-a, -b], [-a, b], [a, -b], [a, b]];
+    let mut strips: Vec<Vec<Point>> = edges
+        .iter()
+        .map(|[x, y]| vec![[*x, *y, 0.0], [*x, *y, height]])
+        .collect();
+    for flange in edges.chunks(2) {
+        let end = flange.iter().map(|[x, y]| [*x, *y, height]);
+        strips.push(end.collect());
+    }
+    lines(stream, "ghost", strips, colour::GHOST, 0.004)
+}
+
+/// Short slanted lines along a fixed line from `from` to `to`, on its side `away`.
+fn hatch(from: PlanePoint, to: PlanePoint, away: PlanePoint) -> Vec<Vec<Point>> {
+    const STROKES: i32 = 9;
+    let along = to.plus(-1.0, from);
+    let mut strips = vec![vec![in_space(from, 0.0), in_space(to, 0.0)]];
+    strips.extend((0..STROKES).map(|stroke| {
+        let foot = from.plus((f64::from(stroke) + 0.7) / f64::from(STROKES), along);
+        let end = foot.plus(-0.7 / f64::from(STROKES), along).plus(1.0, away);
+        vec![in_space(foot, 0.0), in_space(end, 0.0)]
+    }));
+    strips
+}
+
+/// A circle about a pin.
+fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point> {
+    (0..=24)
+        .map(|piece| {
+            let angle = from + (to - from) * f64::from(piece) / 24.0;
+            let offset = PlanePoint::new(angle.cos(), angle.sin());
+            in_space(centre.plus(radius, offset), -0.02)
+        })
+        .collect()
+}
+
+/// Built in: a block. Pinned: a triangle with a pin. Semi-rigid: a block with a spiral.
+fn base(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+    let down = PlanePoint::new(0.0, -0.1);
+    let ground = |z: f64| {
+        (
+            PlanePoint::new(-HALF_PLATE, z),
+            PlanePoint::new(HALF_PLATE, z),
+        )
+    };
+    let mut strips = Vec::new();
+    let below = if drawing.base == SupportKind::Pinned {
+        let apex = in_space(PlanePoint::default(), 0.0);
+        let feet = [-0.2, 0.2].map(|x| in_space(PlanePoint::new(x, -0.3), 0.0));
+        strips.push(vec![apex, feet[0], feet[1], apex]);
+        strips.push(circle(
+            PlanePoint::default(),
+            0.05,
+            0.0,
+            std::f64::consts::TAU,
+        ));
+        -0.3
+    } else {
+        let block = Boxes3D::from_centers_and_half_sizes(
+            [[0.0, 0.0, -0.06]],
+            [[HALF_PLATE as f32, HALF_PLATE as f32, 0.06]],
+        )
+        .with_colors([color(colour::AXIS)])
+        .with_fill_mode(FillMode::Solid);
+        stream.log_static("supports/block", &block)?;
+        -0.12
+    };
+    if drawing.base == SupportKind::SemiRigid {
+        strips.push(spiral(PlanePoint::default(), drawing.half_depth()));
+    }
+    let (from, to) = ground(below);
+    strips.extend(hatch(from, to, down));
+    lines(stream, "supports/base", strips, colour::SUPPORT, 0.008)
+}
+
+/// The sign of a rotational spring.
+fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point> {
+    (0..=60)
+        .map(|piece| {
+            let part = f64::from(piece) / 60.0;
+            let angle = 2.5 * std::f64::consts::TAU * part;
+            let radius = half_depth * (1.2 + part);
+            let offset = PlanePoint::new(angle.cos(), angle.sin());
+            in_space(centre.plus(radius, offset), -0.02)
+        })
+        .collect()
+}
+
+/// A plate that slides along two guides, what the spring hangs on, and the load.
+fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+    let height = drawing.lengths.total();
+    let plate = Boxes3D::from_centers_and_half_sizes(
+        [[0.0, 0.0, 0.02]],
+        [[HALF_PLATE as f32 - 0.03, 0.12, 0.02]],
+    )
+    .with_colors([color(colour::SUPPORT)])
+    .with_fill_mode(FillMode::Solid);
+    stream.log_static("top/plate", &plate)?;
+    let mut moving = Vec::new();
+    match drawing.top {
+        SupportKind::Pinned => moving.push(circle(
+            PlanePoint::default(),
+            0.06,
+            0.0,
+            std::f64::consts::TAU,
+        )),
+        SupportKind::SemiRigid => moving.push(spiral(PlanePoint::default(), drawing.half_depth())),
+        SupportKind::BuiltIn => {}
+    }
+    lines(stream, "top/support", moving, colour::SUPPORT, 0.008)?;
+    let mut fixed = Vec::new();
+    for side in [-HALF_PLATE, HALF_PLATE] {
+        let from = PlanePoint::new(side, height - 0.3);
+        let to = PlanePoint::new(side, height + 0.15);
+        fixed.extend(hatch(from, to, PlanePoint::new(0.2 * side, 0.0)));
+    }
+    if drawing.spring_stiffness > 0.0 {
+        let (end, beside) = (drawing.spring_end(), Drawing::spring_beside());
+        let from = PlanePoint::new(beside - 0.2, end);
+        let to = PlanePoint::new(beside + 0.2, end);
+        fixed.extend(hatch(from, to, PlanePoint::new(0.0, 0.08)));
+    }
+    lines(stream, "supports/top", fixed, colour::SUPPORT, 0.008)?;
+    let load = drawing.load_arrow();
+    let arrows = Arrows3D::from_vectors(load.iter().map(|it| it.vector))
+        .with_origins(load.iter().map(|it| it.origin))
+        .with_labels(load.iter().map(|it| it.label.as_str()))
+        .with_colors([color(colour::TOP)])
+        .with_radii([metres(0.006 * height)])
+        .with_show_labels(true);
+    stream.log_static("top/load", &arrows)
+}
+
+/// What the colours and the lengths mean, beside the column.
+fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+    let height = drawing.lengths.total();
+    let scale = if drawing.magnification == 1.0 {
+        "displacements to scale".to_owned()
+    } else {
+        format!("displacements drawn x {}", drawing.magnification)
+    };
+    let arrows = format!(
+        "forces: 1 m = {}",
+        super::scene::force(drawing.force_per_metre)
+    );
+    let entries = [
+        ("hinge elastic".to_owned(), colour::ELASTIC),
+        ("hinge plastic".to_owned(), colour::PLASTIC),
+        ("hinge unloaded".to_owned(), colour::UNLOADED),
+        ("steel at 0 %".to_owned(), colour::of_utilisation(0.0)),
+        ("50 % utilised".to_owned(), colour::of_utilisation(0.5)),
+        ("100 %: yields".to_owned(), colour::of_utilisation(1.0)),
+        (arrows, colour::CONTACT),
+        (scale, colour::GHOST),
+    ];
+    let place = |row: usize| {
+        let z = height * (0.95 - 0.075 * row as f64);
+        in_space(PlanePoint::new(-0.42 * height, z), 0.0)
+    };
+    let marks = Points3D::new((0..entries.len()).map(place))
+        .with_colors(entries.iter().map(|(_, rgb)| color(*rgb)))
+        .with_labels(entries.iter().map(|(text, _)| text.as_str()))
+        .with_radii([metres(0.011 * height)])
+        .with_show_labels(true);
+    stream.log_static("legend", &marks)
+}
+
+fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStreamResult<()> {
+    let surface = LineStrips2D::new([yield_surface(exponents)])
+        .with_colors([color(colour::SURFACE)])
+        .with_radii([Radius::new_ui_points(1.0)]);
+    let axes = LineStrips2D::new([[[-1.15_f32, 0.0], [1.15, 0.0]], [[0.0, -1.15], [0.0, 1.15]]])
+        .with_colors([color(colour::AXIS)])
+        .with_radii([Radius::new_ui_points(0.7)]);
+    let names = Points2D::new([[1.25_f32, 0.0], [0.0, -1.2]])
+        .with_labels(["M/Mp", "-N/Np"])
+        .with_colors([color(colour::AXIS)])
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_show_labels(true);
+    for hinge in 0..HINGE_NAMES.len() {
+        stream.log_static(stress_entity(hinge, "surface"), &surface)?;
+        stream.log_static(stress_entity(hinge, "axes"), &axes)?;
+        stream.log_static(stress_entity(hinge, "names"), &names)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::YieldSurface;
+
+    #[test]
+    fn the_surface_is_that_of_the_model() {
+        for (alpha, beta) in [(2.0, 2.0), (1.0, 1.3)] {
+            let exponents = YieldExponents {
+                alpha,
+                beta,
+                gamma: 1.0,
+            };
+            let model = YieldSurface::new(1.0, 1.0, exponents);
+            for [m, n] in yield_surface(exponents) {
+                let utilisation = model.utilisation(m.into(), n.into());
+                assert!((utilisation - 1.0).abs() < 1e-5, "{m} {n}: {utilisation}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_head_lies_along_the_end_of_its_arc() {
+        let arc = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 1.0]];
+        assert_eq!(arc_head(&arc), ([0.0; 3], [3.0, 0.0, 1.0]));
+        assert_eq!(arc_head(&[]), ([0.0; 3], [0.0; 3]));
+    }
+}

@@ -1,0 +1,206 @@
+//! What a viewer is shown, one thing after the other, wherever it comes from: a running twin, a simulation, a recording.
+
+use std::sync::Arc;
+
+use crate::column::{HingeSample, HingeState, Phase, Report, Sample};
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::parameters::Parameters;
+use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
+
+/// One thing that a viewer is shown. Stamps are nanoseconds since the epoch.
+#[derive(Debug, Clone)]
+pub enum Item {
+    /// The column at one instant of a response.
+    State(StateOutput),
+    /// What an impact will do.
+    Forecast(Announcement),
+    /// What an impact has done.
+    Result(Announcement),
+    /// The column at rest, with the damage that it carries.
+    Rest {
+        /// When.
+        stamp: i64,
+        /// `v1` \[m\].
+        v1: f64,
+        /// `u2` \[m\].
+        u2: f64,
+    },
+    /// A line for the log.
+    Line {
+        /// When.
+        stamp: i64,
+        /// How much it matters.
+        severity: Severity,
+        /// What there is to say.
+        text: String,
+    },
+    /// Other parameters hold from here on.
+    Parameters(Arc<Parameters>),
+}
+
+/// A forecast or a result.
+#[derive(Debug, Clone)]
+pub struct Announcement {
+    /// Stamp of the event.
+    pub stamp: i64,
+    /// The impact.
+    pub event_id: Arc<str>,
+    /// Its outcome.
+    pub report: Box<ImpactReport>,
+}
+
+impl Announcement {
+    /// That of a report of the column.
+    #[must_use]
+    pub fn new(stamp: i64, event_id: Arc<str>, report: &Report) -> Self {
+        Self {
+            stamp,
+            event_id,
+            report: Box::new(ImpactReport::from(report)),
+        }
+    }
+}
+
+impl Item {
+    /// What of the twin's outputs a viewer shows; `None` for the rest.
+    #[must_use]
+    pub fn of_twin(output: Output) -> Option<Self> {
+        Some(match output {
+            Output::State(state) => Self::State(state),
+            Output::Forecast(it) => {
+                Self::Forecast(Announcement::new(it.stamp, it.event_id, &it.report))
+            }
+            Output::Report(it) => {
+                Self::Result(Announcement::new(it.stamp, it.event_id, &it.report))
+            }
+            Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {
+                stamp: status.stamp,
+                v1: status.residual_v1,
+                u2: status.residual_u2,
+            },
+            Output::Refused(it) => Self::Line {
+                stamp: it.stamp,
+                severity: Severity::Warning,
+                text: match it.what {
+                    RefusedInput::Impact => {
+                        format!("impact event {:?} is refused: {}", it.event_id, it.reason)
+                    }
+                    RefusedInput::Parameters => {
+                        format!("change of parameters is refused: {}", it.reason)
+                    }
+                },
+            },
+            Output::Notice(it) => Self::Line {
+                stamp: it.stamp,
+                severity: it.severity,
+                text: it.text.to_string(),
+            },
+            Output::ParametersChanged(it) => Self::Parameters(it.parameters),
+            Output::Status(_) | Output::Save(_) => return None,
+        })
+    }
+
+    /// The column at one instant, as two messages of the same stamp tell it. Where they do not tell the course of the
+    /// impact, it is taken for a column that moves freely.
+    #[must_use]
+    pub fn of_messages(state: &ColumnState, forces: &HingeForces) -> Self {
+        Self::State(StateOutput {
+            stamp: nanos(state),
+            event_id: state.event_id.as_str().into(),
+            phase: twin_phase(state.phase),
+            sample: sample(state, forces),
+        })
+    }
+}
+
+fn nanos(state: &ColumnState) -> i64 {
+    let stamp = state.header.stamp;
+    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
+}
+
+fn twin_phase(code: u8) -> TwinPhase {
+    match code {
+        ColumnState::IDLE => TwinPhase::Idle,
+        ColumnState::APPROACH => TwinPhase::Approach,
+        ColumnState::CONTACT => TwinPhase::Contact,
+        ColumnState::REST => TwinPhase::Rest,
+        ColumnState::COLLAPSED => TwinPhase::Collapsed,
+        ColumnState::FAULTED => TwinPhase::Faulted,
+        _ => TwinPhase::Free,
+    }
+}
+
+fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
+    let hinge = |index: usize| HingeSample {
+        moment: forces.moment[index],
+        normal_force: forces.normal_force[index],
+        rotation: forces.rotation[index],
+        elongation: forces.elongation[index],
+        plastic_rotation: forces.plastic_rotation[index],
+        plastic_elongation: forces.plastic_elongation[index],
+        utilisation: forces.utilisation[index],
+        state: match forces.state[index] {
+            HingeForces::PLASTIC => HingeState::Plastic,
+            HingeForces::UNLOADED => HingeState::Unloaded,
+            _ => HingeState::Elastic,
+        },
+    };
+    Sample {
+        time: state.time,
+        phase: match state.phase {
+            ColumnState::IDLE => Phase::Idle,
+            ColumnState::APPROACH => Phase::Approach,
+            ColumnState::CONTACT => Phase::Contact,
+            _ => Phase::Free,
+        },
+        v1: state.v1,
+        u1: state.u1,
+        beta1: state.beta1,
+        u2: state.u2,
+        v1_rate: state.v1_rate,
+        u1_rate: state.u1_rate,
+        u2_rate: state.u2_rate,
+        impactor_position: state.impactor_position,
+        impactor_velocity: state.impactor_velocity,
+        gap: state.gap,
+        contact_force: state.contact_force,
+        percussion: state.percussion,
+        impulse: state.impulse,
+        kinetic_energy: state.kinetic_energy,
+        elastic_energy: state.elastic_energy,
+        plastic_work: state.plastic_work,
+        impact_loss: state.impact_loss,
+        damping_work: state.damping_work,
+        load_work: state.load_work,
+        ledger_residual: state.ledger_residual,
+        hinges: std::array::from_fn(hinge),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::{Impact, simulate};
+
+    /// There and back: nothing of a sample is lost.
+    #[test]
+    fn messages_tell_the_whole_sample() {
+        let impact = Impact {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: 0.01,
+            restitution: 0.0,
+        };
+        let mut samples = Vec::new();
+        let column = Parameters::default().column_properties();
+        simulate(&column, &impact, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        for sample in &samples {
+            let (state, forces) = (ColumnState::from(sample), HingeForces::from(sample));
+            let Item::State(told) = Item::of_messages(&state, &forces) else {
+                panic!("no state");
+            };
+            assert_eq!(told.sample, *sample);
+            assert_eq!(told.phase, TwinPhase::from(sample.phase));
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! The curves over time: which there are, in which units, and how far their axes reach.
+
+use super::colour::{self, Rgb};
+use super::timeline::nanos;
+use crate::column::{HINGES, Impact, Sample, simulate};
+use crate::messages::column_twin::ImpactReport;
+use crate::parameters::Parameters;
+
+/// Number of plots.
+pub const PLOTS: usize = 6;
+
+/// A plot of some quantities in one unit.
+#[derive(Debug)]
+pub struct Plot {
+    /// Where its values are logged.
+    pub entity: &'static str,
+    /// With the unit.
+    pub title: &'static str,
+    /// How many of the unit make one SI unit.
+    pub per_si: f64,
+    /// Names and colours of its curves.
+    pub curves: &'static [(&'static str, Rgb)],
+    /// Width of the last curve \[points\].
+    pub last_width: f32,
+    /// The values of a sample in SI units, one for each curve.
+    pub values: fn(&Sample) -> Vec<f64>,
+}
+
+/// Where percussions are logged: in the plot of the contact force.
+pub const PERCUSSIONS: &str = "plots/contact_force/percussions";
+
+/// The plot of the contact force.
+pub const CONTACT_FORCE: usize = 4;
+
+/// The paper's Figures 5 to 8, the contact force, the energy ledger.
+pub const ALL: [Plot; PLOTS] = [
+    Plot {
+        entity: "plots/horizontal_displacement",
+        title: "Fig. 5: horizontal displacement [mm]",
+        per_si: 1e3,
+        curves: &[
+            ("v_c impactor", colour::IMPACTOR),
+            ("v1 impact point", colour::IMPACT_POINT),
+        ],
+        last_width: 2.0,
+        values: |it| vec![it.impactor_position, it.v1],
+    },
+    Plot {
+        entity: "plots/vertical_displacement",
+        title: "Fig. 6: vertical displacement, down [mm]",
+        per_si: 1e3,
+        curves: &[
+            ("u1 impact point", colour::IMPACT_POINT),
+            ("u2 top", colour::TOP),
+        ],
+        last_width: 2.0,
+        values: |it| vec![it.u1, it.u2],
+    },
+    Plot {
+        entity: "plots/normal_force",
+        title: "Fig. 7: normal force, tension + [kN]",
+        per_si: 1e-3,
+        curves: &[
+            ("N_a below impact", colour::BAR_A),
+            ("N_b above impact", colour::BAR_B),
+        ],
+        last_width: 1.5,
+        values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
+    },
+    Plot {
+        entity: "plots/bending_moment",
+        title: "Fig. 8: bending moment [kN m]",
+        per_si: 1e-3,
+        curves: &[
+            ("1a below impact", colour::HINGE[0]),
+            ("1b above impact", colour::HINGE[1]),
+            ("2 top", colour::HINGE[2]),
+            ("3 base", colour::HINGE[3]),
+        ],
+        last_width: 1.5,
+        values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
+    },
+    Plot {
+        entity: "plots/contact_force/smooth",
+        title: "Contact force [kN]",
+        per_si: 1e-3,
+        curves: &[("contact force", colour::CONTACT)],
+        last_width: 2.0,
+        values: |it| vec![it.contact_force],
+    },
+    Plot {
+        entity: "plots/energy",
+        title: "Energy ledger, stacked [kJ]",
+        per_si: 1e-3,
+        curves: &[
+            ("lost in percussions", colour::ENERGIES[0]),
+            ("+ plastic work", colour::ENERGIES[1]),
+            ("+ damping", colour::ENERGIES[2]),
+            ("+ elastic", colour::ENERGIES[3]),
+            ("+ kinetic - work of the load", colour::ENERGIES[4]),
+        ],
+        last_width: 3.0,
+        values: |it| ledger(it).to_vec(),
+    },
+];
+
+/// The energy ledger as a stack \[J\]: each value contains those before it, and the last one stays level as long as the
+/// ledger closes.
+#[must_use]
+pub fn ledger(sample: &Sample) -> [f64; 5] {
+    let mut sum = 0.0;
+    [
+        sample.impact_loss,
+        sample.plastic_work,
+        sample.damping_work,
+        sample.elastic_energy,
+        sample.kinetic_energy - sample.load_work,
+    ]
+    .map(|entry| {
+        sum += entry;
+        sum
+    })
+}
+
+/// How far each plot's axis reaches, in its unit: decided before the curves are drawn, so that no axis jumps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ranges {
+    /// Smallest and largest value that the curves reach, by plot.
+    reached: [[f64; 2]; PLOTS],
+}
+
+impl Default for Ranges {
+    fn default() -> Self {
+        Self {
+            reached: [[0.0; 2]; PLOTS],
+        }
+    }
+}
+
+/// Most steps that are computed to foresee how far the axes reach.
+const FORESEEN_STEPS: f64 = 20_000.0;
+
+impl Ranges {
+    /// Those of an impact on the virgin column of these parameters; what the impact leaves open is theirs.
+    #[must_use]
+    pub fn foreseen(parameters: &Parameters, mass: Option<f64>, velocity: Option<f64>) -> Self {
+        let mut ranges = Self::default();
+        let given = parameters.impact();
+        let impact = Impact {
+            mass: mass.unwrap_or(given.mass),
+            velocity: velocity.unwrap_or(given.velocity),
+            gap: 0.0,
+            restitution: given.restitution,
+        };
+        let column = parameters.column_properties();
+        let longest = FORESEEN_STEPS * 1e-9 * column.step_nanos as f64;
+        let duration = parameters.response_duration().min(longest);
+        // Where it cannot be simulated the axes follow from what comes.
+        let _ = simulate(&column, &impact, duration, &mut |sample| {
+            ranges.reach(sample)
+        });
+        ranges
+    }
+
+    /// Reaches the values of a sample.
+    pub fn reach(&mut self, sample: &Sample) {
+        for (plot, reached) in ALL.iter().zip(&mut self.reached) {
+            let values = (plot.values)(sample);
+            // The impactor goes where it likes: the column decides.
+            let first = usize::from(plot.entity == ALL[0].entity);
+            for value in values.iter().skip(first).filter(|it| it.is_finite()) {
+                reached[0] = reached[0].min(plot.per_si * value);
+                reached[1] = reached[1].max(plot.per_si * value);
+            }
+        }
+    }
+
+    /// Reaches what a report says.
+    pub fn reach_report(&mut self, report: &ImpactReport) {
+        let mut reach = |plot: usize, value: f64| {
+            if value.is_finite() {
+                let value = ALL[plot].per_si * value;
+                self.reached[plot][0] = self.reached[plot][0].min(value);
+                self.reached[plot][1] = self.reached[plot][1].max(value);
+            }
+        };
+        reach(0, report.max_v1);
+        reach(1, report.max_u2);
+        reach(CONTACT_FORCE, report.peak_contact_force);
+    }
+
+    /// Reaches all that `other` does; whether an axis has to be drawn anew for it.
+    pub fn cover(&mut self, other: &Self) -> bool {
+        let before = self.axes();
+        for (own, [low, high]) in self.reached.iter_mut().zip(other.reached) {
+            own[0] = own[0].min(low);
+            own[1] = own[1].max(high);
+        }
+        self.axes() != before
+    }
+
+    /// The ends of every axis: round numbers beyond what is reached.
+    #[must_use]
+    pub fn axes(&self) -> [[f64; 2]; PLOTS] {
+        self.reached.map(|[low, high]| {
+            let span = high - low;
+            if span <= 0.0 {
+                return [-1.0, 1.0];
+            }
+            let step = super::scene::round_number(0.1 * span);
+            let margin = 0.05 * span;
+            let below = ((low - margin) / step).floor() * step;
+            let above = ((high + margin) / step).ceil() * step;
+            [below, above]
+        })
+    }
+
+    /// Where a percussion is marked in the plot of the contact force: near its upper end.
+    #[must_use]
+    pub fn percussion_mark(&self) -> f64 {
+        let [low, high] = self.axes()[CONTACT_FORCE];
+        low + 0.93 * (high - low)
+    }
+}
+
+/// The mass of the vehicle, from what a sample of its impact tells \[kg\]: the energy that it brings to a column that stands
+/// still, or the impulse that it has given since it had its first velocity.
+#[must_use]
+pub fn mass_of(first: &Sample, sample: &Sample) -> Option<f64> {
+    let still = [first.v1_rate, first.u1_rate, first.u2_rate] == [0.0; 3];
+    let square = first.impactor_velocity * first.impactor_velocity;
+    let lost = first.impactor_velocity - sample.impactor_velocity;
+    let given = sample.impulse - first.impulse;
+    let mass = if still && square > 0.0 {
+        2.0 * first.kinetic_energy / square
+    } else if given > 0.0 && lost > 0.0 {
+        given / lost
+    } else {
+        return None;
+    };
+    mass.is_finite().then_some(mass)
+}
+
+/// Whether two samples are so far apart in time that both are to be seen in the scene.
+#[must_use]
+pub fn apart(last: Option<f64>, next: f64, period_nanos: i64) -> bool {
+    last.is_none_or(|last| next < last || nanos(next) - nanos(last) >= period_nanos)
+}
+
+/// Moment and normal force of a hinge as parts of its resistances, `[M / M^p, N / N^p]`.
+#[must_use]
+pub fn stress(sample: &Sample, hinge: usize, resistances: [f64; 2]) -> [f32; 2] {
+    debug_assert!(hinge < HINGES);
+    let it = &sample.hinges[hinge];
+    [
+        (it.moment / resistances[0]) as f32,
+        (it.normal_force / resistances[1]) as f32,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAR: Impact = Impact {
+        mass: 1500.0,
+        velocity: 10.0,
+        gap: 0.0,
+        restitution: 0.0,
+    };
+
+    fn samples() -> Vec<Sample> {
+        let column = Parameters::default().column_properties();
+        let mut samples = Vec::new();
+        simulate(&column, &CAR, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        samples
+    }
+
+    #[test]
+    fn the_stack_of_energies_stays_level() {
+        let samples = samples();
+        let supplied = ledger(&samples[0])[4];
+        assert!((supplied - 75e3).abs() < 5e3, "{supplied}");
+        for sample in &samples {
+            let stack = ledger(sample);
+            assert!((stack[4] / supplied - 1.0).abs() < 1e-9);
+            assert!(stack.windows(2).take(3).all(|pair| pair[1] >= pair[0]));
+        }
+    }
+
+    #[test]
+    fn foreseen_axes_hold_the_whole_impact_and_do_not_move() {
+        let parameters = Parameters::default();
+        let mut ranges = Ranges::foreseen(&parameters, Some(1500.0), Some(10.0));
+        let axes = ranges.axes();
+        let mut reached = Ranges::default();
+        for sample in samples() {
+            reached.reach(&sample);
+        }
+        for (plot, [low, high]) in reached.reached.iter().enumerate() {
+            assert!(axes[plot][0] < *low && *high < axes[plot][1]);
+        }
+        assert!(!ranges.cover(&reached));
+        reached.reach(&Sample {
+            v1: 1.0,
+            ..Sample::default()
+        });
+        assert!(ranges.cover(&reached) && ranges.axes()[0][1] > 1e3);
+    }
+
+    #[test]
+    fn every_plot_has_a_name_for_every_curve_and_a_unit() {
+        for plot in &ALL {
+            assert_eq!(plot.curves.len(), (plot.values)(&Sample::default()).len());
+            assert!(plot.title.contains('['), "{}", plot.title);
+        }
+    }
+
+    #[test]
+    fn the_mass_follows_from_energy_or_impulse() {
+        let samples = samples();
+        let first = &samples[0];
+        assert!((mass_of(first, first).expect("known") - 1500.0).abs() < 1e-6);
+        let moving = Sample {
+            v1_rate: 1.0,
+            ..*first
+        };
+        assert_eq!(mass_of(&moving, first), None);
+        let later = &samples[500];
+        assert!((mass_of(&moving, later).expect("known") - 1500.0).abs() < 1e-3);
+    }
+}

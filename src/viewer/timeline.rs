@@ -1,0 +1,185 @@
+//! When a thing is shown: on three timelines at once.
+
+use std::sync::Arc;
+
+use crate::twin::StateOutput;
+
+/// Time since the impact. The impacts of one recording follow one another on it: each begins a little after the end of the
+/// one before.
+pub const IMPACT_TIME: &str = "time_since_impact";
+
+/// Steps of the solver, counted as [`IMPACT_TIME`] is.
+pub const STEP: &str = "step";
+
+/// The time of the values, as their stamps say.
+pub const WALL_CLOCK: &str = "wall_clock";
+
+/// Between the end of one impact and the beginning of the next on [`IMPACT_TIME`] \[ns\], at least.
+const PAUSE: i64 = 10_000_000;
+
+/// An instant on all timelines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Moment {
+    /// On [`IMPACT_TIME`] \[ns\].
+    pub impact_time: i64,
+    /// On [`STEP`].
+    pub step: i64,
+    /// On [`WALL_CLOCK`]: nanoseconds since the epoch.
+    pub wall_clock: i64,
+}
+
+/// Gives every state its place on the timelines.
+#[derive(Debug, Clone)]
+pub struct Timeline {
+    step_nanos: i64,
+    /// The impact that is going on, and when on [`IMPACT_TIME`] it began.
+    impact: Option<(Arc<str>, i64)>,
+    /// The last that was shown.
+    last: Moment,
+}
+
+/// A state's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Placed {
+    /// When.
+    pub moment: Moment,
+    /// Whether an impact begins with it.
+    pub begins: bool,
+}
+
+impl Timeline {
+    /// Timelines of a solver with steps of `step_nanos`, on which nothing has been shown yet.
+    #[must_use]
+    pub fn new(step_nanos: u64) -> Self {
+        let step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
+        Self {
+            step_nanos,
+            impact: None,
+            last: Moment {
+                impact_time: -PAUSE,
+                step: -PAUSE / step_nanos,
+                wall_clock: 0,
+            },
+        }
+    }
+
+    /// The place of a state. Another identifier of the event, or a time that goes back, is another impact.
+    pub fn place(&mut self, state: &StateOutput) -> Placed {
+        let since = nanos(state.sample.time);
+        let begins = match &self.impact {
+            None => true,
+            Some((event_id, begin)) => {
+                **event_id != *state.event_id || begin + since < self.last.impact_time
+            }
+        };
+        if begins {
+            let after = self.last.impact_time.saturating_add(PAUSE);
+            let begin = after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0);
+            self.impact = Some((Arc::clone(&state.event_id), begin));
+        }
+        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
+        let impact_time = begin.saturating_add(since);
+        self.last = Moment {
+            impact_time,
+            step: self.step_at(impact_time),
+            wall_clock: state.stamp,
+        };
+        Placed {
+            moment: self.last,
+            begins,
+        }
+    }
+
+    /// The place of what happened `secs` after the beginning of the present impact; `stamp` is that of the event.
+    #[must_use]
+    pub fn in_impact(&self, secs: f64, stamp: i64) -> Moment {
+        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
+        let impact_time = begin.saturating_add(nanos(secs));
+        Moment {
+            impact_time,
+            step: self.step_at(impact_time),
+            wall_clock: stamp.saturating_add(nanos(secs)),
+        }
+    }
+
+    /// The place of something between impacts that is not to cover what was shown last.
+    pub fn after_last(&mut self, stamp: i64) -> Moment {
+        let impact_time = match self.impact {
+            None => self.last.impact_time,
+            Some(_) => self.last.impact_time.saturating_add(PAUSE),
+        };
+        self.last = Moment {
+            impact_time,
+            step: self.step_at(impact_time),
+            wall_clock: stamp,
+        };
+        self.last
+    }
+
+    /// The place of a line of the log that came at `stamp`.
+    #[must_use]
+    pub fn at_last(&self, stamp: i64) -> Moment {
+        Moment {
+            wall_clock: stamp,
+            ..self.last
+        }
+    }
+
+    fn step_at(&self, impact_time: i64) -> i64 {
+        impact_time.div_euclid(self.step_nanos)
+            + i64::from(2 * impact_time.rem_euclid(self.step_nanos) >= self.step_nanos)
+    }
+}
+
+/// Seconds as nanoseconds; what is no number is 0.
+pub(super) fn nanos(secs: f64) -> i64 {
+    (secs * 1e9).round() as i64 // saturates; NaN is 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::Sample;
+    use crate::twin::TwinPhase;
+
+    fn state(event_id: &str, time: f64) -> StateOutput {
+        StateOutput {
+            stamp: 0,
+            event_id: event_id.into(),
+            phase: TwinPhase::Contact,
+            sample: Sample {
+                time,
+                ..Sample::default()
+            },
+        }
+    }
+
+    #[test]
+    fn the_first_impact_begins_at_zero_and_the_next_follows() {
+        let mut timeline = Timeline::new(20_000);
+        let mut at = |event, time| {
+            let placed = timeline.place(&state(event, time));
+            let Moment {
+                impact_time, step, ..
+            } = placed.moment;
+            (placed.begins, impact_time, step)
+        };
+        assert_eq!(at("a", 0.0), (true, 0, 0));
+        assert_eq!(at("a", 0.001), (false, 1_000_000, 50));
+        assert_eq!(at("a", 0.057_12), (false, 57_120_000, 2856));
+        assert_eq!(at("b", 0.0), (true, 70_000_000, 3500));
+        assert_eq!(at("b", 0.001), (false, 71_000_000, 3550));
+        // The same identifier after a reset, or a recording that holds the impact twice.
+        assert_eq!(at("b", 0.0), (true, 90_000_000, 4500));
+    }
+
+    #[test]
+    fn what_is_between_impacts_covers_none_of_them() {
+        let mut timeline = Timeline::new(20_000);
+        assert_eq!(timeline.after_last(5).impact_time, -10_000_000);
+        assert_eq!(timeline.place(&state("a", 0.0)).moment.impact_time, 0);
+        assert_eq!(timeline.place(&state("a", 0.05)).moment.step, 2500);
+        assert_eq!(timeline.after_last(5).impact_time, 60_000_000);
+        assert_eq!(timeline.in_impact(0.02, 7).wall_clock, 20_000_007);
+    }
+}

@@ -1,0 +1,118 @@
+//! `column-twin run` as a user starts it: a process of its own, its arguments, its log, its end.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::domain::{Domain, PATIENCE};
+
+/// A running `column-twin run`. Dropped, it is killed.
+pub struct Program {
+    child: Child,
+    log: Receiver<String>,
+    reading: Option<JoinHandle<()>>,
+    /// All lines of the log that were looked at.
+    pub seen: Vec<String>,
+}
+
+impl Program {
+    /// Starts it in an empty working folder, or one with a past, with these ROS arguments.
+    pub fn start(domain: &Domain, folder: &Path, ros_arguments: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+        command.args(["run", "--ros-args"]).args(ros_arguments);
+        Self::spawn(domain, folder, command)
+    }
+
+    /// Starts it by a command of its own.
+    pub fn spawn(domain: &Domain, folder: &Path, mut command: Command) -> Self {
+        let mut child = command
+            .current_dir(folder)
+            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program that was built with this test");
+        let (sender, log) = channel();
+        let lines = BufReader::new(child.stderr.take().expect("piped")).lines();
+        let reading = std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        Self {
+            child,
+            log,
+            reading: Some(reading),
+            seen: Vec::new(),
+        }
+    }
+
+    /// The same, up to the line that says that it is ready.
+    pub fn ready(domain: &Domain, folder: &Path, ros_arguments: &[&str]) -> Self {
+        let mut program = Self::start(domain, folder, ros_arguments);
+        program.wait_for("is ready in domain");
+        program
+    }
+
+    /// Its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Waits for a line of the log that has this text.
+    pub fn wait_for(&mut self, text: &str) -> String {
+        loop {
+            let line = self.log.recv_timeout(PATIENCE);
+            let line = line.unwrap_or_else(|_| panic!("no `{text}` in the log: {:#?}", self.seen));
+            self.seen.push(line.clone());
+            if line.contains(text) {
+                return line;
+            }
+        }
+    }
+
+    /// Sends SIGTERM and waits for the end: how it ended, how long that took, and the rest of the log.
+    pub fn terminate(mut self) -> (ExitStatus, Duration, Vec<String>) {
+        let before = Instant::now();
+        let pid = i32::try_from(self.child.id()).expect("a process id");
+        let pid = rustix::process::Pid::from_raw(pid).expect("not 0");
+        rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it runs");
+        let status = self.child.wait().expect("a child");
+        let took = before.elapsed();
+        (status, took, self.rest())
+    }
+
+    /// Waits for an end that comes by itself, with which its log ends.
+    pub fn end(mut self) -> (ExitStatus, Vec<String>) {
+        loop {
+            match self.log.recv_timeout(PATIENCE) {
+                Ok(line) => self.seen.push(line),
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => panic!("it does not end: {:#?}", self.seen),
+            }
+        }
+        let status = self.child.wait().expect("a child");
+        (status, self.rest())
+    }
+
+    fn rest(&mut self) -> Vec<String> {
+        if let Some(reading) = self.reading.take() {
+            reading.join().expect("no panic");
+        }
+        let rest = self.log.try_iter().collect::<Vec<_>>();
+        self.seen.extend(rest);
+        std::mem::take(&mut self.seen)
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,147 @@
+//! `column-twin run` as a user starts, stops and starts it again: the damage stays, and what cannot be used is said.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport, TwinStatus};
+use column_twin::parameters::Parameters;
+use column_twin::ros::{ImpactOutcome, Node, qos};
+
+use super::domain::Domain;
+use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
+use super::program::Program;
+use super::simulation;
+
+/// Asks the system for nothing.
+const QUIET: [&str; 4] = [
+    "-p",
+    "real_time.priority:=0",
+    "-p",
+    "real_time.lock_memory:=false",
+];
+
+/// Where a program in this working folder keeps the damage of the default column.
+fn state_file(folder: &Path) -> PathBuf {
+    folder.join("state/column.json")
+}
+
+fn status(node: &mut Node) -> TwinStatus {
+    Incoming::<TwinStatus>::start(node, &qos::TWIN_STATUS).next()
+}
+
+#[test]
+fn sigterm_during_a_response_keeps_its_damage() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::ready(&domain, folder.path(), &QUIET);
+    let mut node = reader(&domain);
+    let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
+    let forecasts = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_FORECAST);
+    // Ten seconds of approach: nothing has yielded yet when the program is told to stop.
+    let on_its_way = || ImpactEvent {
+        gap: 100.0,
+        ..event("e1", now(), 1500.0, 10.0)
+    };
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    assert!(events.publish(on_its_way()));
+    let forecast = forecasts.next();
+    assert_eq!(states.next().phase, ColumnState::APPROACH);
+    drop((states, forecasts, events, node));
+    let (ended, took, log) = program.terminate();
+    println!("ended within {took:?}");
+    assert!(ended.success(), "{ended}: {log:#?}");
+
+    let _program = Program::ready(&domain, folder.path(), &QUIET);
+    let status = status(&mut reader(&domain));
+    let (_, simulated) = simulation::stream(&Parameters::default(), 1500.0, 10.0);
+    assert_eq!(status.residual_v1, forecast.residual_v1);
+    assert_eq!(status.impacts_since_reset, 1);
+    assert_eq!(status.plastic_rotation, forecast.plastic_rotation);
+    let off = (forecast.residual_v1 - simulated.residual_v1).abs();
+    assert!(off < 1e-3 * simulated.residual_v1, "{off}");
+}
+
+#[test]
+fn a_truncated_state_file_is_kept_aside_and_said() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::ready(&domain, folder.path(), &QUIET);
+    let outcome = impact(&domain, 15_000.0, PATIENCE);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    assert!(program.terminate().0.success());
+    let path = state_file(folder.path());
+    let whole = fs::read(&path).unwrap();
+    let half = &whole[..whole.len() / 2];
+    fs::write(&path, half).unwrap();
+
+    let mut program = Program::ready(&domain, folder.path(), &QUIET);
+    let said =
+        |it: &&String| it.contains("the state file cannot be used, the column starts virgin");
+    let line = program.seen.iter().find(said).cloned().unwrap_or_default();
+    assert!(
+        line.contains("it is truncated or no state file of column_twin"),
+        "{:#?}",
+        program.seen
+    );
+    assert!(line.contains("column.json.rejected-1"), "{line}");
+    assert_eq!(status(&mut reader(&domain)).impacts_since_reset, 0);
+    let kept = fs::read(folder.path().join("state/column.json.rejected-1")).unwrap();
+    assert_eq!(kept, half);
+    // It is as good a twin as any.
+    assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
+    program.wait_for("accepted");
+}
+
+#[test]
+fn a_state_file_of_another_column_is_kept_aside_and_said() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::ready(&domain, folder.path(), &QUIET);
+    assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
+    assert!(program.terminate().0.success());
+    let other = folder.path().join("state/other.json");
+    fs::copy(state_file(folder.path()), &other).unwrap();
+
+    let another_name = [&QUIET[..], &["-p", "column_id:=other"]].concat();
+    let program = Program::ready(&domain, folder.path(), &another_name);
+    let of_another = "it is of column \"column\"; this twin is of column \"other\"";
+    assert!(
+        program.seen.iter().any(|it| it.contains(of_another)),
+        "{:#?}",
+        program.seen
+    );
+    assert!(program.terminate().0.success());
+
+    let another_section = [&QUIET[..], &["-p", "section.name:=HEB300"]].concat();
+    let program = Program::ready(&domain, folder.path(), &another_section);
+    let of_other_steel = "are not those that it was damaged with";
+    assert!(
+        program.seen.iter().any(|it| it.contains(of_other_steel)),
+        "{:#?}",
+        program.seen
+    );
+    assert!(program.terminate().0.success());
+}
+
+#[test]
+fn one_state_file_serves_one_program() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let first = Program::ready(&domain, folder.path(), &QUIET);
+    let (ended, log) = Program::start(&domain, folder.path(), &QUIET).end();
+    assert_eq!(ended.code(), Some(1), "{log:#?}");
+    let reason = "is in use by another running twin of this column";
+    assert!(log.iter().any(|it| it.contains(reason)), "{log:#?}");
+    // The first one has not noticed.
+    let outcome = impact(&domain, 1500.0, PATIENCE);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    assert!(first.terminate().0.success());
+    let after = Program::ready(&domain, folder.path(), &QUIET);
+    assert!(after.terminate().0.success());
+}

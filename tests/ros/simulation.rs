@@ -1,0 +1,55 @@
+//! What must come of an impact on a virgin column, from the mechanics alone: no twin, no clock, no ROS.
+
+use column_twin::column::{Impact, Report, Sample, simulate};
+use column_twin::messages::column_twin::{ColumnState, HingeForces};
+use column_twin::parameters::Parameters;
+
+/// One sample that must go out.
+pub struct Expected {
+    /// After the event \[ns\].
+    pub since: i64,
+    /// Without header and names.
+    pub state: ColumnState,
+    /// Without header and names.
+    pub forces: HingeForces,
+}
+
+/// The samples of an impact without a gap at the parameters' `publish_rate`, the last one that of the end, and the report.
+pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expected>, Report) {
+    let of_event = Impact {
+        mass,
+        velocity,
+        gap: 0.0,
+        restitution: 0.0,
+    };
+    let properties = parameters.column_properties();
+    let mut steps: Vec<Sample> = Vec::new();
+    let report = simulate(
+        &properties,
+        &of_event,
+        parameters.response_duration(),
+        &mut |sample: &Sample| steps.push(*sample),
+    )
+    .expect("a possible impact");
+    let period = 1e9 / parameters.settings().publish_rate / properties.step_nanos as f64;
+    let last = steps.len() - 1;
+    let mut percussion = 0.0;
+    let mut expected = Vec::new();
+    for (step, sample) in steps.iter().enumerate() {
+        percussion += sample.percussion;
+        if step % period as usize != 0 && step != last {
+            continue;
+        }
+        let mut state = ColumnState::from(sample);
+        state.percussion = std::mem::take(&mut percussion);
+        if step == last {
+            state.phase = ColumnState::REST;
+        }
+        expected.push(Expected {
+            since: i64::try_from(step as u64 * properties.step_nanos).expect("seconds"),
+            state,
+            forces: HingeForces::from(sample),
+        });
+    }
+    (expected, report)
+}
