@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
@@ -22,10 +22,8 @@ use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use tempfile::TempDir;
 
-use super::domain::Domain;
+use super::domain::{Domain, PATIENCE};
 use super::recorded_twin::the_one_recording;
-
-pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Reads the bytes of one topic in a thread of its own until it is dropped.
 pub struct Bytes {

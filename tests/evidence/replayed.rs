@@ -1,18 +1,26 @@
 //! A recording that is replayed is received as it was recorded.
 
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use column_twin::recording::Reader;
+use column_twin::evidence::Topics;
+use column_twin::messages::builtin_interfaces::Time;
+use column_twin::messages::cdr;
+use column_twin::messages::column_twin::ColumnState;
+use column_twin::recording::{Entry, Reader, Writer, WriterOptions};
 use column_twin::ros::qos;
 use column_twin::ros::replay::{
     ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, Replayed, replay,
 };
 use column_twin::ros::{Names, Node, RosArguments};
 
-use super::domain::Domain;
-use super::node::{Bytes, PATIENCE};
-use super::recorded_twin::{Finished, RecordedTwin, event, parameters};
+use tempfile::TempDir;
+
+use super::domain::{Domain, PATIENCE};
+use super::node::Bytes;
+use super::recorded_twin::{Finished, MS, RecordedTwin, START, event, parameters};
 
 fn recording() -> Finished {
     let mut twin = RecordedTwin::new(parameters());
@@ -157,4 +165,83 @@ fn a_wrong_topic_is_said_with_those_that_there_are() {
     assert!(matches!(error, ReplayError::NoSuchTopic { .. }));
     let said = error.to_string();
     assert!(said.contains("/nothing") && said.contains("/column_state"), "{said}");
+}
+
+/// A state each millisecond, recorded at whole milliseconds.
+fn written(directory: &Path, count: i64) -> (PathBuf, Vec<i64>) {
+    let path = directory.join(format!("states_{count}"));
+    let declared = Topics::of_default_node().declared();
+    let topic = declared
+        .iter()
+        .position(|it| it.name == "/column_state")
+        .unwrap();
+    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
+    let times: Vec<_> = (0..count).map(|index| START + index * MS).collect();
+    for (index, time) in times.iter().enumerate() {
+        let mut state = ColumnState {
+            v1: 1e-3 * index as f64,
+            column_id: "column".to_owned(),
+            event_id: "a".to_owned(),
+            ..ColumnState::default()
+        };
+        state.header.stamp = Time::from_nanos(*time).unwrap();
+        let entry = Entry {
+            topic,
+            log_time: *time,
+            publish_time: *time,
+            data: cdr::encode(&state).unwrap().into(),
+            starting_point: false,
+        };
+        writer.write(&entry).unwrap();
+    }
+    writer.finish().unwrap();
+    (path, times)
+}
+
+fn interop(file: &str) -> PathBuf {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    tests.join("interop").join(file)
+}
+
+/// Prints the table of the timing: a measurement, not a promise about this machine.
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop, and replays ten times slower"]
+fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
+    let output = Command::new(interop("environment.sh")).output().unwrap();
+    assert!(output.status.success(), "environment.sh: {}", output.status);
+    let python = String::from_utf8(output.stdout).unwrap();
+    let python = Path::new(python.trim()).join("bin/python");
+    for (rate, count) in [(0.1, 1_000), (1.0, 5_000), (10.0, 5_000)] {
+        let directory = TempDir::new().unwrap();
+        let (bag, times) = written(directory.path(), count);
+        let v1: Vec<_> = (0..count).map(|index| 1e-3 * index as f64).collect();
+        let expected = serde_json::json!({ "rate": rate, "log_times": times, "stamps": times, "v1": v1 });
+        let path = directory.path().join("expected.json");
+        std::fs::write(&path, expected.to_string()).unwrap();
+        let domain = Domain::fresh();
+        let reader = Command::new(&python)
+            .arg(interop("replay_with_rclpy.py"))
+            .arg(&path)
+            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let options = ReplayOptions {
+            bag,
+            rate,
+            repeat: false,
+            topics: vec!["/column_state".to_owned()],
+            clock: None,
+            wait_for_readers: PATIENCE,
+        };
+        let replayed = replay(&domain.environment, &[], &options, &mut Script::default()).unwrap();
+        let [half, most, worst] = replayed.lateness.unwrap().map(|it| 1e3 * it);
+        println!("rate {rate}: sent later than due: {half:.3} ms, 99 of 100 {most:.3} ms, {worst:.3} ms at most");
+        let output = reader.wait_with_output().unwrap();
+        print!("{}", String::from_utf8_lossy(&output.stdout));
+        assert!(output.status.success(), "{}", output.status);
+        assert_eq!((replayed.sent, replayed.lost), (count as u64, 0));
+    }
 }
