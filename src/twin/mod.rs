@@ -50,7 +50,7 @@ pub use journal::{
 };
 pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
 pub use output::{
-    Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput, Severity,
+    Lengths, Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput, Severity,
     StateOutput,
 };
 pub use parameter_change::Change;

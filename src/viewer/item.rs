@@ -96,7 +96,7 @@ impl Item {
                 text: it.text.to_string(),
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
-            Output::Status(_) | Output::Save(_) => return None,
+            Output::Status(_) | Output::Save(_) | Output::Journal(_) => return None,
         })
     }
 
@@ -109,6 +109,7 @@ impl Item {
             event_id: state.event_id.as_str().into(),
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
+            lengths: None,
         })
     }
 }

@@ -151,6 +151,7 @@ mod tests {
                 time,
                 ..Sample::default()
             },
+            lengths: None,
         }
     }
 
