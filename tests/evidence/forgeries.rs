@@ -73,6 +73,20 @@ fn changed<M: column_twin::messages::Message>(
     verify(&path).unwrap()
 }
 
+/// A copy in which the last bit of `v1` of the seventh state was changed.
+pub fn with_one_bit_flipped(original: &Path) -> (TempDir, PathBuf) {
+    let mut count = 0;
+    forged(original, |message| {
+        count += usize::from(*message.topic == *"/column_state");
+        if *message.topic != *"/column_state" || count != 7 {
+            return Some(message.data.clone());
+        }
+        let mut state: ColumnState = cdr::decode(&message.data).unwrap();
+        flip(&mut state.v1);
+        Some(cdr::encode(&state).unwrap())
+    })
+}
+
 /// The last bit.
 fn flip(number: &mut f64) {
     *number = f64::from_bits(number.to_bits() ^ 1);
@@ -90,14 +104,22 @@ fn a_copy_is_as_good_as_the_original() {
 fn one_flipped_bit_is_named() {
     let original = recording();
     let mut stamp = None;
-    let found = changed(&original.path(), "/column_state", 17, |state: &mut ColumnState| {
-        flip(&mut state.u2_rate);
-        stamp = state.header.stamp.to_nanos();
-    });
+    let found = changed(
+        &original.path(),
+        "/column_state",
+        17,
+        |state: &mut ColumnState| {
+            flip(&mut state.u2_rate);
+            stamp = state.header.stamp.to_nanos();
+        },
+    );
     assert!(!found.is_equal());
     assert_eq!(found.differences, 1);
     let first = found.first_difference.clone().unwrap();
-    assert_eq!((first.topic.as_str(), first.field.as_str()), ("/column_state", "u2_rate"));
+    assert_eq!(
+        (first.topic.as_str(), first.field.as_str()),
+        ("/column_state", "u2_rate")
+    );
     assert_eq!((first.stamp, first.event_id.as_str()), (stamp, "a"));
     let by = first.by.unwrap().abs();
     assert!(by > 0.0 && by < 1e-12, "{first}");
@@ -107,15 +129,28 @@ fn one_flipped_bit_is_named() {
 #[test]
 fn reports_are_compared_but_for_their_compute_time() {
     let original = recording();
-    let found = changed(&original.path(), "/impact_report", 2, |report: &mut ImpactReport| {
-        report.compute_time = 77.0;
-    });
+    let found = changed(
+        &original.path(),
+        "/impact_report",
+        2,
+        |report: &mut ImpactReport| {
+            report.compute_time = 77.0;
+        },
+    );
     assert!(found.is_equal(), "{found}");
-    let found = changed(&original.path(), "/impact_report", 2, |report: &mut ImpactReport| {
-        flip(&mut report.plastic_rotation[3]);
-    });
+    let found = changed(
+        &original.path(),
+        "/impact_report",
+        2,
+        |report: &mut ImpactReport| {
+            flip(&mut report.plastic_rotation[3]);
+        },
+    );
     let first = found.first_difference.unwrap();
-    assert_eq!((first.field.as_str(), first.event_id.as_str()), ("plastic_rotation[3]", "b"));
+    assert_eq!(
+        (first.field.as_str(), first.event_id.as_str()),
+        ("plastic_rotation[3]", "b")
+    );
 }
 
 /// The exact state at rest is a witness too.
@@ -148,7 +183,13 @@ fn a_changed_state_at_rest_is_found() {
 #[test]
 fn messages_that_were_taken_out_are_missed() {
     let original = recording();
-    for topic in ["/column_state", "/hinge_forces", "/impact_report", "/twin_status", "/markers"] {
+    for topic in [
+        "/column_state",
+        "/hinge_forces",
+        "/impact_report",
+        "/twin_status",
+        "/markers",
+    ] {
         let mut count = 0;
         let (_directory, path) = forged(&original.path(), |message| {
             count += usize::from(*message.topic == *topic);
@@ -156,7 +197,11 @@ fn messages_that_were_taken_out_are_missed() {
         });
         let found = verify(&path).unwrap();
         // The last report has nothing behind it that shows that it is missing, but its own status has.
-        assert_eq!((found.missing(), found.is_equal()), (1, false), "{topic}: {found}");
+        assert_eq!(
+            (found.missing(), found.is_equal()),
+            (1, false),
+            "{topic}: {found}"
+        );
     }
 }
 
@@ -170,7 +215,10 @@ fn messages_that_were_put_in_are_found() {
     let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
     for message in Reader::open(&original.path()).unwrap().messages() {
         let message = message.unwrap();
-        let topic = declared.iter().position(|it| *it.name == *message.topic).unwrap();
+        let topic = declared
+            .iter()
+            .position(|it| *it.name == *message.topic)
+            .unwrap();
         let is_report = RECORDED[topic].name == "impact_report";
         let entry = Entry {
             topic,
@@ -197,7 +245,9 @@ fn what_cannot_be_checked_is_said() {
     // Without its first starting point.
     let mut points = 0;
     let (_directory, path) = forged(&original.path(), |message| {
-        if message.topic.ends_with("/journal") && Line::decode(&message.data).unwrap().is_starting_point() {
+        if message.topic.ends_with("/journal")
+            && Line::decode(&message.data).unwrap().is_starting_point()
+        {
             points += 1;
             if points == 1 {
                 return None;
@@ -206,8 +256,14 @@ fn what_cannot_be_checked_is_said() {
         Some(message.data.clone())
     });
     let found = verify(&path).unwrap();
-    assert!(found.is_equal() && found.unchecked_messages() > 20, "{found}");
-    assert!(found.unchecked[0].contains("before the first starting point"), "{found}");
+    assert!(
+        found.is_equal() && found.unchecked_messages() > 20,
+        "{found}"
+    );
+    assert!(
+        found.unchecked[0].contains("before the first starting point"),
+        "{found}"
+    );
     assert!(found.compared() > 20, "{found}");
     // Without an input.
     let mut inputs = 0;
@@ -234,6 +290,12 @@ fn a_recording_without_a_journal_is_none_to_verify() {
     let (_directory, path) = forged(&original.path(), |message| {
         (!message.topic.ends_with("/journal")).then(|| message.data.clone())
     });
-    assert!(matches!(verify(&path), Err(VerifyError::NoStartingPoint)));
-    assert!(matches!(verify(Path::new("nothing/there")), Err(VerifyError::Recording(_))));
+    assert!(matches!(
+        verify(&path),
+        Err(VerifyError::NoStartingPoint { .. })
+    ));
+    assert!(matches!(
+        verify(Path::new("nothing/there")),
+        Err(VerifyError::Recording(_))
+    ));
 }

@@ -4,6 +4,7 @@
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod commands;
 mod courses;
 #[path = "../ros/domain.rs"]
 mod domain;

@@ -159,7 +159,11 @@ impl Finished {
         let found = self.verify();
         assert!(found.is_equal(), "{found}");
         assert_eq!(found.unchecked, Vec::<String>::new(), "{found}");
-        assert_eq!((found.unchecked_messages(), found.missing()), (0, 0), "{found}");
+        assert_eq!(
+            (found.unchecked_messages(), found.missing()),
+            (0, 0),
+            "{found}"
+        );
         found
     }
 }

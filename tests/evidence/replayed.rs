@@ -68,17 +68,38 @@ fn recorded(bag: &Finished, topic: &str) -> Vec<Vec<u8>> {
 }
 
 /// Replays to a reader of two topics, which are remapped; what it received.
-fn received(bag: &Finished, rate: f64, script: &mut Script) -> (Vec<Vec<u8>>, Vec<Vec<u8>>, Replayed) {
+fn received(
+    bag: &Finished,
+    rate: f64,
+    script: &mut Script,
+) -> (Vec<Vec<u8>>, Vec<Vec<u8>>, Replayed) {
     let domain = Domain::fresh();
-    let rules = ["replay", "--ros-args", "-r", "/column_state:=/again/column_state", "-r", "/impact_report:=/again/impact_report"];
+    let rules = [
+        "replay",
+        "--ros-args",
+        "-r",
+        "/column_state:=/again/column_state",
+        "-r",
+        "/impact_report:=/again/impact_report",
+    ];
     let (_, ros) = RosArguments::split(rules.map(std::ffi::OsString::from)).unwrap();
-    let mut node = Node::new(&domain.environment, Names::new("/again", "reader", &[]).unwrap()).unwrap();
+    let mut node = Node::new(
+        &domain.environment,
+        Names::new("/again", "reader", &[]).unwrap(),
+    )
+    .unwrap();
     let states = Bytes::start(&mut node, &qos::COLUMN_STATE, false);
     let reports = Bytes::start(&mut node, &qos::IMPACT_REPORT, false);
-    let options = ReplayOptions { rate, ..options(bag) };
+    let options = ReplayOptions {
+        rate,
+        ..options(bag)
+    };
     let replayed = replay(&domain.environment, &ros.remap_rules, &options, script).unwrap();
-    let mut all = |of: &Bytes, wanted: usize| -> Vec<Vec<u8>> {
-        (0..wanted).map_while(|_| of.messages.recv_timeout(PATIENCE).ok()).map(|it| it.bytes().to_vec()).collect()
+    let all = |of: &Bytes, wanted: usize| -> Vec<Vec<u8>> {
+        (0..wanted)
+            .map_while(|_| of.messages.recv_timeout(PATIENCE).ok())
+            .map(|it| it.bytes().to_vec())
+            .collect()
     };
     let wanted = recorded(bag, "/column_state").len();
     (all(&states, wanted), all(&reports, 1), replayed)
@@ -111,7 +132,10 @@ fn keys_pause_step_and_end_it() {
         last: None,
     };
     let domain = Domain::fresh();
-    let options = ReplayOptions { wait_for_readers: Duration::ZERO, ..options(&bag) };
+    let options = ReplayOptions {
+        wait_for_readers: Duration::ZERO,
+        ..options(&bag)
+    };
     let replayed = replay(&domain.environment, &[], &options, &mut script).unwrap();
     let last = script.last.unwrap();
     assert!(last.paused && last.rate > 1.0, "{last:?}");
@@ -122,7 +146,10 @@ fn keys_pause_step_and_end_it() {
 fn it_tells_the_recorded_time_and_begins_again() {
     let bag = recording();
     let domain = Domain::fresh();
-    let (environment, span) = (domain.environment.clone(), Reader::open(&bag.path()).unwrap().span().unwrap());
+    let (environment, span) = (
+        domain.environment.clone(),
+        Reader::open(&bag.path()).unwrap().span().unwrap(),
+    );
     let mut node = Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
     let clock = Bytes::start(&mut node, &qos::CLOCK, false);
     let states = Bytes::start(&mut node, &qos::COLUMN_STATE, false);
@@ -160,11 +187,17 @@ fn it_tells_the_recorded_time_and_begins_again() {
 fn a_wrong_topic_is_said_with_those_that_there_are() {
     let bag = recording();
     let domain = Domain::fresh();
-    let options = ReplayOptions { topics: vec!["/nothing".to_owned()], ..options(&bag) };
+    let options = ReplayOptions {
+        topics: vec!["/nothing".to_owned()],
+        ..options(&bag)
+    };
     let error = replay(&domain.environment, &[], &options, &mut Script::default()).unwrap_err();
     assert!(matches!(error, ReplayError::NoSuchTopic { .. }));
     let said = error.to_string();
-    assert!(said.contains("/nothing") && said.contains("/column_state"), "{said}");
+    assert!(
+        said.contains("/nothing") && said.contains("/column_state"),
+        "{said}"
+    );
 }
 
 /// A state each millisecond, recorded at whole milliseconds.
@@ -215,7 +248,8 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
         let directory = TempDir::new().unwrap();
         let (bag, times) = written(directory.path(), count);
         let v1: Vec<_> = (0..count).map(|index| 1e-3 * index as f64).collect();
-        let expected = serde_json::json!({ "rate": rate, "log_times": times, "stamps": times, "v1": v1 });
+        let expected =
+            serde_json::json!({ "rate": rate, "log_times": times, "stamps": times, "v1": v1 });
         let path = directory.path().join("expected.json");
         std::fs::write(&path, expected.to_string()).unwrap();
         let domain = Domain::fresh();
@@ -238,7 +272,9 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
         };
         let replayed = replay(&domain.environment, &[], &options, &mut Script::default()).unwrap();
         let [half, most, worst] = replayed.lateness.unwrap().map(|it| 1e3 * it);
-        println!("rate {rate}: sent later than due: {half:.3} ms, 99 of 100 {most:.3} ms, {worst:.3} ms at most");
+        println!(
+            "rate {rate}: sent later than due: {half:.3} ms, 99 of 100 {most:.3} ms, {worst:.3} ms at most"
+        );
         let output = reader.wait_with_output().unwrap();
         print!("{}", String::from_utf8_lossy(&output.stdout));
         assert!(output.status.success(), "{}", output.status);
