@@ -2,11 +2,17 @@
 
 #[cfg(all(feature = "ros", feature = "record"))]
 mod demo;
+#[cfg(feature = "record")]
+mod export;
 mod history;
 #[cfg(feature = "ros")]
 mod idl;
 #[cfg(feature = "ros")]
 mod impact;
+#[cfg(feature = "record")]
+mod info;
+#[cfg(feature = "record")]
+mod repair;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod replay;
 #[cfg(feature = "ros")]
@@ -65,6 +71,15 @@ enum Command {
     /// Print the node's topics and messages as OMG IDL, for programs in plain DDS
     #[cfg(feature = "ros")]
     Idl(idl::IdlArgs),
+    /// Say what is in a recording: topics, impacts and their outcome, losses
+    #[cfg(feature = "record")]
+    Info(info::InfoArgs),
+    /// Write a recording anew that was cut off or damaged; the original stays
+    #[cfg(feature = "record")]
+    Repair(repair::RepairArgs),
+    /// Write the messages of a recording as CSV or JSON
+    #[cfg(feature = "record")]
+    Export(export::ExportArgs),
 }
 
 /// Exit codes of commands that do not end well.
@@ -147,6 +162,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Watch(arguments) => watch::run(arguments, &ros),
         #[cfg(feature = "ros")]
         Command::Idl(arguments) => idl::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "record")]
+        Command::Info(arguments) => info::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "record")]
+        Command::Repair(arguments) => repair::run(arguments, &mut std::io::stdout().lock()),
+        #[cfg(feature = "record")]
+        Command::Export(arguments) => export::run(arguments, &mut std::io::stdout().lock()),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,6 +9,7 @@ use serde::{Serialize, Serializer, ser::SerializeMap};
 
 use super::error::RecordingError;
 use super::reader::{Message, RecordedTopic};
+use super::table;
 use crate::messages;
 
 /// Longest definition that is read \[bytes\].
@@ -107,7 +108,7 @@ impl Serialize for Decoded {
 }
 
 /// The word for a number that JSON cannot write.
-pub(crate) fn not_finite(value: f64) -> &'static str {
+pub(super) fn not_finite(value: f64) -> &'static str {
     if value.is_nan() {
         "NaN"
     } else if value > 0.0 {
@@ -125,8 +126,9 @@ pub struct Decoder {
     shape: Shape,
 }
 
+/// What a type is made of.
 #[derive(Debug, Clone)]
-enum Shape {
+pub(super) enum Shape {
     One(BuiltInType),
     Fields(Arc<[(Arc<str>, Shape)]>),
     Array(Box<Shape>, usize),
@@ -162,6 +164,26 @@ impl Decoder {
                 log_time: message.log_time,
                 reason,
             })
+    }
+
+    /// Names of the columns of a table of such messages: `header.stamp.sec`, `moment[0]`. A sequence is one column, and
+    /// so is a message that would have thousands.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        match table::fits(&self.shape) {
+            true => table::columns(&self.shape),
+            false => vec!["message".to_owned()],
+        }
+    }
+
+    /// The cells of a message under these [`columns`](Self::columns); sequences in JSON.
+    #[must_use]
+    pub fn cells(&self, content: &Decoded) -> Vec<String> {
+        match table::fits(&self.shape) {
+            true => table::cells(&self.shape, content),
+            // Written by serde from plain values, which does not fail.
+            false => vec![serde_json::to_string(content).unwrap_or_default()],
+        }
     }
 
     fn decode_bytes(&self, data: &[u8]) -> Result<Decoded, String> {

@@ -316,6 +316,9 @@ impl Writer {
         };
         // From now on the file says what it is.
         writer.flush()?;
+        if options.sync {
+            sync_directory(directory)?;
+        }
         Ok(writer)
     }
 

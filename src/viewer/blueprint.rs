@@ -6,7 +6,7 @@
 
 use rerun::blueprint::components::{
     BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
-    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    LoopMode, PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
     VisualBounds2D,
 };
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
@@ -23,7 +23,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 use super::fixtures::stress_entity;
-use super::plots::{self, PLOTS};
+use super::plots::{self, NamesCorner, PLOTS};
 use super::scene::{Drawing, HINGE_PLACES};
 use super::timeline::IMPACT_TIME;
 use crate::column::{HINGE_NAMES, HINGES};
@@ -200,14 +200,15 @@ impl Blueprint {
         .collect::<Vec<_>>();
         self.view(SCENE, "3D", &title, "/", &contents)?;
         let height = drawing.lengths.total() as f32;
-        let middle = [0.02 * height, 0.0, 0.52 * height];
+        let middle = [0.01 * height, 0.0, 0.53 * height];
         let eye = EyeControls3D::new()
             .with_kind(Eye3DKind::Orbital)
-            .with_position([0.12 * height, -1.62 * height, 0.62 * height])
+            .with_position([0.1 * height, -1.32 * height, 0.6 * height])
             .with_look_target(middle)
             .with_eye_up([0.0, 0.0, 1.0]);
         self.property(SCENE, "EyeControls3D", &eye)?;
-        let background = Background::new(BackgroundKind::GradientDark);
+        let background = Background::new(BackgroundKind::SolidColor)
+            .with_color(super::film::color([22, 24, 28]));
         self.property(SCENE, "Background", &background)?;
         let grid = LineGrid3D::new().with_visible(false);
         self.property(SCENE, "LineGrid3D", &grid)
@@ -241,22 +242,23 @@ impl Blueprint {
             .with_range(Range1D::new(axis[0], axis[1]))
             .with_zoom_lock(LockRangeDuringZoom(false.into()));
         self.property(id, "ScalarAxis", &axis)?;
-        let legend = PlotLegend::new().with_corner(Corner2D::RightTop);
+        let legend = PlotLegend::new().with_corner(match plot.names {
+            NamesCorner::RightTop => Corner2D::RightTop,
+            NamesCorner::RightBottom => Corner2D::RightBottom,
+            NamesCorner::LeftBottom => Corner2D::LeftBottom,
+        });
         self.property(id, "PlotLegend", &legend)
     }
 
     /// The whole path until now is seen, everything else as it is now.
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
-        let title = format!(
-            "Hinge {} ({}): N/Np over M/Mp [-]",
-            HINGE_NAMES[hinge], HINGE_PLACES[hinge]
-        );
+        let title = format!("{} {}: M-N [-]", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
         let origin = format!("/yield/{}", HINGE_NAMES[hinge]);
         self.view(id, "2D", &title, &origin, &["+ $origin/**".to_owned()])?;
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {
-            x_range: [-1.5, 1.5].into(),
-            y_range: [-1.3, 1.3].into(),
+            x_range: [-1.6, 1.6].into(),
+            y_range: [-1.5, 1.2].into(),
         }));
         self.property(id, "VisualBounds2D", &bounds)?;
         let until_now = VisibleTimeRange(TimeWindow {
@@ -288,7 +290,8 @@ impl Blueprint {
             .with_state(PanelState::Collapsed)
             .with_timeline(TimelineName(Utf8::from(IMPACT_TIME)))
             .with_playback_speed(PlaybackSpeed(datatypes::Float64(PLAYBACK_SPEED)))
-            .with_play_state(play);
+            .with_play_state(play)
+            .with_loop_mode(LoopMode::All);
         self.write("time_panel", &time)
     }
 }

@@ -11,12 +11,13 @@ use rerun::RecordingStreamBuilder;
 use super::ViewerError;
 use super::blueprint::APPLICATION;
 use super::film::{Film, FilmOptions};
+use super::item::Instant;
 use super::item::{Announcement, Item};
 use super::plots::Ranges;
 use crate::column::{Outcome, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
-use crate::twin::{StateOutput, TwinPhase};
+use crate::twin::TwinPhase;
 
 /// Shortest time between two pictures of the scene \[ns\].
 const PICTURE_PERIOD: i64 = 500_000;
@@ -71,7 +72,7 @@ pub fn from_samples(
     let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
     let mut items = vec![Item::Forecast(announcement())];
     items.extend(samples.into_iter().map(|sample| {
-        Item::State(StateOutput {
+        Item::State(Instant {
             stamp: stamp.saturating_add(super::timeline::nanos(sample.time)),
             event_id: Arc::clone(&event_id),
             phase: TwinPhase::from(sample.phase),

@@ -14,6 +14,7 @@ use super::blueprint;
 use super::colour::{self, Rgb};
 use super::fixtures;
 use super::happenings::{Happening, Happenings, summary};
+use super::item::Instant;
 use super::item::{Announcement, Item};
 use super::plots::{self, Ranges};
 use super::scene::{Drawing, Scene, VEHICLE};
@@ -21,7 +22,7 @@ use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Solid;
-use crate::twin::{Severity, StateOutput};
+use crate::twin::Severity;
 
 /// Most states that are written at once.
 pub const LARGEST_BATCH: usize = 512;
@@ -64,7 +65,7 @@ pub struct Film {
     at_rest: Option<[f64; 2]>,
     /// A forecast whose states have not come yet.
     forecast: Option<Announcement>,
-    batch: Vec<(Moment, StateOutput)>,
+    batch: Vec<(Moment, Instant)>,
 }
 
 /// A line of the log.
@@ -159,7 +160,7 @@ impl Film {
         }
     }
 
-    fn state(&mut self, state: StateOutput) -> RecordingStreamResult<()> {
+    fn state(&mut self, state: Instant) -> RecordingStreamResult<()> {
         let Placed { moment, begins } = self.timeline.place(&state);
         if begins {
             self.flush()?;
@@ -173,7 +174,7 @@ impl Film {
     }
 
     /// Another impact begins.
-    fn begin(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
+    fn begin(&mut self, state: &Instant) -> RecordingStreamResult<()> {
         let first = state.sample;
         let stamp = state.stamp - super::timeline::nanos(first.time);
         self.going = Going {
@@ -186,7 +187,7 @@ impl Film {
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
             self.going.happenings.announce(&forecast.report);
         }
-        if let Some(mass) = plots::mass_of(&first, &first) {
+        if let Some(mass) = plots::mass_of(&first, &first, self.drawing.struck_mass) {
             let velocity = Some(first.impactor_velocity);
             let foreseen = Ranges::foreseen(&self.parameters, Some(mass), velocity);
             self.cover(&foreseen)?;
@@ -277,7 +278,7 @@ impl Film {
         Ok(())
     }
 
-    fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+    fn curves(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
         let times = columns(batch.iter().map(|(moment, _)| *moment));
         for plot in &plots::ALL {
             let values = batch.iter().flat_map(|(_, state)| {
@@ -292,7 +293,7 @@ impl Film {
         Ok(())
     }
 
-    fn percussions(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+    fn percussions(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
         let struck = batch.iter().filter(|(_, it)| it.sample.percussion > 0.0);
         let times: Vec<_> = struck.map(|(moment, _)| *moment).collect();
         if times.is_empty() {
@@ -305,7 +306,7 @@ impl Film {
     }
 
     /// The path of each hinge in its yield surface, piece by piece, and where it is now.
-    fn stresses(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+    fn stresses(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
         let times = columns(batch.iter().map(|(moment, _)| *moment));
         let resistances = [
             self.drawing.resistance_moment,
@@ -341,7 +342,7 @@ impl Film {
     }
 
     /// Pictures of the scene of those states that are far enough apart, and of the last one of an impact.
-    fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
+    fn scenes(&mut self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
         let mut pictures = Vec::new();
         let first = self.going.first.unwrap_or_default();
         for (moment, state) in batch {
@@ -352,7 +353,7 @@ impl Film {
                 continue;
             }
             self.going.pictured = Some(sample.time);
-            let mass = plots::mass_of(&first, sample);
+            let mass = plots::mass_of(&first, sample, self.drawing.struck_mass);
             pictures.push((*moment, self.drawing.scene(sample, mass)));
         }
         self.pictures(&pictures)
@@ -495,7 +496,7 @@ impl Film {
             stream.log_static(plot.entity, &lines)?;
         }
         let marks = SeriesPoints::new()
-            .with_names(["percussion (an instant, not to scale)"])
+            .with_names(["percussion, a mark"])
             .with_colors([color(colour::ENERGIES[1])])
             .with_markers([rerun::components::MarkerShape::Down])
             .with_marker_sizes([6.0]);

@@ -262,9 +262,9 @@ fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStr
     let axes = LineStrips2D::new([[[-1.15_f32, 0.0], [1.15, 0.0]], [[0.0, -1.15], [0.0, 1.15]]])
         .with_colors([color(colour::AXIS)])
         .with_radii([Radius::new_ui_points(0.7)]);
-    let names = Points2D::new([[1.25_f32, 0.0], [0.0, -1.2]])
+    let names = Points2D::new([[1.35_f32, 0.0], [0.0, -1.45]])
         .with_labels(["M/Mp", "-N/Np"])
-        .with_colors([color(colour::AXIS)])
+        .with_colors([color(colour::SURFACE)])
         .with_radii([Radius::new_ui_points(0.0)])
         .with_show_labels(true);
     for hinge in 0..HINGE_NAMES.len() {

@@ -9,6 +9,17 @@ use crate::parameters::Parameters;
 /// Number of plots.
 pub const PLOTS: usize = 6;
 
+/// The corner of a plot with the names of its curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NamesCorner {
+    /// Above, at the end.
+    RightTop,
+    /// Below, at the end.
+    RightBottom,
+    /// Below, at the beginning.
+    LeftBottom,
+}
+
 /// A plot of some quantities in one unit.
 #[derive(Debug)]
 pub struct Plot {
@@ -20,6 +31,8 @@ pub struct Plot {
     pub per_si: f64,
     /// Names and colours of its curves.
     pub curves: &'static [(&'static str, Rgb)],
+    /// Where the names of the curves hide least.
+    pub names: NamesCorner,
     /// Width of the last curve \[points\].
     pub last_width: f32,
     /// The values of a sample in SI units, one for each curve.
@@ -36,47 +49,48 @@ pub const CONTACT_FORCE: usize = 4;
 pub const ALL: [Plot; PLOTS] = [
     Plot {
         entity: "plots/horizontal_displacement",
-        title: "Fig. 5: horizontal displacement [mm]",
+        title: "Fig. 5: v1, v_c [mm]",
         per_si: 1e3,
         curves: &[
             ("v_c impactor", colour::IMPACTOR),
             ("v1 impact point", colour::IMPACT_POINT),
         ],
+        names: NamesCorner::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.impactor_position, it.v1],
     },
     Plot {
         entity: "plots/vertical_displacement",
-        title: "Fig. 6: vertical displacement, down [mm]",
+        title: "Fig. 6: u1, u2, down [mm]",
         per_si: 1e3,
         curves: &[
             ("u1 impact point", colour::IMPACT_POINT),
             ("u2 top", colour::TOP),
         ],
+        names: NamesCorner::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.u1, it.u2],
     },
     Plot {
         entity: "plots/normal_force",
-        title: "Fig. 7: normal force, tension + [kN]",
+        title: "Fig. 7: N, tension + [kN]",
         per_si: 1e-3,
-        curves: &[
-            ("N_a below impact", colour::BAR_A),
-            ("N_b above impact", colour::BAR_B),
-        ],
+        curves: &[("N_a below", colour::BAR_A), ("N_b above", colour::BAR_B)],
+        names: NamesCorner::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
     },
     Plot {
         entity: "plots/bending_moment",
-        title: "Fig. 8: bending moment [kN m]",
+        title: "Fig. 8: M [kN m]",
         per_si: 1e-3,
         curves: &[
-            ("1a below impact", colour::HINGE[0]),
-            ("1b above impact", colour::HINGE[1]),
-            ("2 top", colour::HINGE[2]),
-            ("3 base", colour::HINGE[3]),
+            ("1a", colour::HINGE[0]),
+            ("1b", colour::HINGE[1]),
+            ("2", colour::HINGE[2]),
+            ("3", colour::HINGE[3]),
         ],
+        names: NamesCorner::LeftBottom,
         last_width: 1.5,
         values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
     },
@@ -85,20 +99,22 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Contact force [kN]",
         per_si: 1e-3,
         curves: &[("contact force", colour::CONTACT)],
+        names: NamesCorner::RightTop,
         last_width: 2.0,
         values: |it| vec![it.contact_force],
     },
     Plot {
         entity: "plots/energy",
-        title: "Energy ledger, stacked [kJ]",
+        title: "Energy, stacked [kJ]",
         per_si: 1e-3,
         curves: &[
-            ("lost in percussions", colour::ENERGIES[0]),
-            ("+ plastic work", colour::ENERGIES[1]),
+            ("percussions", colour::ENERGIES[0]),
+            ("+ plastic", colour::ENERGIES[1]),
             ("+ damping", colour::ENERGIES[2]),
             ("+ elastic", colour::ENERGIES[3]),
-            ("+ kinetic - work of the load", colour::ENERGIES[4]),
+            ("+ kinetic - load", colour::ENERGIES[4]),
         ],
+        names: NamesCorner::RightBottom,
         last_width: 3.0,
         values: |it| ledger(it).to_vec(),
     },
@@ -223,22 +239,27 @@ impl Ranges {
     }
 }
 
-/// The mass of the vehicle, from what a sample of its impact tells \[kg\]: the energy that it brings to a column that stands
-/// still, or the impulse that it has given since it had its first velocity.
+/// The mass of the vehicle, from what a sample of its impact tells \[kg\].
+///
+/// If the column stood still before the first sample, the vehicle has the kinetic energy that is not the column's, of which
+/// a percussion has given it some: half the impulse times the velocity of the impact point, whose mass is `struck` \[kg\].
+/// Otherwise it follows from the impulse that the vehicle has given away since then.
 #[must_use]
-pub fn mass_of(first: &Sample, sample: &Sample) -> Option<f64> {
-    let still = [first.v1_rate, first.u1_rate, first.u2_rate] == [0.0; 3];
+pub fn mass_of(first: &Sample, sample: &Sample, struck: f64) -> Option<f64> {
+    let by_percussion = first.impulse / struck;
+    let moved = (first.v1_rate - by_percussion).abs() > 1e-6 * by_percussion.max(1e-6);
+    let still = !moved && first.u1_rate.abs() + first.u2_rate.abs() < 1e-9;
     let square = first.impactor_velocity * first.impactor_velocity;
     let lost = first.impactor_velocity - sample.impactor_velocity;
     let given = sample.impulse - first.impulse;
     let mass = if still && square > 0.0 {
-        2.0 * first.kinetic_energy / square
+        (2.0 * first.kinetic_energy - first.impulse * first.v1_rate) / square
     } else if given > 0.0 && lost > 0.0 {
         given / lost
     } else {
         return None;
     };
-    mass.is_finite().then_some(mass)
+    (mass.is_finite() && mass > 0.0).then_some(mass)
 }
 
 /// Whether two samples are so far apart in time that both are to be seen in the scene.
@@ -261,6 +282,7 @@ pub fn stress(sample: &Sample, hinge: usize, resistances: [f64; 2]) -> [f32; 2] 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::column::Model;
 
     const CAR: Impact = Impact {
         mass: 1500.0,
@@ -270,9 +292,16 @@ mod tests {
     };
 
     fn samples() -> Vec<Sample> {
+        samples_with(0.0)
+    }
+
+    fn samples_with(gap: f64) -> Vec<Sample> {
         let column = Parameters::default().column_properties();
         let mut samples = Vec::new();
-        simulate(&column, &CAR, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        simulate(&column, &Impact { gap, ..CAR }, 2.0, &mut |sample| {
+            samples.push(*sample)
+        })
+        .expect("simulated");
         samples
     }
 
@@ -318,15 +347,22 @@ mod tests {
 
     #[test]
     fn the_mass_follows_from_energy_or_impulse() {
-        let samples = samples();
-        let first = &samples[0];
-        assert!((mass_of(first, first).expect("known") - 1500.0).abs() < 1e-6);
-        let moving = Sample {
-            v1_rate: 1.0,
-            ..*first
+        let struck = {
+            let column = Parameters::default().column_properties();
+            Model::new(&column).expect("stands").impact_point_mass
         };
-        assert_eq!(mass_of(&moving, first), None);
-        let later = &samples[500];
-        assert!((mass_of(&moving, later).expect("known") - 1500.0).abs() < 1e-3);
+        for gap in [0.0, 0.01] {
+            let samples = samples_with(gap);
+            let first = &samples[0];
+            let mass = mass_of(first, first, struck).expect("known");
+            assert!((mass - 1500.0).abs() < 1e-6, "{mass}");
+            let moving = Sample {
+                v1_rate: first.v1_rate + 1.0,
+                ..*first
+            };
+            assert_eq!(mass_of(&moving, first, struck), None);
+            let mass = mass_of(&moving, &samples[600], struck).expect("known");
+            assert!((mass - 1500.0).abs() < 1e-3, "{mass}");
+        }
     }
 }

@@ -61,6 +61,8 @@ pub struct Drawing {
     pub magnification: f64,
     /// The virgin column at rest.
     pub at_rest: Sample,
+    /// `m_1`: what a percussion strikes \[kg\].
+    pub struck_mass: f64,
 }
 
 /// An arrow with its value.
@@ -125,12 +127,13 @@ impl Drawing {
         let lengths = Lengths::from(parameters);
         let resistance_axial = parameters.resistance_axial();
         let section = parameters.section();
+        let (at_rest, struck_mass) = at_rest(parameters);
         Self {
             lengths,
             outline: Outline::new(&drawn_section(parameters)),
             section: section
                 .name
-                .map_or_else(|| "section by numbers".to_owned(), |name| name.to_owned()),
+                .map_or_else(|| "Section by numbers".to_owned(), |name| name.to_owned()),
             base: settings.support.base,
             top: settings.support.top,
             resistance_moment: parameters.resistance_moment(),
@@ -139,7 +142,8 @@ impl Drawing {
             spring_stiffness: settings.top.spring_stiffness,
             force_per_metre: round_number(resistance_axial / lengths.total()),
             magnification: settings.viewer.magnification,
-            at_rest: at_rest(parameters),
+            at_rest,
+            struck_mass,
         }
     }
 
@@ -207,14 +211,14 @@ impl Drawing {
         let places = joints.hinges(apart);
         // Labels stand beside the column and off the arcs; those of the impact point below and above it.
         let shift = 0.075 * self.lengths.total();
-        let label_shifts = [-shift, shift, -0.5 * shift, 0.5 * shift];
+        let label_shifts = [-0.5 * shift, 1.5 * shift, -0.5 * shift, 0.5 * shift];
         std::array::from_fn(|index| {
             let hinge = &sample.hinges[index];
             let place = places[index];
             let radius = self.arc_radius() * if index == 1 { 1.25 } else { 1.0 };
             let beside = place.plus(
                 1.0,
-                PlanePoint::new(0.17 * self.lengths.total(), label_shifts[index]),
+                PlanePoint::new(0.29 * self.lengths.total(), label_shifts[index]),
             );
             HingeMark {
                 place: in_space(place, self.front()),
@@ -368,10 +372,11 @@ fn percent(part: f64) -> String {
     format!("{:.0}", 100.0 * part)
 }
 
-/// The virgin column at rest under its load, without a vehicle; undeformed where it cannot stand.
-fn at_rest(parameters: &Parameters) -> Sample {
+/// The virgin column at rest under its load, without a vehicle, and its mass at the impact point; undeformed where it
+/// cannot stand.
+fn at_rest(parameters: &Parameters) -> (Sample, f64) {
     let Ok(model) = Model::new(&parameters.column_properties()) else {
-        return Sample::default();
+        return (Sample::default(), 0.0);
     };
     let mut sample = Sample {
         u1: model.rest.u1,
@@ -382,7 +387,7 @@ fn at_rest(parameters: &Parameters) -> Sample {
         hinge.normal_force = model.rest.normal_force;
         hinge.utilisation = model.below.surface.utilisation(0.0, hinge.normal_force);
     }
-    sample
+    (sample, model.impact_point_mass)
 }
 
 /// The next of 1, 2, 5, 10, ... from `value` on.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::twin::StateOutput;
+use super::item::Instant;
 
 /// Time since the impact. The impacts of one recording follow one another on it: each begins a little after the end of the
 /// one before.
@@ -64,7 +64,7 @@ impl Timeline {
     }
 
     /// The place of a state. Another identifier of the event, or a time that goes back, is another impact.
-    pub fn place(&mut self, state: &StateOutput) -> Placed {
+    pub fn place(&mut self, state: &Instant) -> Placed {
         let since = nanos(state.sample.time);
         let begins = match &self.impact {
             None => true,
@@ -142,8 +142,8 @@ mod tests {
     use crate::column::Sample;
     use crate::twin::TwinPhase;
 
-    fn state(event_id: &str, time: f64) -> StateOutput {
-        StateOutput {
+    fn state(event_id: &str, time: f64) -> Instant {
+        Instant {
             stamp: 0,
             event_id: event_id.into(),
             phase: TwinPhase::Contact,

@@ -1,0 +1,320 @@
+//! `column-twin export`: the messages of a recording as tables or as JSON.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::repair::failure;
+use super::{Exit, Failure};
+use crate::recording::{Decoded, Decoder, Message, Reader, RecordingError};
+use crate::whole_file::WholeFile;
+
+/// What `column-twin export` is told.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+#[command(group = clap::ArgGroup::new("format").required(true))]
+pub struct ExportArgs {
+    /// Directory of the recording, or an .mcap file
+    #[arg(value_name = "BAG")]
+    bag: PathBuf,
+    /// Write a directory with one table (CSV) per topic, one row per message
+    #[arg(long, group = "format")]
+    csv: bool,
+    /// Write one file with one message (JSON) per line
+    #[arg(long, group = "format")]
+    json: bool,
+    /// Where to; default: beside the recording, with _csv or .jsonl behind its name; - prints JSON
+    #[arg(long, short, value_name = "PATH")]
+    output: Option<PathBuf>,
+    /// Only these topics; default: all
+    #[arg(long, value_name = "TOPIC", num_args = 1..)]
+    topics: Vec<String>,
+}
+
+const EXAMPLE: &str = "\
+Example: displacements and hinge forces for a spreadsheet
+  column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv --topics /column_state /hinge_forces
+
+Times are in nanoseconds since 1970. Messages are taken apart by the definitions that the recording holds, so that every
+rosbag2 MCAP file can be exported. Nothing is overwritten.
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some topics or messages could not be taken apart.";
+
+/// Writes the messages and says where.
+pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let reader = Reader::open(&arguments.bag).map_err(failure)?;
+    let bag = arguments.bag.display();
+    if !reader.wholeness().is_whole() {
+        let reason = format!(
+            "{bag} is {}; write it anew first, with: column-twin repair {bag}",
+            reader.wholeness()
+        );
+        return Err(Failure::plain(Exit::BadInput, reason));
+    }
+    let mut selection = Selection::new(&reader, &arguments.topics)?;
+    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
+    if to_stdout && arguments.csv {
+        return Err(Failure::plain(
+            Exit::BadInput,
+            "tables of several topics need a directory; give --output DIR",
+        ));
+    }
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| beside(&arguments.bag, arguments.csv));
+    if !to_stdout && output.symlink_metadata().is_ok() {
+        return Err(failure(RecordingError::Exists { path: output }));
+    }
+    let written = if to_stdout {
+        write_json(&reader, &mut selection, out).map_err(|error| unwritable(&output, error))
+    } else if arguments.csv {
+        write_tables(&reader, &mut selection, &output)
+    } else {
+        write_json_file(&reader, &mut selection, &output)
+    };
+    let messages = written?;
+    if !to_stdout {
+        // Nobody to tell if this cannot be printed.
+        let _ = writeln!(out, "{messages} messages are in {}", output.display());
+    }
+    selection.losses()
+}
+
+/// What is exported, and what cannot be.
+struct Selection {
+    /// By the places of their topics.
+    decoders: BTreeMap<usize, Decoder>,
+    left_out: Vec<String>,
+    misfits: u64,
+    first_misfit: Option<String>,
+}
+
+impl Selection {
+    fn new(reader: &Reader, wanted: &[String]) -> Result<Self, Failure> {
+        if let Some(unknown) = wanted
+            .iter()
+            .find(|name| reader.topics().iter().all(|it| *it.name != ***name))
+        {
+            let names: Vec<&str> = reader.topics().iter().map(|it| &*it.name).collect();
+            let reason = format!(
+                "expected one of the topics {}, found {unknown}",
+                names.join(", ")
+            );
+            return Err(Failure::plain(Exit::BadInput, reason));
+        }
+        let (mut decoders, mut left_out) = (BTreeMap::new(), Vec::new());
+        for (index, topic) in reader.topics().iter().enumerate() {
+            if !wanted.is_empty() && wanted.iter().all(|name| **name != *topic.name) {
+                continue;
+            }
+            match Decoder::new(topic) {
+                Ok(decoder) => drop(decoders.insert(index, decoder)),
+                Err(error) => left_out.push(error.to_string()),
+            }
+        }
+        if decoders.is_empty() {
+            let reason = match left_out.is_empty() {
+                true => "the recording has no topics; there is nothing to export".to_owned(),
+                false => left_out.join("\n"),
+            };
+            return Err(Failure::plain(Exit::BadInput, reason));
+        }
+        Ok(Self {
+            decoders,
+            left_out,
+            misfits: 0,
+            first_misfit: None,
+        })
+    }
+
+    /// The content of a message that is wanted; one that does not fit is counted.
+    fn decode(&mut self, message: &Message) -> Option<(&Decoder, Decoded)> {
+        let decoder = self.decoders.get(&message.topic_index)?;
+        match decoder.decode(message) {
+            Ok(content) => Some((decoder, content)),
+            Err(error) => {
+                self.misfits += 1;
+                self.first_misfit.get_or_insert_with(|| error.to_string());
+                None
+            }
+        }
+    }
+
+    /// What is missing in what was written.
+    fn losses(self) -> Result<(), Failure> {
+        let mut lines = self.left_out;
+        if let Some(first) = self.first_misfit {
+            lines.push(format!(
+                "{} messages are left out, the first: {first}",
+                self.misfits
+            ));
+        }
+        match lines.is_empty() {
+            true => Ok(()),
+            false => Err(Failure::plain(Exit::Lossy, lines.join("\n"))),
+        }
+    }
+}
+
+fn beside(bag: &Path, csv: bool) -> PathBuf {
+    let whole = fs::canonicalize(bag).unwrap_or_else(|_| bag.to_path_buf());
+    let name = if bag.is_dir() {
+        whole.file_name()
+    } else {
+        whole.file_stem()
+    };
+    let name = name.unwrap_or_default().to_string_lossy();
+    bag.with_file_name(format!("{name}{}", if csv { "_csv" } else { ".jsonl" }))
+}
+
+fn unwritable(path: &Path, error: impl std::fmt::Display) -> Failure {
+    Failure::plain(
+        Exit::Failed,
+        format!("cannot write {}: {error}", path.display()),
+    )
+}
+
+fn write_json_file(
+    reader: &Reader,
+    selection: &mut Selection,
+    path: &Path,
+) -> Result<u64, Failure> {
+    let failed = |error: std::io::Error| unwritable(path, error);
+    let mut file = WholeFile::create(path).map_err(failed)?;
+    let messages = write_json(reader, selection, &mut file).map_err(failed)?;
+    file.commit().map_err(failed)?;
+    Ok(messages)
+}
+
+fn write_json(
+    reader: &Reader,
+    selection: &mut Selection,
+    out: &mut impl Write,
+) -> std::io::Result<u64> {
+    let mut messages = 0;
+    for message in reader.messages() {
+        let message = message.map_err(std::io::Error::other)?;
+        if let Some((_, content)) = selection.decode(&message) {
+            let line = json!({
+                "topic": &*message.topic,
+                "type": &*message.type_name,
+                "log_time": message.log_time,
+                "publish_time": message.publish_time,
+            });
+            // The content in the order of its fields, which a map of values would not keep.
+            let head = line.to_string();
+            let head = head.trim_end_matches('}');
+            writeln!(
+                out,
+                "{head},\"message\":{}}}",
+                serde_json::to_string(&content)?
+            )?;
+            messages += 1;
+        }
+    }
+    Ok(messages)
+}
+
+/// Writes in a directory of another name, which gets its own when it is complete.
+fn write_tables(
+    reader: &Reader,
+    selection: &mut Selection,
+    directory: &Path,
+) -> Result<u64, Failure> {
+    let failed = |error: std::io::Error| unwritable(directory, error);
+    let parent = match directory.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let workshop = tempfile::Builder::new()
+        .prefix(".column-twin-export-")
+        .tempdir_in(parent)
+        .map_err(failed)?;
+    let unnamed = workshop.path().join("tables");
+    fs::create_dir(&unnamed).map_err(failed)?;
+    let mut tables = Tables::create(reader, selection, &unnamed).map_err(failed)?;
+    let mut messages = 0;
+    for message in reader.messages() {
+        let message = message.map_err(failure)?;
+        if let Some((decoder, content)) = selection.decode(&message) {
+            tables
+                .add(&message, decoder.cells(&content))
+                .map_err(failed)?;
+            messages += 1;
+        }
+    }
+    tables.finish().map_err(failed)?;
+    fs::rename(&unnamed, directory).map_err(failed)?;
+    Ok(messages)
+}
+
+/// One table per topic.
+struct Tables(BTreeMap<usize, csv::Writer<BufWriter<File>>>);
+
+impl Tables {
+    fn create(reader: &Reader, selection: &Selection, directory: &Path) -> std::io::Result<Self> {
+        let mut tables = BTreeMap::new();
+        for (index, decoder) in &selection.decoders {
+            let name = reader.topics().get(*index).map_or("", |topic| &*topic.name);
+            let path = file_for(directory, name);
+            let file = File::options().write(true).create_new(true).open(path)?;
+            let mut table = csv::Writer::from_writer(BufWriter::new(file));
+            let times = ["log_time", "publish_time"].map(str::to_owned);
+            table.write_record(times.into_iter().chain(decoder.columns()))?;
+            tables.insert(*index, table);
+        }
+        Ok(Self(tables))
+    }
+
+    fn add(&mut self, message: &Message, cells: Vec<String>) -> std::io::Result<()> {
+        let Some(table) = self.0.get_mut(&message.topic_index) else {
+            return Ok(());
+        };
+        let times = [message.log_time, message.publish_time].map(|time| time.to_string());
+        Ok(table.write_record(times.into_iter().chain(cells))?)
+    }
+
+    fn finish(self) -> std::io::Result<()> {
+        for (_, table) in self.0 {
+            let file = table
+                .into_inner()
+                .map_err(csv::IntoInnerError::into_error)?;
+            file.into_inner()
+                .map_err(std::io::IntoInnerError::into_error)?;
+        }
+        Ok(())
+    }
+}
+
+/// A name that is not taken: of `/garage/column_state` that is `garage.column_state.csv`.
+fn file_for(directory: &Path, topic: &str) -> PathBuf {
+    const LONGEST: usize = 200;
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || "_-".contains(c) {
+            c
+        } else {
+            '.'
+        }
+    };
+    let name: String = topic
+        .trim_start_matches('/')
+        .chars()
+        .map(plain)
+        .take(LONGEST)
+        .collect();
+    let name = if name.trim_matches('.').is_empty() {
+        "topic"
+    } else {
+        &name
+    };
+    let first = directory.join(format!("{name}.csv"));
+    let more = (2..).map(|number| directory.join(format!("{name}_{number}.csv")));
+    std::iter::once(first.clone())
+        .chain(more)
+        .find(|path| !path.exists())
+        .unwrap_or(first)
+}

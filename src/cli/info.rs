@@ -1,0 +1,247 @@
+//! `column-twin info`: what is in a recording.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::time::{Duration, UNIX_EPOCH};
+
+use clap::Args;
+use serde_json::{Value as Json, json};
+
+use super::repair::failure;
+use super::{Exit, Failure};
+use crate::recording::{self, EventSummary, Reader, RecordedTopic, RecordingError};
+
+/// What `column-twin info` is told.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct InfoArgs {
+    /// Directory of the recording, or an .mcap file
+    #[arg(value_name = "BAG")]
+    bag: PathBuf,
+    /// Print JSON, for programs
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example: which impacts a recording holds, and what came of them
+  column-twin info recordings/column_twin_2026_11_21-07_40_00
+
+Reads recordings of this program and every other MCAP file; impacts are listed where it has our messages.
+Exit codes: 0 the recording is whole, 1 failed, 2 bad input, or the recording is not whole.";
+
+/// Prints what is in the recording.
+pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let reader = Reader::open(&arguments.bag).map_err(failure)?;
+    let events = recording::summarise_events(&reader);
+    let printed = match arguments.json {
+        true => writeln!(out, "{:#}", as_json(&reader, &events)),
+        false => print(&reader, &events, out),
+    };
+    printed.map_err(|error| Failure::plain(Exit::Failed, format!("cannot print: {error}")))?;
+    events.map_err(failure)?;
+    if !reader.wholeness().is_whole() {
+        let bag = arguments.bag.display();
+        let advice = format!(
+            "{bag} is {}; what is listed above can be read, and is written anew with: column-twin repair {bag}",
+            reader.wholeness()
+        );
+        return Err(Failure::plain(Exit::BadInput, advice));
+    }
+    Ok(())
+}
+
+type Events = Result<(Vec<EventSummary>, u64), RecordingError>;
+
+fn print(reader: &Reader, events: &Events, out: &mut impl Write) -> io::Result<()> {
+    print_head(reader, out)?;
+    writeln!(out, "\nTopics")?;
+    let width = reader
+        .topics()
+        .iter()
+        .map(|it| it.name.len())
+        .max()
+        .unwrap_or(0);
+    let type_width = reader
+        .topics()
+        .iter()
+        .map(|it| it.type_name.len())
+        .max()
+        .unwrap_or(0);
+    for topic in reader.topics() {
+        let RecordedTopic {
+            name,
+            type_name,
+            messages,
+            ..
+        } = topic;
+        write!(
+            out,
+            "  {name:width$}  {type_name:type_width$}  {messages:>9}"
+        )?;
+        match note(topic) {
+            Some(note) => writeln!(out, "  {note}")?,
+            None => writeln!(out)?,
+        }
+    }
+    let Ok((events, beyond)) = events else {
+        return Ok(());
+    };
+    writeln!(
+        out,
+        "\nImpacts{}",
+        if events.is_empty() { "\n  none" } else { "" }
+    )?;
+    for event in events {
+        print_event(event, out)?;
+    }
+    if *beyond > 0 {
+        writeln!(out, "  and more: {beyond} messages are of other events")?;
+    }
+    Ok(())
+}
+
+fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
+    let mut line = |name: &str, text: String| writeln!(out, "{name:<12}{text}");
+    line("Recording", reader.path().display().to_string())?;
+    let compression = format!("{:?}", reader.compression()).to_lowercase();
+    line(
+        "Size",
+        format!(
+            "{} bytes in {} file(s), compression {compression}",
+            reader.bytes(),
+            reader.files().len()
+        ),
+    )?;
+    line("Written by", writer(reader))?;
+    match reader.span() {
+        Some((first, last)) => {
+            line("Begins", instant(first))?;
+            line(
+                "Ends",
+                format!(
+                    "{}, after {:.3} s",
+                    instant(last),
+                    (last - first) as f64 * 1e-9
+                ),
+            )?;
+        }
+        None => line("Begins", "never: it has no messages".to_owned())?,
+    }
+    line("Messages", reader.message_count().to_string())?;
+    line(
+        "Whole",
+        if reader.wholeness().is_whole() {
+            "yes".to_owned()
+        } else {
+            reader.wholeness().to_string()
+        },
+    )?;
+    line("Lost", losses(reader))
+}
+
+fn writer(reader: &Reader) -> String {
+    let notes = reader.start_notes();
+    let noted = notes.and_then(|it| Some(format!("{} {}", it.get("program")?, it.get("version")?)));
+    let library = || format!("{} (profile {:?})", reader.library(), reader.profile());
+    noted.unwrap_or_else(library)
+}
+
+fn losses(reader: &Reader) -> String {
+    let ended = reader
+        .ended()
+        .map(|reason| format!("; ended: {reason}"))
+        .unwrap_or_default();
+    match reader.lost_messages() {
+        Some(lost) => format!("{lost} messages, as its recorder counted{ended}"),
+        None => "not said".to_owned(),
+    }
+}
+
+/// What is to be known of a topic that cannot be taken as one of ours.
+fn note(topic: &RecordedTopic) -> Option<String> {
+    if !topic.type_name.starts_with("column_twin/") {
+        return None;
+    }
+    topic
+        .check_definition()
+        .err()
+        .map(|error| error.to_string())
+}
+
+fn print_event(event: &EventSummary, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "  {} on {}", event.event_id, event.column_id)?;
+    if let Some(stamp) = event.stamp {
+        write!(out, ", {}", instant(stamp))?;
+    }
+    if let (Some(mass), Some(velocity)) = (event.mass, event.velocity) {
+        write!(out, ": {mass} kg at {velocity} m/s")?;
+    }
+    writeln!(out)?;
+    if let Some(reason) = &event.refused {
+        writeln!(out, "    refused: {reason}")?;
+    }
+    match event.outcome {
+        Some(outcome) => print_outcome(event, outcome, out),
+        None if event.refused.is_none() => writeln!(out, "    no report in this recording"),
+        None => Ok(()),
+    }
+}
+
+fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> io::Result<()> {
+    let millimetres =
+        |value: Option<f64>| value.map_or("none".to_owned(), |it| format!("{:.2} mm", 1e3 * it));
+    write!(out, "    {outcome}: peak v1 {}", millimetres(event.max_v1))?;
+    if let Some(time) = event.max_v1_time {
+        write!(out, " after {:.2} ms", 1e3 * time)?;
+    }
+    if event.forecast_max_v1.is_some() {
+        write!(out, " (forecast {})", millimetres(event.forecast_max_v1))?;
+    }
+    write!(out, ", residual {}", millimetres(event.residual_v1))?;
+    match event.peak_contact_force {
+        Some(force) => writeln!(out, ", peak contact force {:.1} kN", 1e-3 * force),
+        None => writeln!(out),
+    }
+}
+
+/// An instant as a date, UTC, to the millisecond.
+fn instant(nanos: i64) -> String {
+    let time = UNIX_EPOCH + Duration::from_nanos(u64::try_from(nanos).unwrap_or(0));
+    let name = recording::directory_name(time);
+    let digits = name.trim_start_matches("column_twin_");
+    let (date, clock) = digits.split_once('-').unwrap_or((digits, ""));
+    let milliseconds = nanos.rem_euclid(1_000_000_000) / 1_000_000;
+    format!(
+        "{} {}.{milliseconds:03} UTC",
+        date.replace('_', "-"),
+        clock.replace('_', ":")
+    )
+}
+
+fn as_json(reader: &Reader, events: &Events) -> Json {
+    let topics = reader.topics().iter().map(|topic| {
+        json!({
+            "name": &*topic.name,
+            "type": &*topic.type_name,
+            "messages": topic.messages,
+            "note": note(topic),
+        })
+    });
+    json!({
+        "path": reader.path().display().to_string(),
+        "bytes": reader.bytes(),
+        "files": reader.files().len(),
+        "compression": format!("{:?}", reader.compression()).to_lowercase(),
+        "written_by": writer(reader),
+        "begins": reader.span().map(|it| it.0),
+        "ends": reader.span().map(|it| it.1),
+        "messages": reader.message_count(),
+        "whole": reader.wholeness().is_whole(),
+        "not_whole_because": (!reader.wholeness().is_whole()).then(|| reader.wholeness().to_string()),
+        "lost": reader.lost_messages(),
+        "ended": reader.ended(),
+        "topics": topics.collect::<Vec<_>>(),
+        "impacts": events.as_ref().map(|it| &it.0).ok(),
+    })
+}

@@ -1,0 +1,226 @@
+//! `info`, `repair` and `export` as a user runs them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use column_twin::parameters::Compression;
+
+use super::sample::{self, sample};
+
+fn run(arguments: &[&str], bag: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_column-twin"))
+        .args(arguments)
+        .arg(bag)
+        .output()
+        .unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn bag(folder: &tempfile::TempDir) -> PathBuf {
+    let directory = folder.path().join("bag");
+    sample::write(&directory, Compression::Lz4, &sample(100));
+    directory
+}
+
+#[test]
+fn info_says_what_is_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = bag(&folder);
+    let output = run(&["info"], &bag);
+    assert_eq!((code(&output), err(&output).as_str()), (0, ""));
+    let text = out(&output);
+    for part in [
+        "compression lz4",
+        "column-twin 0.1.0",
+        "2026-11-21 07:40:00.000 UTC",
+        "/garage/column_state",
+        "column_twin/msg/ColumnState",
+        "0 messages, as its recorder counted; ended: stopped",
+        "event 0 on A3, 2026-11-21 07:40:00.000 UTC: 1500 kg at 10 m/s",
+        "plastic: peak v1 94.60 mm after 19.79 ms (forecast 94.60 mm), residual 89.34 mm, peak contact force 746.9 kN",
+        "refused: mass and velocity must be above 0",
+    ] {
+        assert!(text.contains(part), "{part:?} is not in\n{text}");
+    }
+}
+
+#[test]
+fn info_for_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(&["info", "--json"], &bag(&folder));
+    let info: serde_json::Value = serde_json::from_str(&out(&output)).unwrap();
+    assert_eq!(
+        (&info["whole"], &info["lost"], &info["messages"]),
+        (&true.into(), &0.into(), &(sample(100).len()).into())
+    );
+    assert_eq!(info["impacts"][0]["outcome"], "plastic");
+    assert_eq!(
+        info["topics"].as_array().unwrap().len(),
+        sample::topics().len()
+    );
+}
+
+#[test]
+fn info_of_a_file_that_was_cut_off_says_so_and_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = bag(&folder).join("bag_0.mcap");
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let output = run(&["info"], &file);
+    assert_eq!(code(&output), 2);
+    assert!(out(&output).contains("/garage/column_state"));
+    assert!(
+        err(&output).contains("cut off") && err(&output).contains("column-twin repair"),
+        "{}",
+        err(&output)
+    );
+}
+
+#[test]
+fn repair_writes_beside_and_never_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = bag(&folder);
+    let output = run(&["repair"], &bag);
+    assert_eq!(code(&output), 0);
+    assert!(out(&output).contains("nothing to repair"));
+    let file = bag.join("bag_0.mcap");
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let output = run(&["repair"], &bag);
+    assert_eq!(code(&output), 3, "{}", err(&output));
+    assert!(out(&output).contains("bag_repaired"), "{}", out(&output));
+    let again = run(&["repair"], &bag);
+    assert_eq!(code(&again), 2);
+    assert!(err(&again).contains("exists already"), "{}", err(&again));
+    assert_eq!(
+        code(&run(&["info"], &folder.path().join("bag_repaired"))),
+        0
+    );
+    let elsewhere = folder.path().join("elsewhere");
+    let output = run(&["repair", "--output", elsewhere.to_str().unwrap()], &bag);
+    assert_eq!(code(&output), 3);
+    assert!(elsewhere.join("metadata.yaml").exists());
+}
+
+/// The table of a topic is what was recorded, to the last bit.
+#[test]
+fn export_as_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = bag(&folder);
+    let output = run(&["export", "--csv"], &bag);
+    assert_eq!((code(&output), err(&output).as_str()), (0, ""));
+    let tables = folder.path().join("bag_csv");
+    assert_eq!(
+        fs::read_dir(&tables).unwrap().count(),
+        sample::topics().len()
+    );
+    let mut table = csv::Reader::from_path(tables.join("garage.column_state.csv")).unwrap();
+    let header = table.headers().unwrap().clone();
+    let column = |name: &str| {
+        header
+            .iter()
+            .position(|it| it == name)
+            .unwrap_or_else(|| panic!("no column {name}"))
+    };
+    let (log_time, v1, u1, second) = (
+        column("log_time"),
+        column("v1"),
+        column("u1"),
+        column("header.stamp.sec"),
+    );
+    let messages = sample(100);
+    let states: Vec<_> = sample::in_order(&messages)
+        .into_iter()
+        .filter(|it| it.entry.topic == 0)
+        .collect();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), states.len());
+    for (row, state) in rows.iter().zip(states) {
+        assert_eq!(row[log_time].parse::<i64>().unwrap(), state.entry.log_time);
+        assert_eq!(
+            row[v1].parse::<f64>().unwrap().to_bits(),
+            state.content["v1"].as_f64().unwrap().to_bits()
+        );
+        assert_eq!(&row[u1], "NaN");
+        assert_eq!(
+            row[second].parse::<i64>().unwrap(),
+            state.entry.log_time / 1_000_000_000
+        );
+    }
+    let hinges = fs::read_to_string(tables.join("garage.hinge_forces.csv")).unwrap();
+    assert!(
+        hinges
+            .lines()
+            .next()
+            .unwrap()
+            .contains("moment[0],moment[1],moment[2],moment[3],normal_force[0]")
+    );
+    // A topic without messages has its header.
+    let parameters = fs::read_to_string(tables.join("garage.column_parameters.csv")).unwrap();
+    assert_eq!(parameters.lines().count(), 1);
+    let again = run(&["export", "--csv"], &bag);
+    assert_eq!(code(&again), 2);
+}
+
+#[test]
+fn export_as_lines_of_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = bag(&folder);
+    let output = run(
+        &[
+            "export",
+            "--json",
+            "--output",
+            "-",
+            "--topics",
+            "/garage/column_state",
+            "--",
+        ],
+        &bag,
+    );
+    assert_eq!((code(&output), err(&output).as_str()), (0, ""));
+    let text = out(&output);
+    assert_eq!(text.lines().count(), 100);
+    let first: serde_json::Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
+    assert_eq!(
+        (&first["topic"], &first["message"]["u1"]),
+        (&"/garage/column_state".into(), &"NaN".into())
+    );
+    let output = run(&["export", "--json"], &bag);
+    assert_eq!(code(&output), 0);
+    let lines = fs::read_to_string(folder.path().join("bag.jsonl")).unwrap();
+    assert_eq!(lines.lines().count(), sample(100).len());
+}
+
+#[test]
+fn export_says_what_it_cannot_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = bag(&folder);
+    let unknown = run(&["export", "--json", "--topics", "/nothing", "--"], &bag);
+    assert_eq!(code(&unknown), 2);
+    assert!(err(&unknown).contains("found /nothing") && err(&unknown).contains("/garage/markers"));
+    assert_eq!(code(&run(&["export"], &bag)), 2);
+    let file = bag.join("bag_0.mcap");
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let cut_off = run(&["export", "--csv"], &bag);
+    assert_eq!(code(&cut_off), 2);
+    assert!(
+        err(&cut_off).contains("column-twin repair"),
+        "{}",
+        err(&cut_off)
+    );
+    assert!(!folder.path().join("bag_csv").exists());
+}

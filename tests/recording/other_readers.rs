@@ -1,0 +1,80 @@
+//! Readers that we did not write find every message and every value: rosbags, mcap with mcap-ros2-support, @mcap/core with
+//! @foxglove/rosmsg2-serialization, and rerun. Needs Python 3.11 and node, and network the first time:
+//! `cargo test --test recording other_readers -- --ignored`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use column_twin::recording::repair;
+
+use super::sample::{self, COMPRESSIONS, Expected, sample};
+
+fn interop(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/interop")
+        .join(file)
+}
+
+/// An environment that a script builds when there is none.
+fn environment(script: &str) -> PathBuf {
+    let output = Command::new(interop(script))
+        .stderr(Stdio::inherit())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{script}: {}", output.status);
+    PathBuf::from(String::from_utf8(output.stdout).unwrap().trim())
+}
+
+/// Lets all of them read the recording.
+fn assert_others_read(directory: &Path, messages: &[Expected]) {
+    let expected = directory.with_extension("expected");
+    fs::write(&expected, sample::expected_lines(messages)).unwrap();
+    let python = environment("environment.sh").join("bin/python");
+    let mut with_python = Command::new(python);
+    with_python.arg(interop("read_recording.py"));
+    let modules = environment("node_environment.sh");
+    let mut with_node = Command::new("node");
+    with_node
+        .arg(interop("read_recording.js"))
+        .env("NODE_PATH", modules);
+    for mut reader in [with_python, with_node] {
+        let status = reader
+            .arg(directory)
+            .arg(&expected)
+            .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+            .status()
+            .unwrap();
+        assert!(status.success(), "{reader:?}: {status}");
+    }
+}
+
+#[test]
+#[ignore = "slow: other people's readers, from PyPI and npm"]
+fn others_read_every_message_and_value() {
+    let messages = sample(2000);
+    for compression in COMPRESSIONS {
+        let folder = tempfile::tempdir().unwrap();
+        let directory = folder.path().join("bag");
+        sample::write(&directory, compression, &messages);
+        assert_others_read(&directory, &messages);
+    }
+}
+
+#[test]
+#[ignore = "slow: other people's readers, from PyPI and npm"]
+fn others_read_a_repaired_recording() {
+    for compression in COMPRESSIONS {
+        let folder = tempfile::tempdir().unwrap();
+        let directory = folder.path().join("bag");
+        let messages = sample(3000);
+        sample::write(&directory, compression, &messages);
+        let file = directory.join("bag_0.mcap");
+        let bytes = fs::read(&file).unwrap();
+        fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+        fs::remove_file(directory.join("metadata.yaml")).unwrap();
+        let repaired = repair(&directory, None).unwrap().unwrap();
+        let saved = usize::try_from(repaired.messages).unwrap();
+        assert_others_read(&repaired.directory, &messages[..saved]);
+    }
+}
