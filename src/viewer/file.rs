@@ -77,7 +77,6 @@ pub fn from_samples(
             event_id: Arc::clone(&event_id),
             phase: TwinPhase::from(sample.phase),
             sample,
-            lengths: None,
         })
     }));
     if let (Some(Item::State(last)), Outcome::Elastic | Outcome::Plastic) =

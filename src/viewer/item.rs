@@ -127,7 +127,6 @@ impl Item {
             event_id: state.event_id.as_str().into(),
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
-            lengths: None,
         })
     }
 }

@@ -151,7 +151,6 @@ mod tests {
                 time,
                 ..Sample::default()
             },
-            lengths: None,
         }
     }
 

@@ -1,6 +1,8 @@
 //! Whatever happens to a twin, its recording is what the model gives.
 
+use column_twin::evidence::verify;
 use column_twin::parameters::{RecordMode, Value};
+use column_twin::recording::RecorderOptions;
 use column_twin::twin::{ImpactEvent, TwinPhase};
 
 use super::recorded_twin::{MS, RecordedTwin, event, parameters};
@@ -169,6 +171,41 @@ fn the_mode_events_leaves_the_time_at_rest_out() {
         (count(RecordMode::Events), count(RecordMode::Always));
     assert_eq!(states, all_states);
     assert!((5..=10).contains(&few) && many > 60, "{few} {many}");
+}
+
+/// Each begins with a starting point and can be proven without the others; what reaches back before it is said.
+#[test]
+fn every_recording_stands_for_itself() {
+    let short = |options| RecorderOptions {
+        max_file_size: 1,
+        ..options
+    };
+    let mut twin = RecordedTwin::with_options(parameters(), RecordMode::Always, short);
+    let mut stamp = twin.now;
+    for id in ["a", "b", "c"] {
+        stamp = twin.now;
+        twin.hit(event(id, stamp));
+        twin.until_rest();
+        twin.advance(MS);
+    }
+    twin.hit(event("late", stamp + 5 * MS));
+    twin.until_rest();
+    let recordings = twin.finish();
+    let paths = recordings.paths();
+    assert_eq!(paths.len(), 5, "{paths:?}");
+    for (index, path) in paths.iter().enumerate() {
+        let found = verify(path).expect("can be verified");
+        assert!(found.is_equal(), "{found}");
+        assert_eq!(found.starting_points, 1, "{found}");
+        // The fourth begins after the response that the late impact belongs into.
+        assert_eq!(
+            found.unchecked.len(),
+            usize::from(index == 3),
+            "{index}: {found}"
+        );
+        let all = found.topics.iter().map(|it| it.recorded).sum::<u64>();
+        assert_eq!(found.compared() == all, index != 3, "{index}: {found}");
+    }
 }
 
 /// SplitMix64.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::outgoing::{Outgoing, TOPICS};
 use column_twin::parameters::{Parameters, Record, RecordMode, Value};
+use column_twin::recording::RecorderOptions;
 use column_twin::ros::bridge::Recording;
 use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Twin};
 use tempfile::TempDir;
@@ -49,6 +50,14 @@ impl RecordedTwin {
     }
 
     pub fn with_mode(parameters: Parameters, mode: RecordMode) -> Self {
+        Self::with_options(parameters, mode, |options| options)
+    }
+
+    pub fn with_options(
+        parameters: Parameters,
+        mode: RecordMode,
+        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
+    ) -> Self {
         let directory = TempDir::new().expect("a directory");
         let record = Record {
             mode,
@@ -56,7 +65,7 @@ impl RecordedTwin {
             ..parameters.settings().record.clone()
         };
         let topics = Topics::of_default_node();
-        let recording = NodeRecording::start(&record, &topics, |options| options)
+        let recording = NodeRecording::start(&record, &topics, options)
             .expect("starts")
             .expect("is asked for");
         let outgoing = Outgoing::new(&parameters);
@@ -148,6 +157,17 @@ impl Finished {
     /// The one recording that there is.
     pub fn path(&self) -> PathBuf {
         the_one_recording(self.directory.path())
+    }
+
+    /// All recordings that there are, in their order.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.directory.path()).expect("readable");
+        let mut found: Vec<_> = entries
+            .map(|entry| entry.expect("readable").path())
+            .collect();
+        // `_2` is before `_10`.
+        found.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
+        found
     }
 
     pub fn verify(&self) -> Verification {
