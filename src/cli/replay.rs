@@ -43,15 +43,16 @@ pub struct ReplayArgs {
 }
 
 const EXAMPLE: &str = "\
-Publishes the recorded bytes with their timing and their quality of service. Keys: space pauses, right arrow gives the next
-message while it is paused, up and down change the rate by a tenth, Ctrl-C ends. The journal, which nobody has sent, is left
-out. Remap with --ros-args, as in every ROS 2 program.
+Publishes the recorded bytes with their timing and their quality of service. Keys: space pauses,
+right arrow gives the next message while it is paused, up and down change the rate by a tenth,
+Ctrl-C ends. The journal, which nobody has sent, is left out. Remap with --ros-args, as in every
+ROS 2 program.
 
 Examples: ten times slower; the events alone, into a twin that follows simulated time
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --rate 0.1
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
 
-Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be sent.";
+Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 messages could not be sent.";
 
 fn rate(text: &str) -> Result<f64, String> {
     number_in(text, RATES)

@@ -12,9 +12,13 @@ use clap::Args;
 
 use super::{Exit, Failure, HistoryWriter, Summary};
 use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
+#[cfg(feature = "record")]
+use crate::evidence::SimulatedRecordingError;
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, Thinning};
 use crate::parameters::{Parameters, parse_override};
+#[cfg(feature = "record")]
+use crate::recording::RecordingError;
 #[cfg(feature = "viewer")]
 use crate::viewer::{self, ViewerError};
 use crate::whole_file::WholeFile;
@@ -97,7 +101,7 @@ enum SimulateError {
     Output(io::Error),
     #[cfg(feature = "record")]
     #[error("the impact cannot be recorded: {0}")]
-    Recording(#[from] crate::evidence::SimulatedRecordingError),
+    Recording(SimulatedRecordingError),
     #[error(transparent)]
     #[diagnostic(transparent)]
     Figures(#[from] FigureError),
@@ -114,6 +118,11 @@ impl From<SimulateError> for Failure {
             SimulateError::Simulation(SimulationError::Model(_) | SimulationError::Impact(_)) => {
                 Exit::BadInput
             }
+            #[cfg(feature = "record")]
+            SimulateError::Recording(
+                SimulatedRecordingError::Origin(_)
+                | SimulatedRecordingError::Recording(RecordingError::Exists { .. }),
+            ) => Exit::BadInput,
             _ => Exit::Failed,
         };
         Self::new(exit, fault)
@@ -338,7 +347,8 @@ impl Case {
         };
         // `as` saturates, and what is no instant is refused.
         let origin = (arguments.record_stamp * 1e9).round() as i64;
-        crate::evidence::record_impact(&self.parameters, origin, directory, &options)?;
+        crate::evidence::record_impact(&self.parameters, origin, directory, &options)
+            .map_err(SimulateError::Recording)?;
         Ok(Some(directory.clone()))
     }
 

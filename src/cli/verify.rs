@@ -17,9 +17,10 @@ pub struct VerifyArgs {
 }
 
 const EXAMPLE: &str = "\
-Runs the twin anew from the recorded state, parameters and inputs, and compares every value of column_state, hinge_forces,
-impact_forecast, impact_report, twin_status, joint_states and markers with what was recorded. The same build computes the
-same bits. How long computing took and what other threads of the node did cannot be recomputed and is left out.
+Runs the twin anew from the recorded state, parameters and inputs, and compares every value of
+column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and markers
+with what was recorded. The same build computes the same bits. How long computing took and what
+other threads of the node did cannot be recomputed and is left out.
 
 Example: simulate an impact, and prove the recording of it
   column-twin simulate --record impact && column-twin verify impact

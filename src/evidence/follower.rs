@@ -303,11 +303,7 @@ impl Course {
             self.gave_out(&out);
             index = self.computed[topic].iter().position(same);
         }
-        let index = index.or_else(|| {
-            // With a wrong stamp or event it is the next one, and differs.
-            (!self.computed[topic].is_empty()).then_some(0)
-        })?;
-        let found = self.computed[topic].remove(index)?;
+        let found = self.computed[topic].remove(index?)?;
         self.newest_found = self.newest_found.max(found.number);
         Some(found.message)
     }

@@ -83,10 +83,13 @@ pub enum VerifyError {
     Journal(#[from] JournalError),
     /// Nothing to begin with.
     #[error(
-        "there is no starting point in the journal of the recording: it was cut off before the column came to rest, or \
-         its beginning is missing; verify the recording before or after it"
+        "there is no starting point in the journal of the recording ({wholeness}), from which to compute it anew; verify the \
+         recording before or after it"
     )]
-    NoStartingPoint,
+    NoStartingPoint {
+        /// Whether all is there that was written.
+        wholeness: String,
+    },
 }
 
 impl Verification {
@@ -201,7 +204,8 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     }
     let mut findings = follower.finish();
     if findings.starting_points == 0 {
-        return Err(VerifyError::NoStartingPoint);
+        let wholeness = reader.wholeness().to_string();
+        return Err(VerifyError::NoStartingPoint { wholeness });
     }
     let early: u64 = before.iter().sum();
     if early > 0 {

@@ -5,6 +5,7 @@
 //! a message that announces more than it holds is refused without first taking the memory for it.
 
 use byteorder::{BigEndian, LittleEndian};
+use serde::Serialize;
 
 use super::interface::Message;
 
@@ -85,6 +86,23 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
 /// # Errors
 /// As [`encode`]; the buffer then holds a part of the message.
 pub fn encode_into<M: Message>(bytes: &mut Vec<u8>, message: &M) -> Result<(), CdrError> {
+    write::<M, M>(bytes, message)
+}
+
+/// The bytes of a message of type `M` that another library's struct of the same fields holds.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_as<M: Message, Foreign: Serialize>(message: &Foreign) -> Result<Vec<u8>, CdrError> {
+    let mut bytes = Vec::new();
+    write::<M, Foreign>(&mut bytes, message)?;
+    Ok(bytes)
+}
+
+fn write<M: Message, Content: Serialize>(
+    bytes: &mut Vec<u8>,
+    message: &Content,
+) -> Result<(), CdrError> {
     bytes.clear();
     bytes.extend_from_slice(&LITTLE_ENDIAN);
     cdr_encoding::to_writer::<_, LittleEndian, _>(bytes, message).map_err(|source| {

@@ -28,6 +28,7 @@ pub mod column_twin;
 pub mod diagnostic_msgs;
 mod from_column;
 pub mod geometry_msgs;
+pub mod rcl_interfaces;
 pub mod rosgraph_msgs;
 pub mod sensor_msgs;
 pub mod std_msgs;

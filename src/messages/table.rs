@@ -2,8 +2,8 @@
 
 use super::interface::{Interface, Message, Part};
 use super::{
-    builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rosgraph_msgs, sensor_msgs,
-    std_msgs, std_srvs, visualization_msgs,
+    builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rcl_interfaces, rosgraph_msgs,
+    sensor_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
 /// Ties each struct to its file and lists all of them, so that no type can be in one place only.
@@ -39,6 +39,10 @@ interfaces! {
     geometry_msgs Message Pose = Pose in "msg/deps/geometry_msgs/Pose.msg";
     geometry_msgs Message Quaternion = Quaternion in "msg/deps/geometry_msgs/Quaternion.msg";
     geometry_msgs Message Vector3 = Vector3 in "msg/deps/geometry_msgs/Vector3.msg";
+    rcl_interfaces Message Log = Log in "msg/deps/rcl_interfaces/Log.msg";
+    rcl_interfaces Message Parameter = Parameter in "msg/deps/rcl_interfaces/Parameter.msg";
+    rcl_interfaces Message ParameterEvent = ParameterEvent in "msg/deps/rcl_interfaces/ParameterEvent.msg";
+    rcl_interfaces Message ParameterValue = ParameterValue in "msg/deps/rcl_interfaces/ParameterValue.msg";
     rosgraph_msgs Message Clock = Clock in "msg/deps/rosgraph_msgs/Clock.msg";
     sensor_msgs Message CompressedImage = CompressedImage in "msg/deps/sensor_msgs/CompressedImage.msg";
     sensor_msgs Message JointState = JointState in "msg/deps/sensor_msgs/JointState.msg";

@@ -6,6 +6,7 @@ use crate::column::{HingeState, Phase, Sample};
 use crate::messages::geometry_msgs::{Point, Pose, Vector3};
 use crate::messages::std_msgs::{ColorRGBA, Header};
 use crate::messages::visualization_msgs::{Marker, MarkerArray};
+use crate::twin::Lengths;
 
 /// Width of the column's line \[m\].
 const COLUMN_WIDTH: f64 = 0.2;
@@ -34,13 +35,6 @@ const FORCE: ColorRGBA = color(0.8, 0.1, 0.6);
 
 const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
     ColorRGBA { r, g, b, a: 1.0 }
-}
-
-/// The undeformed lengths of the two bars \[m\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lengths {
-    pub below: f64,
-    pub above: f64,
 }
 
 /// All markers for one sample. Vehicle and force are taken away where there is none.

@@ -16,9 +16,9 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
-use crate::twin::{Journal, Output, ReportOutput, StateOutput, Status, TwinPhase};
+use crate::twin::{Journal, Lengths, Output, ReportOutput, StateOutput, Status, TwinPhase};
 use joint_states::JointStates;
-use markers::{Lengths, markers};
+use markers::markers;
 
 /// Shortest time between two joint states, in the time of the samples: 100 Hz show all that a plot can.
 const JOINT_STATES_PERIOD: i64 = 10_000_000;
@@ -134,6 +134,8 @@ impl Message {
 pub struct Outgoing {
     column_id: String,
     frame_id: String,
+    /// Of a state that does not say them.
+    lengths: Lengths,
     joints: JointStates,
     joint_states: Thinning,
     markers: Thinning,
@@ -147,6 +149,10 @@ impl Outgoing {
         Self {
             column_id: settings.column_id.clone(),
             frame_id: settings.frame_id.clone(),
+            lengths: Lengths {
+                below: settings.geometry.length_below,
+                above: settings.geometry.length_above,
+            },
             joints: JointStates::default(),
             joint_states: Thinning::new(JOINT_STATES_PERIOD),
             markers: Thinning::new(MARKERS_PERIOD),
@@ -187,8 +193,7 @@ impl Outgoing {
             event_id,
             phase,
             sample,
-            length_below,
-            length_above,
+            lengths,
         } = output;
         let header = self.header(*stamp);
         let mut state = ColumnState::from(sample);
@@ -211,10 +216,7 @@ impl Outgoing {
             put(Message::JointStates(message));
         }
         if self.markers.passes(*stamp, running) {
-            let lengths = Lengths {
-                below: *length_below,
-                above: *length_above,
-            };
+            let lengths = lengths.unwrap_or(self.lengths);
             put(Message::Markers(markers(&header, lengths, sample)));
         }
     }

@@ -11,6 +11,7 @@ use crate::endpoints::Endpoint;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
+use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::outgoing::{self, Message, Outgoing};
 use crate::parameters::Parameters;
 use crate::twin::{Notice, Output, Refused, RefusedInput, Severity};
@@ -49,7 +50,7 @@ struct Publishers {
     /// In the order of [`outgoing::TOPICS`].
     of_twin: Vec<Publisher<Raw>>,
     diagnostics: Publisher<Raw>,
-    parameter_events: Publisher<raw::ParameterEvent>,
+    parameter_events: Publisher<Raw>,
 }
 
 impl Publishing {
@@ -232,9 +233,11 @@ impl Publishing {
     }
 
     fn send_parameter_event(&self, event: raw::ParameterEvent) {
-        if self.publishers.parameter_events.publish(event).is_err() {
-            NodeCounters::count(&self.counters.unpublished);
-        }
+        self.send_bytes(
+            &self.publishers.parameter_events,
+            &qos::PARAMETER_EVENTS,
+            cdr::encode_as::<ParameterEvent, _>(&event),
+        );
     }
 }
 

@@ -110,7 +110,8 @@ mod tests {
                     .all(|other| other.name != endpoint.name)
             );
             let (package, _) = endpoint.package_and_type();
-            if package != "rcl_interfaces" {
+            // Of the parameter services ros2-client has the types.
+            if package != "rcl_interfaces" || endpoint.direction == Direction::Out {
                 let known = match endpoint.direction {
                     Direction::Service => format!("{}_Request", endpoint.type_name),
                     _ => endpoint.type_name.to_owned(),

@@ -15,7 +15,9 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use ros2_client::{Log, Publisher};
+use ros2_client::Publisher;
+
+use crate::messages::{cdr, rcl_interfaces};
 
 use super::bridge::{Outputs, Recording, Twin};
 use super::diagnostics::NodeCounters;
@@ -26,6 +28,7 @@ use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
 use super::qos;
+use super::raw::Raw;
 use super::rosout::RosoutQueue;
 use super::task::Task;
 
@@ -72,7 +75,7 @@ impl TwinNode {
         let counters = Arc::new(NodeCounters::default());
         let stop = Arc::new(AtomicBool::new(false));
         let log_thread = log
-            .map(|queue| publish_log(&mut node, queue, &counters, &stop))
+            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone(), &stop))
             .transpose()?;
         let publishing = Publishing::new(
             &mut node,
@@ -138,16 +141,26 @@ fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
+    recording: Option<Arc<dyn Recording>>,
     stop: &Arc<AtomicBool>,
 ) -> Result<JoinHandle<()>, NodeError> {
-    let publisher: Publisher<Log> = node.publisher(&qos::ROSOUT)?;
+    let publisher: Publisher<Raw> = node.publisher(&qos::ROSOUT)?;
     let logger = node.names().logger();
     let (counters, stop) = (Arc::clone(counters), Arc::clone(stop));
     spawn("column_twin/log", move || {
         loop {
             match queue.records.recv_timeout(LONGEST_WAIT) {
                 // A failure is not logged: it would be published too.
-                Ok(record) => drop(publisher.publish(record.into_log(&logger))),
+                Ok(record) => {
+                    let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));
+                    let Some(raw) = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok()) else {
+                        continue;
+                    };
+                    if let Some(recording) = &recording {
+                        recording.sent(&qos::ROSOUT, raw.bytes());
+                    }
+                    drop(publisher.publish(raw));
+                }
                 Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,

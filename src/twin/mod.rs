@@ -50,8 +50,8 @@ pub use journal::{
 };
 pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
 pub use output::{
-    Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput, Severity,
-    StateOutput,
+    Lengths, Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput,
+    Severity, StateOutput,
 };
 pub use parameter_change::Change;
 pub use present::{Blow, Condition, HEIGHT_TOLERANCE, Prediction, Present};

@@ -44,10 +44,18 @@ pub struct StateOutput {
     pub phase: TwinPhase,
     /// The values. `percussion` is the sum since the sample before.
     pub sample: Sample,
-    /// Length of the lower bar, and with it the height of hinges 1a and 1b above the base \[m\].
-    pub length_below: f64,
-    /// Length of the upper bar \[m\].
-    pub length_above: f64,
+    /// Undeformed lengths of the bars: an impact at another height than the parameters' has moved hinges 1a and 1b.
+    /// `None` where only messages are known, which do not say: as the parameters have them.
+    pub lengths: Option<Lengths>,
+}
+
+/// Undeformed lengths of the two bars \[m\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lengths {
+    /// Of the lower one: the height of hinges 1a and 1b above the base.
+    pub below: f64,
+    /// Of the upper one.
+    pub above: f64,
 }
 
 /// A forecast or a result.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::impacts::NO_REPORT;
 use super::input::Nanos;
-use super::output::{Output, Outputs, ReportOutput, Severity, StateOutput};
+use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput};
 use super::parameter_change::AtRest;
 use super::present::{Condition, is_damaged};
 use super::run::{Advanced, Run};
@@ -137,8 +137,10 @@ pub(super) fn put_state(run: &mut Run, phase: Option<TwinPhase>, out: &mut impl 
         event_id: Arc::clone(&run.event_id),
         phase: phase.unwrap_or(sample.phase.into()),
         sample,
-        length_below: run.model.properties.length_below,
-        length_above: run.model.properties.length_above,
+        lengths: Some(Lengths {
+            below: run.model.properties.length_below,
+            above: run.model.properties.length_above,
+        }),
     }));
 }
 

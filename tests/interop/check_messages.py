@@ -122,6 +122,8 @@ def base_value(base, field, number):
         return (-1) ** number * (number + 0.3125)
     if base == "int32":
         return -70000 * number
+    if base == "int64":
+        return -5_000_000_000 * number
     if base == "uint32":
         return 4_000_000_000 + number
     if base == "uint64":
@@ -163,6 +165,8 @@ def rclpy_message(kind, sample):
             value = rclpy_message(type(present), value)
         elif isinstance(present, bytes):
             value = bytes([value])
+        elif kind.get_fields_and_field_types()[field] == "sequence<octet>":
+            value = [bytes([each]) for each in value]
         elif isinstance(value, list) and value and isinstance(value[0], dict):
             element = element_class(kind, field)
             value = [rclpy_message(element, each) for each in value]

@@ -57,6 +57,7 @@ fn expected_format(ty: &Type) -> Format {
         Type::BuiltIn(BuiltInType::Byte | BuiltInType::UInt8) => Format::U8,
         Type::BuiltIn(BuiltInType::Int32) => Format::I32,
         Type::BuiltIn(BuiltInType::UInt32) => Format::U32,
+        Type::BuiltIn(BuiltInType::Int64) => Format::I64,
         Type::BuiltIn(BuiltInType::UInt64) => Format::U64,
         Type::BuiltIn(BuiltInType::Float32) => Format::F32,
         Type::BuiltIn(BuiltInType::Float64) => Format::F64,

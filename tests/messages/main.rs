@@ -8,7 +8,7 @@ mod ros2_itself;
 
 use column_twin::messages::{
     Message, builtin_interfaces, column_twin as ours, diagnostic_msgs, geometry_msgs,
-    rosgraph_msgs, sensor_msgs, std_msgs, std_srvs, visualization_msgs,
+    rcl_interfaces, rosgraph_msgs, sensor_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
 /// What a test does with one type.
@@ -39,6 +39,10 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         geometry_msgs::Pose,
         geometry_msgs::Quaternion,
         geometry_msgs::Vector3,
+        rcl_interfaces::Log,
+        rcl_interfaces::Parameter,
+        rcl_interfaces::ParameterEvent,
+        rcl_interfaces::ParameterValue,
         rosgraph_msgs::Clock,
         sensor_msgs::CompressedImage,
         sensor_msgs::JointState,

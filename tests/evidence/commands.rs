@@ -1,0 +1,94 @@
+//! `simulate --record` and `verify` as they are typed.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn typed(folder: &Path, line: &str) -> (i32, String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = Command::cargo_bin("column-twin")
+        .unwrap()
+        .current_dir(folder)
+        .args(line.split(' '))
+        .output()
+        .unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().unwrap(), text(stdout), text(stderr))
+}
+
+#[test]
+fn a_simulated_impact_is_recorded_and_proven() {
+    let folder = TempDir::new().unwrap();
+    for (index, options) in [
+        "--mass 1500 --velocity 10",
+        "--velocity 3 --gap 0.123 --height 1.3 --record-stamp 1700000000.5",
+        "--velocity 8 -p record.compression:=zstd -p publish_rate:=5000.0",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (code, said, fault) = typed(
+            folder.path(),
+            &format!("simulate {options} --record bag_{index}"),
+        );
+        assert_eq!(code, 0, "{fault}");
+        assert!(said.contains(&format!("Recording  bag_{index}")), "{said}");
+        for bag in [
+            format!("bag_{index}"),
+            format!("bag_{index}/bag_{index}_0.mcap"),
+        ] {
+            let (code, said, fault) = typed(folder.path(), &format!("verify {bag}"));
+            assert_eq!(code, 0, "{said}{fault}");
+            assert!(
+                said.contains("which is this one") && said.contains("Equal: "),
+                "{said}"
+            );
+        }
+    }
+    // Nothing is overwritten.
+    let (code, _, fault) = typed(folder.path(), "simulate --record bag_0");
+    assert_eq!(code, 2, "{fault}");
+    assert!(fault.contains("exists already"), "{fault}");
+}
+
+#[test]
+fn one_wrong_bit_ends_with_code_1_and_is_named() {
+    let folder = TempDir::new().unwrap();
+    let (code, ..) = typed(folder.path(), "simulate --record bag");
+    assert_eq!(code, 0);
+    let path = folder.path().join("bag/bag_0.mcap");
+    let bytes = std::fs::read(&path).unwrap();
+    let (_kept, forged) = super::forgeries::with_one_bit_flipped(&folder.path().join("bag"));
+    let (code, said, fault) = typed(folder.path(), &format!("verify {}", forged.display()));
+    assert_eq!(code, 1, "{said}{fault}");
+    assert!(said.contains("/column_state: v1 is "), "{said}");
+    assert!(fault.contains("is not what this model gives"), "{fault}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+}
+
+#[test]
+fn what_is_no_recording_ends_with_code_2() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("text.mcap"), "no recording").unwrap();
+    std::fs::write(folder.path().join("empty.mcap"), "").unwrap();
+    std::fs::create_dir(folder.path().join("folder")).unwrap();
+    for bag in ["nothing", "text.mcap", "empty.mcap", "folder"] {
+        for command in ["verify", "replay"] {
+            let (code, said, fault) = typed(folder.path(), &format!("{command} {bag}"));
+            assert_eq!(code, 2, "{command} {bag}: {said}{fault}");
+            assert!(fault.contains(bag), "{command} {bag}: {fault}");
+        }
+    }
+    for line in [
+        "replay bag --rate 0",
+        "replay bag --rate fast",
+        "replay bag --clock -1",
+    ] {
+        assert_eq!(typed(folder.path(), line).0, 2, "{line}");
+    }
+}

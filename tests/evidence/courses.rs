@@ -1,0 +1,275 @@
+//! Whatever happens to a twin, its recording is what the model gives.
+
+use column_twin::evidence::verify;
+use column_twin::parameters::{RecordMode, Value};
+use column_twin::recording::RecorderOptions;
+use column_twin::twin::{ImpactEvent, TwinPhase};
+
+use super::recorded_twin::{MS, RecordedTwin, event, parameters};
+
+#[test]
+fn one_impact() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    twin.until_rest();
+    let found = twin.finish().is_proven();
+    assert!(found.topics.iter().all(|it| it.compared > 0), "{found}");
+    assert_eq!(
+        (found.starting_points, found.states_at_rest, found.inputs),
+        (2, 1, 1)
+    );
+}
+
+#[test]
+fn damage_over_several_impacts_with_changes_in_between() {
+    let mut twin = RecordedTwin::new(parameters());
+    for (index, id) in ["a", "b", "c"].into_iter().enumerate() {
+        twin.hit(ImpactEvent {
+            velocity: 4.0 + index as f64,
+            gap: Some(0.05 * index as f64),
+            ..event(id, twin.now)
+        });
+        twin.until_rest();
+        twin.advance(1_500 * MS);
+        twin.set(&[("top.load", Value::from(1e5 * (1.0 + index as f64)))]);
+        twin.set(&[("impact.restitution", Value::from(0.25))]);
+        twin.advance(MS);
+    }
+    assert!(twin.twin.status(twin.now).residual_v1 > 0.0);
+    twin.finish().is_proven();
+}
+
+#[test]
+fn a_second_impact_during_the_response_on_time_late_and_early() {
+    for offset in [0, -7, 9] {
+        let mut twin = RecordedTwin::new(parameters());
+        twin.hit(event("a", twin.now));
+        (0..12).for_each(|_| twin.advance(MS));
+        twin.hit(ImpactEvent {
+            gap: Some(0.02),
+            ..event("b", twin.now + offset * MS)
+        });
+        twin.until_rest();
+        twin.finish().is_proven();
+    }
+}
+
+/// Taken back into a response that is over; and the same where the recording does not reach back to it.
+#[test]
+fn an_impact_that_comes_after_the_end_of_the_response_that_it_hits() {
+    let mut twin = RecordedTwin::new(parameters());
+    let stamp = twin.now;
+    twin.hit(event("a", stamp));
+    twin.until_rest();
+    twin.hit(event("b", stamp + 5 * MS));
+    assert!(twin.twin.is_responding());
+    twin.until_rest();
+    twin.hit(event("c", twin.now));
+    twin.until_rest();
+    twin.finish().is_proven();
+}
+
+#[test]
+fn a_change_that_waits_and_a_reset_that_breaks_off() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    (0..5).for_each(|_| twin.advance(MS));
+    twin.set(&[("top.load", Value::from(3e5))]);
+    twin.set(&[("publish_rate", Value::from(500.0))]);
+    twin.until_rest();
+    twin.advance(MS);
+    twin.hit(event("b", twin.now));
+    (0..5).for_each(|_| twin.advance(MS));
+    twin.reset();
+    twin.advance(MS);
+    twin.set(&[("geometry.length_below", Value::from(1.5))]);
+    twin.hit(ImpactEvent {
+        height: Some(1.2),
+        ..event("a", twin.now)
+    });
+    twin.until_rest();
+    twin.finish().is_proven();
+}
+
+#[test]
+fn a_collapse_and_everything_that_is_refused() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.set(&[("top.load", Value::from(2e6))]);
+    let now = twin.now;
+    let bad = [
+        ImpactEvent {
+            impact_mass: f64::NAN,
+            ..event("nan", now)
+        },
+        ImpactEvent {
+            velocity: f64::NEG_INFINITY,
+            ..event("inf", now)
+        },
+        ImpactEvent {
+            column_id: "other\n".to_owned(),
+            ..event("other", now)
+        },
+        ImpactEvent {
+            gap: Some(f64::INFINITY),
+            ..event("gap", now)
+        },
+        event("", now),
+        event(&"x".repeat(5000), now),
+        event("old", now - 3600 * 1000 * MS),
+    ];
+    for event in bad {
+        twin.hit(event);
+        twin.advance(MS);
+    }
+    twin.set(&[("top.load", Value::from(f64::NAN))]);
+    twin.set(&[("no.such", Value::from("x"))]);
+    twin.hit(ImpactEvent {
+        impact_mass: 100_000.0,
+        velocity: 50.0,
+        ..event("truck", twin.now)
+    });
+    twin.until_rest();
+    assert_eq!(twin.twin.status(twin.now).phase, TwinPhase::Collapsed);
+    twin.hit(event("after", twin.now));
+    twin.advance(MS);
+    twin.reset();
+    twin.hit(event("anew", twin.now));
+    twin.until_rest();
+    twin.finish().is_proven();
+}
+
+/// A twin that is behind is given things between its calls.
+#[test]
+fn a_twin_that_catches_up() {
+    let mut twin = RecordedTwin::new(parameters());
+    let stamp = twin.now;
+    twin.now += 900 * MS;
+    twin.hit(event("a", stamp));
+    twin.advance(0);
+    twin.hit(event("b", stamp + 700 * MS));
+    twin.advance(0);
+    twin.hit(event("c", stamp + 600 * MS));
+    twin.until_rest();
+    twin.finish().is_proven();
+}
+
+/// Of the time at rest, only what something has led to.
+#[test]
+fn the_mode_events_leaves_the_time_at_rest_out() {
+    let count = |mode| {
+        let mut twin = RecordedTwin::with_mode(parameters(), mode);
+        (0..20).for_each(|_| twin.advance(1_000 * MS));
+        twin.hit(event("a", twin.now));
+        twin.until_rest();
+        (0..20).for_each(|_| twin.advance(1_000 * MS));
+        twin.hit(event("a", twin.now));
+        (0..20).for_each(|_| twin.advance(1_000 * MS));
+        let found = twin.finish().is_proven();
+        (found.topics[0].compared, found.topics[4].compared)
+    };
+    let ((states, few), (all_states, many)) =
+        (count(RecordMode::Events), count(RecordMode::Always));
+    assert_eq!(states, all_states);
+    assert!((5..=10).contains(&few) && many > 60, "{few} {many}");
+}
+
+/// Each begins with a starting point and can be proven without the others; what reaches back before it is said.
+#[test]
+fn every_recording_stands_for_itself() {
+    let short = |options| RecorderOptions {
+        max_file_size: 1,
+        ..options
+    };
+    let mut twin = RecordedTwin::with_options(parameters(), RecordMode::Always, short);
+    let mut stamp = twin.now;
+    for id in ["a", "b", "c"] {
+        stamp = twin.now;
+        twin.hit(event(id, stamp));
+        twin.until_rest();
+        twin.advance(MS);
+    }
+    twin.hit(event("late", stamp + 5 * MS));
+    twin.until_rest();
+    let recordings = twin.finish();
+    let paths = recordings.paths();
+    assert_eq!(paths.len(), 5, "{paths:?}");
+    for (index, path) in paths.iter().enumerate() {
+        let found = verify(path).expect("can be verified");
+        assert!(found.is_equal(), "{found}");
+        assert_eq!(found.starting_points, 1, "{found}");
+        // The fourth begins after the response that the late impact belongs into.
+        assert_eq!(
+            found.unchecked.len(),
+            usize::from(index == 3),
+            "{index}: {found}"
+        );
+        let all = found.topics.iter().map(|it| it.recorded).sum::<u64>();
+        assert_eq!(found.compared() == all, index != 3, "{index}: {found}");
+    }
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) % limit
+    }
+
+    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len() as u64) as usize]
+    }
+}
+
+fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactEvent {
+    ImpactEvent {
+        impact_mass: random.of(&[300.0, 1500.0, -1.0]),
+        velocity: random.of(&[1.0, 3.0, 7.0]),
+        gap: random.of(&[None, Some(0.01), Some(0.1), Some(0.123_456)]),
+        restitution: random.of(&[None, Some(0.0), Some(0.5)]),
+        height: random.of(&[None, None, Some(1.1)]),
+        ..event(
+            &id.to_string(),
+            now + random.of(&[0, 0, 3, -11, -400]) * MS / 2,
+        )
+    }
+}
+
+/// Random courses, with turns of all lengths: what is computed anew takes other strides than the recorded twin did.
+#[test]
+fn random_courses() {
+    let mut responses = 0;
+    for seed in 0..60 {
+        let random = &mut Random(seed);
+        let mut twin = RecordedTwin::new(parameters());
+        for id in 0..40 {
+            match random.below(12) {
+                0..=4 => {
+                    let impact = some_impact(random, id, twin.now);
+                    twin.hit(impact);
+                }
+                5 => twin.set(&[("top.load", Value::from(random.of(&[0.0, 1e5, 4e5, 1e9])))]),
+                6 => twin.set(&[(
+                    "publish_rate",
+                    Value::from(random.of(&[100.0, 1000.0, 3000.0])),
+                )]),
+                7 => twin.reset(),
+                8 => twin.until_rest(),
+                _ => {
+                    for _ in 0..random.below(30) {
+                        let nanos = random.of(&[137_000, MS, 3 * MS + 1]);
+                        twin.advance(nanos);
+                    }
+                }
+            }
+        }
+        twin.until_rest();
+        responses += twin.twin.position().response;
+        twin.finish().is_proven();
+    }
+    assert!(responses > 300, "{responses}");
+}

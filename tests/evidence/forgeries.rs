@@ -1,0 +1,301 @@
+//! What was changed in a recording is found, and named.
+
+use std::path::{Path, PathBuf};
+
+use column_twin::evidence::{Line, LineEntry, RECORDED, Topics, Verification, VerifyError, verify};
+use column_twin::messages::cdr;
+use column_twin::messages::column_twin::{ColumnState, ImpactReport};
+use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
+use column_twin::twin::Journal;
+use tempfile::TempDir;
+
+use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
+
+/// Two impacts and the time between them.
+fn recording() -> Finished {
+    let mut twin = RecordedTwin::new(parameters());
+    for id in ["a", "b"] {
+        twin.hit(event(id, twin.now));
+        twin.until_rest();
+        twin.advance(100 * MS);
+    }
+    twin.finish()
+}
+
+/// Writes a recording anew; `change` says what becomes of each message.
+fn forged(
+    original: &Path,
+    mut change: impl FnMut(&Message) -> Option<Vec<u8>>,
+) -> (TempDir, PathBuf) {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("forged");
+    let topics = Topics::of_default_node();
+    let declared = topics.declared();
+    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
+    for message in Reader::open(original).unwrap().messages() {
+        let message = message.unwrap();
+        let Some(data) = change(&message) else {
+            continue;
+        };
+        let topic = declared.iter().position(|it| *it.name == *message.topic);
+        let entry = Entry {
+            topic: topic.unwrap(),
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+            data: data.into(),
+            starting_point: false,
+        };
+        writer.write(&entry).unwrap();
+    }
+    writer.finish().unwrap();
+    (directory, path)
+}
+
+/// A copy in which one field of the `which`-th message of a topic was changed.
+fn changed<M: column_twin::messages::Message>(
+    original: &Path,
+    topic: &str,
+    which: usize,
+    mut change: impl FnMut(&mut M),
+) -> Verification {
+    let mut count = 0;
+    let (_directory, path) = forged(original, |message| {
+        if *message.topic == *topic {
+            count += 1;
+            if count == which {
+                let mut value: M = cdr::decode(&message.data).unwrap();
+                change(&mut value);
+                return Some(cdr::encode(&value).unwrap());
+            }
+        }
+        Some(message.data.clone())
+    });
+    verify(&path).unwrap()
+}
+
+/// A copy in which the last bit of `v1` of the seventh state was changed.
+pub fn with_one_bit_flipped(original: &Path) -> (TempDir, PathBuf) {
+    let mut count = 0;
+    forged(original, |message| {
+        count += usize::from(*message.topic == *"/column_state");
+        if *message.topic != *"/column_state" || count != 7 {
+            return Some(message.data.clone());
+        }
+        let mut state: ColumnState = cdr::decode(&message.data).unwrap();
+        flip(&mut state.v1);
+        Some(cdr::encode(&state).unwrap())
+    })
+}
+
+/// The last bit.
+fn flip(number: &mut f64) {
+    *number = f64::from_bits(number.to_bits() ^ 1);
+}
+
+#[test]
+fn a_copy_is_as_good_as_the_original() {
+    let original = recording();
+    let (_directory, path) = forged(&original.path(), |message| Some(message.data.clone()));
+    let found = verify(&path).unwrap();
+    assert!(found.is_equal(), "{found}");
+}
+
+#[test]
+fn one_flipped_bit_is_named() {
+    let original = recording();
+    let mut stamp = None;
+    let found = changed(
+        &original.path(),
+        "/column_state",
+        17,
+        |state: &mut ColumnState| {
+            flip(&mut state.u2_rate);
+            stamp = state.header.stamp.to_nanos();
+        },
+    );
+    assert!(!found.is_equal());
+    assert_eq!(found.differences, 1);
+    let first = found.first_difference.clone().unwrap();
+    assert_eq!(
+        (first.topic.as_str(), first.field.as_str()),
+        ("/column_state", "u2_rate")
+    );
+    assert_eq!((first.stamp, first.event_id.as_str()), (stamp, "a"));
+    let by = first.by.unwrap().abs();
+    assert!(by > 0.0 && by < 1e-12, "{first}");
+    assert!(found.to_string().contains("u2_rate"), "{found}");
+}
+
+#[test]
+fn reports_are_compared_but_for_their_compute_time() {
+    let original = recording();
+    let found = changed(
+        &original.path(),
+        "/impact_report",
+        2,
+        |report: &mut ImpactReport| {
+            report.compute_time = 77.0;
+        },
+    );
+    assert!(found.is_equal(), "{found}");
+    let found = changed(
+        &original.path(),
+        "/impact_report",
+        2,
+        |report: &mut ImpactReport| {
+            flip(&mut report.plastic_rotation[3]);
+        },
+    );
+    let first = found.first_difference.unwrap();
+    assert_eq!(
+        (first.field.as_str(), first.event_id.as_str()),
+        ("plastic_rotation[3]", "b")
+    );
+}
+
+/// The exact state at rest is a witness too.
+#[test]
+fn a_changed_state_at_rest_is_found() {
+    let original = recording();
+    let mut points = 0;
+    let (_directory, path) = forged(&original.path(), |message| {
+        if !message.topic.ends_with("/journal") {
+            return Some(message.data.clone());
+        }
+        let mut line = Line::decode(&message.data).unwrap();
+        if let LineEntry::Twin(Journal::StartingPoint(point)) = &mut line.entry {
+            points += 1;
+            if points == 2 {
+                let mut other = (**point).clone();
+                flip(&mut other.state.plastic.below.rotation[0]);
+                *point = other.into();
+            }
+        }
+        Some(line.encode().unwrap())
+    });
+    let found = verify(&path).unwrap();
+    assert!(!found.is_equal());
+    let first = found.first_difference.unwrap();
+    assert!(first.topic.ends_with("/journal"));
+    assert_eq!(first.field, "state.plastic.below.rotation[0]");
+}
+
+#[test]
+fn messages_that_were_taken_out_are_missed() {
+    let original = recording();
+    for topic in [
+        "/column_state",
+        "/hinge_forces",
+        "/impact_report",
+        "/twin_status",
+        "/markers",
+    ] {
+        let mut count = 0;
+        let (_directory, path) = forged(&original.path(), |message| {
+            count += usize::from(*message.topic == *topic);
+            (*message.topic != *topic || count != 2).then(|| message.data.clone())
+        });
+        let found = verify(&path).unwrap();
+        // The last report has nothing behind it that shows that it is missing, but its own status has.
+        assert_eq!(
+            (found.missing(), found.is_equal()),
+            (1, false),
+            "{topic}: {found}"
+        );
+    }
+}
+
+#[test]
+fn messages_that_were_put_in_are_found() {
+    let original = recording();
+    let mut twice = false;
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("forged");
+    let declared = Topics::of_default_node().declared();
+    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
+    for message in Reader::open(&original.path()).unwrap().messages() {
+        let message = message.unwrap();
+        let topic = declared
+            .iter()
+            .position(|it| *it.name == *message.topic)
+            .unwrap();
+        let is_report = RECORDED[topic].name == "impact_report";
+        let entry = Entry {
+            topic,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+            data: message.data.into(),
+            starting_point: false,
+        };
+        writer.write(&entry).unwrap();
+        if is_report && !twice {
+            twice = true;
+            writer.write(&entry).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    let found = verify(&path).unwrap();
+    assert!(!found.is_equal(), "{found}");
+    assert_eq!(found.topics[3].foreign, 1, "{found}");
+}
+
+#[test]
+fn what_cannot_be_checked_is_said() {
+    let original = recording();
+    // Without its first starting point.
+    let mut points = 0;
+    let (_directory, path) = forged(&original.path(), |message| {
+        if message.topic.ends_with("/journal")
+            && Line::decode(&message.data).unwrap().is_starting_point()
+        {
+            points += 1;
+            if points == 1 {
+                return None;
+            }
+        }
+        Some(message.data.clone())
+    });
+    let found = verify(&path).unwrap();
+    assert!(
+        found.is_equal() && found.unchecked_messages() > 20,
+        "{found}"
+    );
+    assert!(
+        found.unchecked[0].contains("before the first starting point"),
+        "{found}"
+    );
+    assert!(found.compared() > 20, "{found}");
+    // Without an input.
+    let mut inputs = 0;
+    let (_directory, path) = forged(&original.path(), |message| {
+        if message.topic.ends_with("/journal") {
+            let line = Line::decode(&message.data).unwrap();
+            if matches!(line.entry, LineEntry::Twin(Journal::Handled(_))) {
+                inputs += 1;
+                if inputs == 1 {
+                    return None;
+                }
+            }
+        }
+        Some(message.data.clone())
+    });
+    let found = verify(&path).unwrap();
+    assert!(!found.unchecked.is_empty() || !found.is_equal(), "{found}");
+    println!("{found}");
+}
+
+#[test]
+fn a_recording_without_a_journal_is_none_to_verify() {
+    let original = recording();
+    let (_directory, path) = forged(&original.path(), |message| {
+        (!message.topic.ends_with("/journal")).then(|| message.data.clone())
+    });
+    assert!(matches!(
+        verify(&path),
+        Err(VerifyError::NoStartingPoint { .. })
+    ));
+    assert!(matches!(
+        verify(Path::new("nothing/there")),
+        Err(VerifyError::Recording(_))
+    ));
+}

@@ -1,0 +1,14 @@
+//! Recordings as evidence: whatever happens to a twin, its recording can be computed anew, bit for bit, and nothing that
+//! was changed in it goes unnoticed.
+#![cfg(all(feature = "ros", feature = "record"))]
+// A test may start an unnamed thread and listen without a bound: it ends with the test.
+#![allow(clippy::disallowed_methods)]
+
+mod commands;
+mod courses;
+#[path = "../ros/domain.rs"]
+mod domain;
+mod forgeries;
+mod node;
+mod recorded_twin;
+mod replayed;

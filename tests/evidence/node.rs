@@ -1,0 +1,322 @@
+//! A node on loopback and its recording.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use column_twin::evidence::{NodeRecording, Topics, verify};
+use column_twin::live::{LiveOptions, RealTime};
+use column_twin::messages::cdr;
+use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::parameters::{Parameters, Value};
+use column_twin::recording::Reader;
+use column_twin::ros::bridge::ParameterChange;
+use column_twin::ros::qos::{self, Endpoint};
+use column_twin::ros::{
+    ImpactOptions, ImpactOutcome, Names, Node, Raw, StartedTwin, TwinNode, send_impact,
+    start_live_twin,
+};
+use futures::StreamExt;
+use futures::future::{AbortHandle, Abortable};
+use tempfile::TempDir;
+
+use super::domain::{Domain, PATIENCE};
+use super::recorded_twin::the_one_recording;
+
+/// Reads the bytes of one topic in a thread of its own until it is dropped.
+pub struct Bytes {
+    pub messages: Receiver<Raw>,
+    abort: AbortHandle,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Bytes {
+    /// Subscribes, and waits until there is a publisher where `wait` says so.
+    pub fn start(node: &mut Node, endpoint: &Endpoint, wait: bool) -> Self {
+        let subscription = node.subscription::<Raw>(endpoint).unwrap();
+        let guid = subscription.guid();
+        let (sender, messages) = channel();
+        let events = node.participant_events();
+        let (abort, registration) = AbortHandle::new_pair();
+        let read = move || {
+            let each = subscription.async_stream().for_each(|message| {
+                let _ = sender.send(message.unwrap().0);
+                futures::future::ready(())
+            });
+            let all = async { futures::join!(events, each) };
+            let _ = futures::executor::block_on(Abortable::new(all, registration));
+        };
+        let thread = Some(std::thread::spawn(read));
+        let deadline = Instant::now() + PATIENCE;
+        assert!(!wait || node.matches().wait_for(guid, 1, deadline));
+        Self {
+            messages,
+            abort,
+            thread,
+        }
+    }
+}
+
+impl Drop for Bytes {
+    fn drop(&mut self) {
+        self.abort.abort();
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+pub fn impact(domain: &Domain, id: &str, velocity: f64) -> Result<ImpactOutcome, String> {
+    let options = ImpactOptions {
+        column_id: "column".to_owned(),
+        event_id: Some(id.to_owned()),
+        mass: 1500.0,
+        velocity,
+        gap: None,
+        restitution: None,
+        height: None,
+        match_timeout: PATIENCE,
+        answer_timeout: PATIENCE,
+    };
+    send_impact(&domain.environment, &[], &options, &mut |_| {}).map_err(|error| error.to_string())
+}
+
+fn recorded(path: &Path) -> BTreeMap<String, Vec<Vec<u8>>> {
+    let mut found: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
+    for message in Reader::open(path).unwrap().messages() {
+        let message = message.unwrap();
+        let topic = found.entry(message.topic.to_string()).or_default();
+        topic.push(message.data);
+    }
+    found
+}
+
+#[test]
+fn the_recording_is_what_went_over_the_wire_and_is_proven() {
+    let domain = Domain::fresh();
+    let directory = TempDir::new().unwrap();
+    let place = directory.path().display().to_string();
+    let parameters = Parameters::from_values([
+        ("state.directory", Value::from("")),
+        ("record.mode", Value::from("always")),
+        ("record.directory", Value::from(place)),
+    ])
+    .unwrap();
+    let names = Names::new("/", "column_twin", &[]).unwrap();
+    let topics = Topics::resolved(|it| names.resolve(it.kind(), it.name)).unwrap();
+    let record = parameters.settings().record.clone();
+    let recording = NodeRecording::start(&record, &topics, |it| it)
+        .unwrap()
+        .unwrap();
+    let options = LiveOptions {
+        real_time: RealTime::none(),
+        ..LiveOptions::default()
+    };
+    let StartedTwin {
+        twin,
+        outputs,
+        stop,
+    } = start_live_twin(parameters, options).unwrap();
+    let node = TwinNode::start_recorded(
+        &domain.environment,
+        names,
+        Arc::clone(&twin),
+        outputs,
+        None,
+        Some(Arc::clone(&recording) as _),
+    )
+    .unwrap();
+    let mut reader =
+        Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
+    let states = Bytes::start(&mut reader, &qos::COLUMN_STATE, true);
+    let forces = Bytes::start(&mut reader, &qos::HINGE_FORCES, true);
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT, true);
+    for (id, velocity) in [("a", 3.0), ("b", 8.0)] {
+        let outcome = impact(&domain, id, velocity);
+        assert!(
+            matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+            "{outcome:?}"
+        );
+        reports.messages.recv_timeout(PATIENCE).expect("a report");
+        let load = ParameterChange {
+            column_id: None,
+            values: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
+            source: "test",
+        };
+        twin.set_parameters(load).unwrap();
+        let refused = impact(&domain, id, velocity);
+        assert!(
+            matches!(refused, Ok(ImpactOutcome::Refused(_))),
+            "{refused:?}"
+        );
+    }
+    twin.reset().unwrap();
+    node.stop(stop);
+    let statistics = recording.stop().unwrap();
+    assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
+
+    let path = the_one_recording(directory.path());
+    let recorded = recorded(&path);
+    for (topic, wire) in [("/column_state", states), ("/hinge_forces", forces)] {
+        let wire: Vec<_> = wire
+            .messages
+            .try_iter()
+            .map(|it| it.bytes().to_vec())
+            .collect();
+        assert!(wire.len() > 40, "{topic}: {}", wire.len());
+        assert_eq!(recorded[topic], wire, "{topic}");
+    }
+    assert_eq!(recorded["/impact_event"].len(), 4);
+    let said: DiagnosticArray = cdr::decode(recorded["/diagnostics"].last().unwrap()).unwrap();
+    let of_recording = said
+        .status
+        .iter()
+        .find(|it| it.name.ends_with(": recording"));
+    assert_eq!(
+        of_recording.unwrap().level,
+        DiagnosticStatus::OK,
+        "{said:?}"
+    );
+    assert!(recorded["/parameter_events"].len() >= 3);
+    let found = verify(&path).unwrap();
+    assert!(found.is_equal(), "{found}");
+    assert_eq!(found.inputs, 7, "{found}");
+    assert_eq!(
+        (found.unchecked_messages(), found.missing()),
+        (0, 0),
+        "{found}"
+    );
+}
+
+/// A recorder that cannot follow costs the node nothing, and what is missing is counted and accounted for.
+#[test]
+fn losses_are_counted_and_accounted_for() {
+    use column_twin::parameters::{Record, RecordMode};
+    use column_twin::recording::RecorderOptions;
+    use column_twin::ros::bridge::Recording;
+
+    let directory = TempDir::new().unwrap();
+    let record = Record {
+        mode: RecordMode::Always,
+        directory: directory.path().display().to_string(),
+        ..Parameters::default().settings().record.clone()
+    };
+    let short = |options| RecorderOptions {
+        queue_messages: 4,
+        ..options
+    };
+    let topics = Topics::of_default_node();
+    let recording = NodeRecording::start(&record, &topics, short)
+        .unwrap()
+        .unwrap();
+    let bytes: Arc<[u8]> = vec![0, 1, 0, 0].into();
+    (0..10_000).for_each(|_| recording.sent(&qos::DIAGNOSTICS, &bytes));
+    let health = recording.health();
+    assert!(
+        health.lost > 0 && health.queue.dropped == health.lost,
+        "{health:?}"
+    );
+    let statistics = recording.stop().unwrap();
+    assert_eq!(statistics.written + statistics.lost, 10_000);
+    let reader = Reader::open(&the_one_recording(directory.path())).unwrap();
+    assert_eq!(reader.lost_messages(), Some(statistics.lost));
+}
+
+/// The program as a user starts it.
+fn program(domain: &Domain, directory: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_column-twin"))
+        .args([
+            "run",
+            "--ros-args",
+            "-p",
+            "record.mode:=always",
+            "-p",
+            "state.directory:=''",
+            "-p",
+        ])
+        .arg(format!("record.directory:={}", directory.display()))
+        .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env_remove("ROS_NAMESPACE")
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+fn stopped(child: Child) -> (Option<i32>, String) {
+    let pid = i32::try_from(child.id()).unwrap();
+    let pid = rustix::process::Pid::from_raw(pid).unwrap();
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    let output = child.wait_with_output().unwrap();
+    (
+        output.status.code(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+fn recordings(directory: &Path) -> Vec<PathBuf> {
+    let mut found: Vec<_> = std::fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_dir())
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
+    let directory = TempDir::new().unwrap();
+    let first = Domain::fresh();
+    let mut node = program(&first, directory.path());
+    let outcome = impact(&first, "a", 6.0);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    node.kill().unwrap();
+    node.wait().unwrap();
+    let cut_off = the_one_recording(directory.path());
+
+    let second = Domain::fresh();
+    let node = program(&second, directory.path());
+    let outcome = impact(&second, "b", 6.0);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+    let (code, log) = stopped(node);
+    assert_eq!(code, Some(0), "{log}");
+    assert!(log.contains("written anew"), "{log}");
+    let found = recordings(directory.path());
+    assert_eq!(found.len(), 3, "{found:?}");
+    for path in &found {
+        // The original stays as it was left: a file without an end, in a directory without metadata.
+        let whole = *path != cut_off;
+        let name = path.file_name().unwrap().display();
+        let file = path.join(format!("{name}_0.mcap"));
+        let found = verify(if whole { path } else { &file }).unwrap();
+        assert!(found.is_equal(), "{found}");
+        assert!(found.compared() > 1, "{found}");
+        assert_eq!(found.unchecked.is_empty(), whole, "{found}");
+    }
+}
+
+#[test]
+fn a_recording_that_cannot_start_is_said_at_once() {
+    let directory = TempDir::new().unwrap();
+    let file = directory.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let domain = Domain::fresh();
+    let output = program(&domain, &file.join("below"))
+        .wait_with_output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("record.directory"), "{said}");
+}

@@ -1,0 +1,199 @@
+//! A twin by a mock clock, recorded as the node records it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
+use column_twin::outgoing::{Outgoing, TOPICS};
+use column_twin::parameters::{Parameters, Record, RecordMode, Value};
+use column_twin::recording::RecorderOptions;
+use column_twin::ros::bridge::Recording;
+use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Twin};
+use tempfile::TempDir;
+
+pub const START: Nanos = 1_800_000_000_000_000_000;
+pub const MS: Nanos = 1_000_000;
+
+/// The default column with few steps, without a state file.
+pub fn parameters() -> Parameters {
+    let values = [
+        ("solver.dt", Value::from(1e-4)),
+        ("state.directory", Value::from("")),
+    ];
+    Parameters::from_values(values).expect("admissible")
+}
+
+pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
+    ImpactEvent {
+        event_id: id.to_owned(),
+        column_id: "column".to_owned(),
+        stamp,
+        impact_mass: 1500.0,
+        velocity: 5.0,
+        gap: None,
+        restitution: None,
+        height: None,
+    }
+}
+
+pub struct RecordedTwin {
+    pub twin: Twin,
+    pub now: Nanos,
+    outgoing: Outgoing,
+    recording: Arc<NodeRecording>,
+    directory: TempDir,
+}
+
+impl RecordedTwin {
+    pub fn new(parameters: Parameters) -> Self {
+        Self::with_mode(parameters, RecordMode::Always)
+    }
+
+    pub fn with_mode(parameters: Parameters, mode: RecordMode) -> Self {
+        Self::with_options(parameters, mode, |options| options)
+    }
+
+    pub fn with_options(
+        parameters: Parameters,
+        mode: RecordMode,
+        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
+    ) -> Self {
+        let directory = TempDir::new().expect("a directory");
+        let record = Record {
+            mode,
+            directory: directory.path().display().to_string(),
+            ..parameters.settings().record.clone()
+        };
+        let topics = Topics::of_default_node();
+        let recording = NodeRecording::start(&record, &topics, options)
+            .expect("starts")
+            .expect("is asked for");
+        let outgoing = Outgoing::new(&parameters);
+        let twin = Twin::new(parameters, None, Box::new(|| 0), START).expect("stands");
+        let mut recorded = Self {
+            twin,
+            now: START,
+            outgoing,
+            recording,
+            directory,
+        };
+        recorded.advance(0);
+        recorded
+    }
+
+    fn put(&mut self, out: Vec<Output>) {
+        for output in out {
+            let recording = &self.recording;
+            self.outgoing.convert(&output, |message| {
+                let bytes = message.encode().expect("bytes").into();
+                recording.sent(TOPICS[message.topic()], &bytes);
+            });
+            if let Output::Journal(entry) = output {
+                recording.journal(&entry);
+            }
+        }
+    }
+
+    pub fn give(&mut self, input: Input) {
+        let mut out = Vec::new();
+        self.twin.handle(input, self.now, &mut out);
+        self.put(out);
+    }
+
+    pub fn hit(&mut self, event: ImpactEvent) {
+        self.give(Input::Impact(event));
+    }
+
+    pub fn set(&mut self, changes: &[(&str, Value)]) {
+        let changes = changes
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), value.clone()))
+            .collect();
+        self.give(Input::Parameters {
+            changes,
+            source: "test".into(),
+            reply: None,
+        });
+    }
+
+    pub fn reset(&mut self) {
+        self.give(Input::Reset {
+            source: "test".into(),
+            reply: None,
+        });
+    }
+
+    /// One turn of a solver that wakes `nanos` later, with a slice of the forecast.
+    pub fn advance(&mut self, nanos: Nanos) {
+        self.now += nanos;
+        let mut out = Vec::new();
+        self.twin.advance_to(self.now, &mut out);
+        self.twin.run_ahead(64, self.now, &mut out);
+        self.put(out);
+    }
+
+    pub fn until_rest(&mut self) {
+        while self.twin.is_responding() {
+            self.advance(MS);
+        }
+    }
+
+    /// Ends the recording; where it is.
+    pub fn finish(self) -> Finished {
+        let statistics = self.recording.stop().expect("it ran");
+        assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
+        Finished {
+            directory: self.directory,
+        }
+    }
+}
+
+/// A recording that was finished.
+pub struct Finished {
+    directory: TempDir,
+}
+
+impl Finished {
+    /// The one recording that there is.
+    pub fn path(&self) -> PathBuf {
+        the_one_recording(self.directory.path())
+    }
+
+    /// All recordings that there are, in their order.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.directory.path()).expect("readable");
+        let mut found: Vec<_> = entries
+            .map(|entry| entry.expect("readable").path())
+            .collect();
+        // `_2` is before `_10`.
+        found.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
+        found
+    }
+
+    pub fn verify(&self) -> Verification {
+        verify(&self.path()).expect("can be verified")
+    }
+
+    /// Everything was compared, and is equal.
+    pub fn is_proven(&self) -> Verification {
+        let found = self.verify();
+        assert!(found.is_equal(), "{found}");
+        assert_eq!(found.unchecked, Vec::<String>::new(), "{found}");
+        assert_eq!(
+            (found.unchecked_messages(), found.missing()),
+            (0, 0),
+            "{found}"
+        );
+        found
+    }
+}
+
+pub fn the_one_recording(directory: &Path) -> PathBuf {
+    let mut found: Vec<_> = std::fs::read_dir(directory)
+        .expect("readable")
+        .map(|entry| entry.expect("readable").path())
+        .filter(|path| path.is_dir())
+        .collect();
+    assert_eq!(found.len(), 1, "{found:?}");
+    found.remove(0)
+}
