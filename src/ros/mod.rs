@@ -17,6 +17,7 @@ mod joint_states;
 mod live_twin;
 mod markers;
 mod matches;
+mod missed;
 mod names;
 mod node;
 mod parameter_services;
