@@ -102,7 +102,7 @@ fn an_event_that_makes_no_sense_is_refused_with_its_reason() {
                 height: 99.0,
                 ..at(0)
             },
-            "height = 99",
+            "the column is 4 m high",
         ),
         (at(3600 * second), "s ahead, event.max_ahead is 1 s"),
         (at(-3600 * second), "s old, event.max_age is 5 s"),
