@@ -17,8 +17,9 @@ pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the fi
 /// Most inputs of one turn: a flood of them must not hold the steps up.
 const MAX_INPUTS_PER_TURN: usize = 8;
 
-/// Steps of a forecast between two looks at the clock, while the response is on time.
-const SLICE: u64 = 64;
+/// Steps of a forecast between two looks at the clock, while the response is on time: what is left of the time to a
+/// deadline, and too short for them, is lost to the forecast.
+const SLICE: u64 = 16;
 
 /// Steps of a forecast per turn while the response catches up: the late samples are late already.
 const SLICE_WHILE_BEHIND: u64 = 1_000;

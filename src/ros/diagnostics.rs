@@ -13,6 +13,8 @@ use super::bridge::{Health, QueueHealth, RecordingHealth};
 pub(super) struct NodeCounters {
     /// Messages and requests that could not be read.
     pub unreadable: AtomicU64,
+    /// Events and sets of parameters that came faster than they could be taken.
+    pub missed: AtomicU64,
     /// Messages that a reader was too slow for, or that could not be written.
     pub unpublished: AtomicU64,
     /// Log messages that found their queue full.
@@ -175,6 +177,7 @@ fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
 fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let values = [
         ("unreadable messages", &counters.unreadable),
+        ("missed messages", &counters.missed),
         ("unpublished messages", &counters.unpublished),
         ("unlogged messages", &counters.unlogged),
     ]

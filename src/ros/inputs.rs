@@ -1,6 +1,7 @@
 //! What comes in over DDS: events, sets of parameters, the clock, and requests.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use futures::{StreamExt, join, pin_mut};
 use ros2_client::rcl_interfaces as rcl;
@@ -18,6 +19,7 @@ use crate::parameters::{Parameters, Value};
 
 use super::bridge::{ParameterChange, Recording, Twin};
 use super::diagnostics::NodeCounters;
+use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
@@ -55,7 +57,7 @@ impl Subscriptions {
     pub async fn run(self, twin: Arc<dyn Twin>, counters: Arc<NodeCounters>) {
         let events = each(
             &self.events,
-            qos::IMPACT_EVENT.name,
+            &qos::IMPACT_EVENT,
             &counters,
             |event: ImpactEvent, info| {
                 record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
@@ -72,7 +74,7 @@ impl Subscriptions {
             if let Some(clock) = &self.clock {
                 each(
                     clock,
-                    qos::CLOCK.name,
+                    &qos::CLOCK,
                     &counters,
                     |message: Clock, _| match message.clock.to_nanos() {
                         Some(now) => twin.set_clock(now),
@@ -86,19 +88,31 @@ impl Subscriptions {
     }
 }
 
-/// Hands every message to `take`. What cannot be read is counted and said.
+/// Hands every message to `take`. What cannot be read, or was lost before, is counted and said.
 async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
-    name: &str,
+    endpoint: &Endpoint,
     counters: &NodeCounters,
     mut take: impl FnMut(M, MessageInfo),
 ) {
+    let name = endpoint.name;
     let messages = subscription.async_stream();
     pin_mut!(messages);
+    let mut missed = Missed::default();
     while let Some(message) = messages.next().await {
         match message {
-            Ok((message, info)) => take(message, info),
+            Ok((message, info)) => {
+                let lost = missed.before(&info);
+                if lost > 0 && endpoint.qos.reliable {
+                    counters.missed.fetch_add(lost, Ordering::Relaxed);
+                    tracing::error!(
+                        "{lost} messages on {name} were lost: they came faster than they could be taken"
+                    );
+                }
+                take(message, info);
+            }
             Err(error) => {
+                missed.unreadable();
                 NodeCounters::count(&counters.unreadable);
                 tracing::warn!(
                     "a message on {name} cannot be read: {error}; compare its sender's type"
@@ -179,7 +193,7 @@ impl Services {
         join!(
             each(
                 &self.column_parameters,
-                qos::COLUMN_PARAMETERS.name,
+                &qos::COLUMN_PARAMETERS,
                 counters,
                 |message, info| {
                     record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);

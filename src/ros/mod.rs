@@ -16,6 +16,7 @@ mod fresh_domain;
 mod inputs;
 mod live_twin;
 mod matches;
+mod missed;
 mod names;
 mod node;
 mod parameter_services;

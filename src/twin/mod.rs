@@ -370,7 +370,7 @@ impl Twin {
         {
             return now;
         }
-        let next_turn = run.instant_of(run.next_sample.min(run.state.step + run.steps_per_turn()));
+        let next_turn = run.instant_of(run.next_turn());
         let next_impact = self
             .impacts_ahead
             .first()

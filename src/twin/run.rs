@@ -14,6 +14,10 @@ const CHECKPOINT_STEPS: u64 = 256;
 /// Longest time that is stepped over at once.
 const MOST_NANOS_PER_TURN: u64 = 1_000_000;
 
+/// Of the steps from one sample to the next, one in so many is left for the instant when the sample is due: a sample
+/// leaves earlier by what the others take, as long as a step takes a fifth of its own time at the most.
+const LAST_SHARE: u64 = 5;
+
 /// Checkpoints that are kept, the oldest are overwritten.
 const CHECKPOINTS: usize = 64;
 
@@ -94,6 +98,19 @@ impl Run {
     pub fn steps_per_turn(&self) -> u64 {
         let most = (MOST_NANOS_PER_TURN / self.model.properties.step_nanos).max(1);
         self.steps_per_sample.min(most)
+    }
+
+    /// The step that the next turn is to reach: the next sample, and before it one that leaves little to compute when it
+    /// is due.
+    pub fn next_turn(&self) -> u64 {
+        let shortly_before = self
+            .next_sample
+            .saturating_sub(self.steps_per_sample / LAST_SHARE);
+        let wanted = match self.state.step < shortly_before {
+            true => shortly_before,
+            false => self.next_sample,
+        };
+        wanted.min(self.state.step + self.steps_per_turn())
     }
 
     /// Advances towards a step, past the next sample's never.

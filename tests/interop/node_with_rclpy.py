@@ -117,6 +117,8 @@ class Peer:
             if subscription.topic_name in TOPICS:
                 self.until(f"a publisher of {subscription.topic_name}",
                            lambda: self.node.count_publishers(subscription.topic_name) > 0)
+        # The node has met the subscriptions that were made before this one: it sends it what is kept for late joiners.
+        self.until("a status", lambda: self.seen["twin_status"])
 
     def of_node(self, name):
         """Messages but those of this node itself."""

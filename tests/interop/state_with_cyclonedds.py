@@ -5,8 +5,9 @@ Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMA
 
     state_with_cyclonedds.py EXPECTED.json
 
-Prints `ready` when it has found the node's publisher; EXPECTED.json holds the samples that must come then. Exit code 1 with
-what differs.
+Prints `found` when it has found the node's publisher, and `ready` when the last sample of an impact has come whose identifier
+begins with `light`: the publisher has found it too. EXPECTED.json holds the samples that must come then. Exit code 1 with what
+differs.
 """
 
 import json
@@ -29,6 +30,8 @@ from cyclonedds.topic import Topic  # noqa: E402
 from cyclonedds.util import duration  # noqa: E402
 
 PATIENCE = 30.0
+# Phase of the last sample of a response.
+REST = 4
 
 
 @dataclass
@@ -94,11 +97,17 @@ def main():
         if time.monotonic() > deadline:
             sys.exit("waited in vain for a publisher of rt/column_state")
         waitset.wait(duration(milliseconds=20))
-    print("ready", flush=True)
-    states = []
+    print("found", flush=True)
+    states, ready = [], False
     while len(states) < len(expected["samples"]) and time.monotonic() < deadline:
         waitset.wait(duration(milliseconds=200))
-        states += reader.take(N=2000)
+        for state in reader.take(N=2000):
+            light = state.event_id.startswith("light")
+            if light and state.phase == REST and not ready:
+                print("ready", flush=True)
+                ready = True
+            if not light:
+                states.append(state)
     if len(states) != len(expected["samples"]):
         sys.exit(f"expected {len(expected['samples'])} states, found {len(states)}")
     first = stamp_of(states[0])

@@ -62,7 +62,9 @@ fn what_cannot_be_read_is_counted_and_the_node_goes_on() {
     wrong_type.publish(text()).unwrap();
     good.publish(event("e1", now(), 1500.0, 1.0)).unwrap();
     diagnostics.find("two unreadable messages and an accepted event", |it| {
-        counted(it, "unreadable messages") == Some(2) && counted(it, "events accepted") == Some(1)
+        // RustDDS 0.15.1 hands over what a writer of another type sends, too: it is as unreadable as the others.
+        counted(it, "unreadable messages").is_some_and(|it| it >= 2)
+            && counted(it, "events accepted") == Some(1)
     });
     drop(diagnostics);
     twin.stop();
@@ -102,7 +104,7 @@ fn an_event_that_makes_no_sense_is_refused_with_its_reason() {
                 height: 99.0,
                 ..at(0)
             },
-            "height = 99",
+            "the column is 4 m high",
         ),
         (at(3600 * second), "s ahead, event.max_ahead is 1 s"),
         (at(-3600 * second), "s old, event.max_age is 5 s"),
@@ -235,15 +237,21 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
     println!("{sent} of {FLOOD} events sent within {:?}", begin.elapsed());
-    let of = |it: &TwinStatus| (it.events_accepted, it.events_refused, it.dropped_inputs);
-    let last = statuses.find("an account of every event", |it| {
-        let (accepted, refused, dropped) = of(it);
-        println!("{:?}", of(it));
-        accepted + refused + dropped == sent
-    });
-    println!("accepted, refused, dropped: {:?}", of(&last));
-    let array = diagnostics.next();
-    println!("{:?}", counted(&array, "unreadable messages"));
+    // The last status says what the twin has made of them, the diagnostics what never came so far.
+    let of = |it: &TwinStatus| it.events_accepted + it.events_refused + it.dropped_inputs;
+    let mut last = TwinStatus::default();
+    let mut missed = 0;
+    let deadline = Instant::now() + PATIENCE;
+    while of(&last) + missed < sent && Instant::now() < deadline {
+        let array = diagnostics.next();
+        missed = counted(&array, "missed messages").unwrap_or_default();
+        last = statuses.newest().unwrap_or(last);
+        println!(
+            "accepted {}, refused {}, dropped {}, missed {missed}",
+            last.events_accepted, last.events_refused, last.dropped_inputs
+        );
+    }
+    assert_eq!(of(&last) + missed, sent);
     drop((statuses, diagnostics));
     let outcome = impact(&domain, 1500.0, PATIENCE);
     assert!(

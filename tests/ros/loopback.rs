@@ -97,6 +97,11 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         panic!("waited in vain for {what}");
     }
 
+    /// The last of the messages that are here already.
+    pub fn newest(&self) -> Option<M> {
+        self.messages.try_iter().last()
+    }
+
     /// The next message.
     pub fn next(&self) -> M {
         self.messages.recv_timeout(PATIENCE).expect("a message")

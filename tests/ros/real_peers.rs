@@ -4,6 +4,8 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
 use column_twin::parameters::Parameters;
@@ -11,7 +13,7 @@ use column_twin::ros::qos;
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::domain::Domain;
+use super::domain::{Domain, PATIENCE};
 use super::loopback::{Outgoing, event, now};
 use super::program::Program;
 use super::simulation;
@@ -118,12 +120,25 @@ fn cyclonedds_without_ros_receives_the_state() {
     let program = Program::ready(&domain, folder.path(), &[]);
     let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let mut child = script(&domain, "state_with_cyclonedds.py", Some(&expected));
-    let mut ready = String::new();
-    let mut output = BufReader::new(child.stdout.take().unwrap());
-    output.read_line(&mut ready).unwrap();
-    assert_eq!(ready.trim(), "ready");
+    let (sender, lines) = channel();
+    let output = BufReader::new(child.stdout.take().unwrap()).lines();
+    let reading = std::thread::spawn(move || {
+        for line in output.map_while(Result::ok) {
+            println!("{line}");
+            let _ = sender.send(line);
+        }
+    });
+    assert_eq!(lines.recv_timeout(PATIENCE).unwrap(), "found");
+    // The publisher has found it when a whole response has come; a light impact leaves no trace.
+    let mut light = (0..30).map(|number| event(&format!("light-{number}"), now(), 10.0, 0.5));
+    let ready = light.any(|event| {
+        assert!(events.publish(event));
+        lines.recv_timeout(Duration::from_secs(1)).is_ok()
+    });
+    assert!(ready, "no response comes");
     assert!(events.publish(event("e1", now(), MASS, VELOCITY)));
-    child.stdout = Some(output.into_inner());
-    finish(child);
+    let status = child.wait().unwrap();
+    reading.join().unwrap();
+    assert!(status.success(), "{status}");
     assert!(program.terminate().0.success());
 }

@@ -57,8 +57,10 @@ fn sigterm_during_a_response_keeps_its_damage() {
     assert_eq!(status.residual_v1, forecast.residual_v1);
     assert_eq!(status.impacts_since_reset, 1);
     assert_eq!(status.plastic_rotation, forecast.plastic_rotation);
-    let off = (forecast.residual_v1 - simulated.residual_v1).abs();
-    assert!(off < 1e-3 * simulated.residual_v1, "{off}");
+    // The approach shifts the grid of the steps against the contact.
+    let simulated = simulated.residual_v1.unwrap();
+    let off = (forecast.residual_v1 - simulated).abs();
+    assert!(off < 1e-3 * simulated, "{off}");
 }
 
 #[test]
