@@ -37,11 +37,13 @@ pub struct ExportArgs {
 
 const EXAMPLE: &str = "\
 Example: displacements and hinge forces for a spreadsheet
-  column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv --topics /column_state /hinge_forces
+  column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv \\
+    --topics /column_state /hinge_forces
 
-Times are in nanoseconds since 1970. Messages are taken apart by the definitions that the recording holds, so that every
-rosbag2 MCAP file can be exported. Nothing is overwritten.
-Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some topics or messages could not be taken apart.";
+Times are in nanoseconds since 1970. Messages are taken apart by the definitions in the
+recording, so that every rosbag2 MCAP file can be exported. Nothing is overwritten.
+Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some topics or messages could
+not be taken apart.";
 
 /// Writes the messages and says where.
 pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {

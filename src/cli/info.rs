@@ -27,7 +27,8 @@ const EXAMPLE: &str = "\
 Example: which impacts a recording holds, and what came of them
   column-twin info recordings/column_twin_2026_11_21-07_40_00
 
-Reads recordings of this program and every other MCAP file; impacts are listed where it has our messages.
+Reads recordings of this program and every other MCAP file; impacts are listed where it has
+our messages.
 Exit codes: 0 the recording is whole, 1 failed, 2 bad input, or the recording is not whole.";
 
 /// Prints what is in the recording.

@@ -25,8 +25,8 @@ Example: what the node recorded until the power went
   column-twin repair recordings/column_twin_2026_11_21-07_40_00
 
 The original is never changed, and nothing is overwritten.
-Exit codes: 0 all records are saved, or there is nothing to repair; 1 failed, 2 bad input or usage, 3 what can be read is
-saved, but a damaged or incomplete record is left out.";
+Exit codes: 0 all records are saved, or there is nothing to repair; 1 failed, 2 bad input or
+usage, 3 what can be read is saved, but a damaged or incomplete record is left out.";
 
 /// Writes the recording anew and says what was saved.
 pub fn run(arguments: &RepairArgs, out: &mut impl Write) -> Result<(), Failure> {

@@ -28,6 +28,7 @@ mod retention;
 mod session;
 mod statistics;
 mod storage;
+mod syncing;
 mod table;
 mod topic;
 mod writer;

@@ -60,7 +60,7 @@ impl Recorder {
         };
         let recording = {
             let shared = Arc::clone(&shared);
-            let session = Session::new(options, topics, Arc::clone(&shared.counters));
+            let session = Session::start(options, topics, Arc::clone(&shared.counters))?;
             spawn(RECORDER_THREAD, move || shared.run(session))?
         };
         Ok(RecorderHandle {
@@ -154,10 +154,13 @@ impl Shared {
             &counters.finished,
         ]
         .map(|counter| counter.load(Ordering::Relaxed));
+        let queue = self.queue.stats();
         RecorderStatistics {
             queue: QueueStats {
+                // Those that did not fit by their bytes were not offered to the queue itself.
+                pushed: queue.pushed + refused.saturating_sub(queue.dropped),
                 dropped: refused,
-                ..self.queue.stats()
+                ..queue
             },
             waiting_bytes: self.waiting_bytes.load(Ordering::Relaxed),
             capacity_bytes: self.capacity_bytes,

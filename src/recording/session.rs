@@ -13,6 +13,7 @@ use super::error::RecordingError;
 use super::names::directory_name;
 use super::repair::Repaired;
 use super::retention::{Kept, delete_what_is_too_much};
+use super::syncing::Syncing;
 use super::topic::TopicInfo;
 use super::writer::{Ended, Entry, Finished, Writer, WriterOptions};
 use crate::parameters::{Compression, Record};
@@ -20,7 +21,7 @@ use crate::twin::Severity;
 
 /// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
 /// [`FLUSH_WITHIN`](super::FLUSH_WITHIN).
-const FLUSH_PERIOD: Duration = Duration::from_millis(30);
+const FLUSH_PERIOD: Duration = Duration::from_millis(25);
 
 /// Shortest time between two notes of losses in the file.
 const NOTE_PERIOD: Duration = Duration::from_secs(1);
@@ -265,6 +266,7 @@ pub(super) struct Session {
     options: RecorderOptions,
     topics: Vec<TopicInfo>,
     counters: Arc<Counters>,
+    syncing: Syncing,
     writer: Option<Current>,
     /// The newest starting point, with which a recording begins that could not wait for one.
     starting_point: Option<Entry>,
@@ -283,17 +285,22 @@ struct Current {
 }
 
 impl Session {
-    pub fn new(options: RecorderOptions, topics: Vec<TopicInfo>, counters: Arc<Counters>) -> Self {
-        Self {
+    pub fn start(
+        options: RecorderOptions,
+        topics: Vec<TopicInfo>,
+        counters: Arc<Counters>,
+    ) -> Result<Self, RecordingError> {
+        Ok(Self {
             options,
             topics,
             counters,
+            syncing: Syncing::start()?,
             writer: None,
             starting_point: None,
             retry_at: None,
             noted: 0,
             last_note: None,
-        }
+        })
     }
 
     /// Records a message at `now`, counted from the start.
@@ -511,6 +518,9 @@ impl Session {
 
     /// Does what is due: hands data to the system, notes losses. To be called again and again.
     pub fn tick(&mut self, now: Duration) {
+        if let Some(error) = self.syncing.take_failure() {
+            self.fail(&error, now);
+        }
         self.note_losses(now);
         let Some(current) = &mut self.writer else {
             return;
@@ -520,8 +530,10 @@ impl Session {
         }
         current.last_flush = now;
         current.unflushed = false;
-        if let Err(error) = current.writer.flush() {
-            self.fail(&error, now);
+        match current.writer.hand_over() {
+            Ok(Some(unsynced)) => self.syncing.request(unsynced),
+            Ok(None) => {}
+            Err(error) => self.fail(&error, now),
         }
     }
 

@@ -13,6 +13,7 @@ use mcap::{WriteOptions, Writer as McapWriter};
 use super::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
 use super::error::RecordingError;
 use super::storage::Storage;
+use super::syncing::Unsynced;
 use super::topic::TopicInfo;
 use crate::messages::type_hash::TypeHash;
 use crate::messages::{self, Interface};
@@ -152,7 +153,7 @@ pub struct Writer {
     end: u64,
     /// Length of the file up to which it consists of whole records.
     whole: u64,
-    /// Length of the file that would survive a loss of power.
+    /// Length of the file that was synced, or given to somebody who does.
     synced: u64,
 }
 
@@ -315,10 +316,7 @@ impl Writer {
             synced: 0,
         };
         // From now on the file says what it is.
-        writer.flush()?;
-        if options.sync {
-            sync_directory(directory)?;
-        }
+        writer.end_chunk()?;
         Ok(writer)
     }
 
@@ -392,13 +390,26 @@ impl Writer {
     /// Writing fails.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.end_chunk()?;
-        if self.sync && self.synced < self.whole {
-            self.storage
-                .sync_data()
-                .map_err(|source| RecordingError::io("sync", &self.path, source))?;
-            self.synced = self.whole;
+        self.unsynced().map_or(Ok(()), |unsynced| unsynced.sync())
+    }
+
+    /// Hands everything to the system; what is to be synced then, if anything, is for the caller.
+    pub(super) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
+        self.end_chunk()?;
+        Ok(self.unsynced())
+    }
+
+    fn unsynced(&mut self) -> Option<Unsynced> {
+        if !self.sync || self.synced >= self.whole {
+            return None;
         }
-        Ok(())
+        let is_new = self.synced == 0;
+        self.synced = self.whole;
+        Some(Unsynced {
+            storage: self.storage.clone(),
+            path: self.path.clone(),
+            directory: is_new.then(|| self.directory.clone()),
+        })
     }
 
     fn end_chunk(&mut self) -> Result<(), RecordingError> {
@@ -599,7 +610,7 @@ fn make_directory(directory: &Path) -> Result<(), RecordingError> {
 }
 
 /// A new name survives a loss of power when its directory does.
-fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
+pub(super) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
     for folder in [Some(directory), directory.parent()].into_iter().flatten() {
         let folder = if folder.as_os_str().is_empty() {
             Path::new(".")

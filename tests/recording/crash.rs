@@ -82,7 +82,7 @@ fn last_sent(folder: &Path) -> Option<(u64, i64)> {
 }
 
 /// Kills a recording process after so many messages; says what is missing then.
-fn missing_after_a_kill(folder: &Path, compression: Compression, messages: u64) -> Duration {
+pub fn missing_after_a_kill(folder: &Path, compression: Compression, messages: u64) -> Duration {
     let mut child = start(folder, compression);
     let begin = Instant::now();
     while last_sent(folder).is_none_or(|(index, _)| index < messages) {

@@ -268,7 +268,7 @@ fn a_directory_of_several_files_is_one_recording() {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("a"), folder.path().join("b"));
     let messages = sample(100);
-    let (begin, end) = messages.split_at(150);
+    let (begin, end) = messages.split_at(70);
     for (directory, part) in [(&first, begin), (&second, end)] {
         let mut writer = Writer::create(directory, &WriterOptions::default(), &topics()).unwrap();
         part.iter().for_each(|it| writer.write(&it.entry).unwrap());

@@ -6,9 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use column_twin::recording::repair;
+use column_twin::messages::{cdr, std_msgs::String as Text};
+use column_twin::recording::{Entry, Reader, TopicInfo, repair};
 
-use super::sample::{self, COMPRESSIONS, Expected, sample};
+use super::crash::missing_after_a_kill;
+use super::sample::{self, COMPRESSIONS, Expected, sample, text_topics, topics};
 
 fn interop(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -27,9 +29,9 @@ fn environment(script: &str) -> PathBuf {
 }
 
 /// Lets all of them read the recording.
-fn assert_others_read(directory: &Path, messages: &[Expected]) {
+fn assert_others_read(directory: &Path, messages: &[Expected], topics: &[TopicInfo]) {
     let expected = directory.with_extension("expected");
-    fs::write(&expected, sample::expected_lines(messages)).unwrap();
+    fs::write(&expected, sample::expected_lines(messages, topics)).unwrap();
     let python = environment("environment.sh").join("bin/python");
     let mut with_python = Command::new(python);
     with_python.arg(interop("read_recording.py"));
@@ -57,7 +59,7 @@ fn others_read_every_message_and_value() {
         let folder = tempfile::tempdir().unwrap();
         let directory = folder.path().join("bag");
         sample::write(&directory, compression, &messages);
-        assert_others_read(&directory, &messages);
+        assert_others_read(&directory, &messages, &topics());
     }
 }
 
@@ -75,6 +77,34 @@ fn others_read_a_repaired_recording() {
         fs::remove_file(directory.join("metadata.yaml")).unwrap();
         let repaired = repair(&directory, None).unwrap().unwrap();
         let saved = usize::try_from(repaired.messages).unwrap();
-        assert_others_read(&repaired.directory, &messages[..saved]);
+        assert_others_read(&repaired.directory, &messages[..saved], &topics());
+    }
+}
+
+/// That nothing is missing up to the end is held to what was sent in `crash`.
+#[test]
+#[ignore = "slow: other people's readers, from PyPI and npm"]
+fn others_read_what_a_kill_left() {
+    for compression in COMPRESSIONS {
+        let folder = tempfile::tempdir().unwrap();
+        missing_after_a_kill(folder.path(), compression, 3000);
+        let directory = folder.path().join("repaired");
+        let reader = Reader::open(&directory).unwrap();
+        let expected = |message: column_twin::recording::Message| Expected {
+            content: serde_json::to_value(cdr::decode::<Text>(&message.data).unwrap()).unwrap(),
+            entry: Entry {
+                topic: 0,
+                log_time: message.log_time,
+                publish_time: message.publish_time,
+                data: message.data.into(),
+                starting_point: false,
+            },
+        };
+        let messages: Vec<Expected> = reader
+            .messages()
+            .map(|message| expected(message.unwrap()))
+            .collect();
+        assert!(messages.len() > 2000);
+        assert_others_read(&directory, &messages, &text_topics());
     }
 }

@@ -335,8 +335,7 @@ pub fn assert_reads_back(reader: &Reader, messages: &[Expected]) {
 }
 
 /// One line per message, in order, for scripts in other languages. Numbers that JSON cannot write are null.
-pub fn expected_lines(messages: &[Expected]) -> String {
-    let topics = topics();
+pub fn expected_lines(messages: &[Expected], topics: &[TopicInfo]) -> String {
     let line = |it: &&Expected| {
         let topic = &topics[it.entry.topic];
         let bytes: String = it
