@@ -76,10 +76,11 @@ pub fn start_live_twin(
             None
         }
     };
-    let options = LiveOptions {
+    let mut options = LiveOptions {
         state_file: path,
         ..options
     };
+    super::pictures::ask_for_outputs(&parameters, &mut options);
     let held = Arc::new(parameters.clone());
     let new = |now| twin::Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
     let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
@@ -100,6 +101,7 @@ pub fn start_live_twin(
         tracing::warn!("{warning}");
     }
     let outputs = handle.outputs(READER).ok_or(LiveTwinError::NoQueue)?;
+    let pictures = super::pictures::start(&held, &handle, clock.now())?;
     let twin = Arc::new(LiveTwin {
         handle: RwLock::new(Some(handle)),
         clock,
@@ -110,7 +112,10 @@ pub fn start_live_twin(
     Ok(StartedTwin {
         twin,
         outputs: Box::new(LiveOutputs(outputs)),
-        stop: Box::new(move || ending.stop()),
+        stop: Box::new(move || {
+            ending.stop();
+            pictures.stop();
+        }),
     })
 }
 
@@ -234,6 +239,7 @@ fn health(handle: &LiveHandle) -> Health {
         worst_lateness: 1e-9 * statistics.worst_lateness as f64,
         dropped_inputs: dropped("inputs"),
         dropped_states: dropped(&format!("states to {of_ros}")),
+        dropped_viewer: dropped(&format!("states to {}", super::pictures::QUEUE)),
         statistics: [
             ("turns", statistics.turns),
             ("late turns", statistics.overruns),

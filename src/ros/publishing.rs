@@ -16,11 +16,12 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
+use crate::shape::Lengths;
 
 use super::bridge::{Output, Outputs, ReportOutput, Severity, Twin};
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::joint_states::JointStates;
-use super::markers::{Lengths, markers};
+use super::markers::markers;
 use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;

@@ -13,7 +13,7 @@ use super::film::{Film, FilmOptions};
 use super::item::{Announcement, Item};
 use super::plots::Ranges;
 use super::ViewerError;
-use crate::column::{Outcome, Report, Sample};
+use crate::column::{Outcome, Phase, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
@@ -23,6 +23,9 @@ const PICTURE_PERIOD: i64 = 500_000;
 
 /// Most pictures of the scene that one impact is worth.
 const MOST_PICTURES: i64 = 600;
+
+/// Time between two pictures of an approach \[s\].
+const APPROACH_PERIOD: f64 = 1e-3;
 
 /// Longest wait for the disk.
 const WRITTEN_WITHIN: Duration = Duration::from_secs(60);
@@ -60,6 +63,30 @@ pub fn from_messages(
     items
 }
 
+/// A simulation takes an approach to a column at rest in one stride: the vehicle moves on evenly, and so it is shown.
+fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
+    let mut whole: Vec<Sample> = Vec::new();
+    for sample in samples {
+        let from = whole.last().copied().filter(|it| it.phase == Phase::Approach);
+        if let Some(from) = from {
+            let pictures = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
+            let pictures = pictures.clamp(0.0, MOST_PICTURES as f64) as i64;
+            whole.extend((1..pictures).map(|picture| {
+                let elapsed = (sample.time - from.time) * picture as f64 / pictures as f64;
+                let way = from.impactor_velocity * elapsed;
+                Sample {
+                    time: from.time + elapsed,
+                    impactor_position: from.impactor_position + way,
+                    gap: (from.gap - way).max(0.0),
+                    ..from
+                }
+            }));
+        }
+        whole.push(sample);
+    }
+    whole
+}
+
 /// What a simulation shows, with its outcome before and after; `stamp` dates the event.
 pub fn from_samples(
     event_id: &str,
@@ -70,6 +97,7 @@ pub fn from_samples(
     let event_id: Arc<str> = event_id.into();
     let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
     let mut items = vec![Item::Forecast(announcement())];
+    let samples = with_the_whole_approach(samples);
     items.extend(samples.into_iter().map(|sample| {
         Item::State(StateOutput {
             stamp: stamp.saturating_add(super::timeline::nanos(sample.time)),

@@ -63,6 +63,15 @@ impl Timeline {
         }
     }
 
+    /// A moment before the first impact, whose stamp is given.
+    #[must_use]
+    pub fn before(step_nanos: u64, stamp: i64) -> Moment {
+        Moment {
+            wall_clock: stamp.saturating_sub(PAUSE),
+            ..Self::new(step_nanos).last
+        }
+    }
+
     /// The place of a state. Another identifier of the event, or a time that goes back, is another impact.
     pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
