@@ -49,7 +49,9 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         duration,
         &mut |sample| samples.push(*sample),
     )?;
-    let contact = report.first_contact_time.ok_or("the vehicle does not reach the column")?;
+    let contact = report
+        .first_contact_time
+        .ok_or("the vehicle does not reach the column")?;
     let yields = report.hinges.iter().filter_map(|hinge| hinge.first_yield);
     let first_yield = yields.fold(f64::INFINITY, f64::min);
     for (name, time) in [

@@ -42,7 +42,9 @@ pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> Mar
     let joints = Joints::new(lengths, sample, 1.0);
     let mut column = marker(header, "column", 0, Marker::LINE_STRIP, STEEL);
     column.scale.x = COLUMN_WIDTH;
-    column.points = [joints.base, joints.impact, joints.top].map(in_space).to_vec();
+    column.points = [joints.base, joints.impact, joints.top]
+        .map(in_space)
+        .to_vec();
     let mut markers = vec![column];
     let hinges = joints.hinges(HINGE_OFFSET).map(in_space);
     for ((id, position), hinge) in (0..).zip(hinges).zip(&sample.hinges) {

@@ -211,7 +211,10 @@ mod tests {
                 };
                 let axis = Axis::new(&Joints::new(lengths, &sample, 1.0), rotation, true, false);
                 for station in axis.stations() {
-                    assert!((station.direction.norm() - 1.0).abs() < 1e-12, "{station:?}");
+                    assert!(
+                        (station.direction.norm() - 1.0).abs() < 1e-12,
+                        "{station:?}"
+                    );
                     assert!(station.place.norm() < 10.0);
                 }
             }

@@ -85,10 +85,7 @@ fn quarter(section: &RolledSection) -> Vec<[f64; 2]> {
         root_radius,
     } = *section;
     let (inner, web) = (0.5 * depth - flange_thickness, 0.5 * web_thickness);
-    let radius = root_radius
-        .min(inner)
-        .min(0.5 * width - web)
-        .max(0.0);
+    let radius = root_radius.min(inner).min(0.5 * width - web).max(0.0);
     let mut corners = vec![[0.5 * depth, 0.5 * width], [inner, 0.5 * width]];
     if radius > 0.0 {
         let centre = [inner - radius, web + radius];

@@ -82,7 +82,8 @@ impl Solid {
     fn add(&mut self, station: &Station, corner: [f64; 2], normal: [f64; 3]) {
         let [x, y, z] = in_space(station, corner);
         let place = station.place;
-        self.positions.push([x + place.x, y, z + place.z].map(single));
+        self.positions
+            .push([x + place.x, y, z + place.z].map(single));
         self.normals.push(normal.map(single));
     }
 }

@@ -5,8 +5,8 @@
 //! archetypes are logged one by one, as it does it itself.
 
 use rerun::blueprint::components::{
-    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom, LoopMode,
-    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
+    LoopMode, PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
     VisualBounds2D,
 };
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
@@ -20,9 +20,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
     ScalarAxis, TextLogColumns, TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
     VisibleTimeRanges, VisualBounds2D as VisualBounds,
 };
-use rerun::{
-    AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult,
-};
+use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 use super::fixtures::stress_entity;
 use super::plots::{self, NamesCorner, PLOTS};
@@ -187,11 +185,19 @@ impl Blueprint {
                 drawing.section, drawing.magnification
             )
         };
-        let contents = ["column", "top", "top_spring", "supports", "ghost", "vehicle", "legend"]
-            .iter()
-            .map(|it| format!("+ /{it}/**"))
-            .chain(["+ /contact_force".to_owned()])
-            .collect::<Vec<_>>();
+        let contents = [
+            "column",
+            "top",
+            "top_spring",
+            "supports",
+            "ghost",
+            "vehicle",
+            "legend",
+        ]
+        .iter()
+        .map(|it| format!("+ /{it}/**"))
+        .chain(["+ /contact_force".to_owned()])
+        .collect::<Vec<_>>();
         self.view(SCENE, "3D", &title, "/", &contents)?;
         let height = drawing.lengths.total() as f32;
         let middle = [0.01 * height, 0.0, 0.53 * height];
@@ -201,8 +207,8 @@ impl Blueprint {
             .with_look_target(middle)
             .with_eye_up([0.0, 0.0, 1.0]);
         self.property(SCENE, "EyeControls3D", &eye)?;
-        let background =
-            Background::new(BackgroundKind::SolidColor).with_color(super::film::color([22, 24, 28]));
+        let background = Background::new(BackgroundKind::SolidColor)
+            .with_color(super::film::color([22, 24, 28]));
         self.property(SCENE, "Background", &background)?;
         let grid = LineGrid3D::new().with_visible(false);
         self.property(SCENE, "LineGrid3D", &grid)
@@ -299,7 +305,10 @@ mod tests {
 
     #[test]
     fn a_uuid_is_the_same_as_text_and_as_bytes() {
-        let text: String = uuid_bytes(0x2a).iter().map(|it| format!("{it:02x}")).collect();
+        let text: String = uuid_bytes(0x2a)
+            .iter()
+            .map(|it| format!("{it:02x}"))
+            .collect();
         assert_eq!(uuid(0x2a).replace('-', ""), text);
     }
 }

@@ -119,7 +119,10 @@ impl Connection {
         if let Some((film, _)) = &mut self.film
             && let Err(error) = film.show(items.iter().cloned())
         {
-            (self.telling)(Severity::Error, format!("cannot write to the viewer: {error}"));
+            (self.telling)(
+                Severity::Error,
+                format!("cannot write to the viewer: {error}"),
+            );
             self.part();
         }
         self.remember(items);

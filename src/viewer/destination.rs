@@ -163,7 +163,10 @@ fn date_and_time(secs: i64) -> String {
     let month = (month_from_march + 2) % 12 + 1;
     let year = year_of_era + 400 * era + i64::from(month <= 2);
     let (hour, minute) = (second / 3600, second / 60 % 60);
-    format!("{year:04}{month:02}{day_of_month:02}T{hour:02}{minute:02}{:02}Z", second % 60)
+    format!(
+        "{year:04}{month:02}{day_of_month:02}T{hour:02}{minute:02}{:02}Z",
+        second % 60
+    )
 }
 
 #[cfg(test)]

@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use rerun::RecordingStreamBuilder;
 
+use super::ViewerError;
 use super::blueprint::APPLICATION;
 use super::film::{Film, FilmOptions};
 use super::item::{Announcement, Item};
 use super::plots::Ranges;
-use super::ViewerError;
 use crate::column::{Outcome, Phase, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
@@ -67,24 +67,30 @@ pub fn from_messages(
 fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
     let mut whole: Vec<Sample> = Vec::new();
     for sample in samples {
-        let from = whole.last().copied().filter(|it| it.phase == Phase::Approach);
+        let from = whole
+            .last()
+            .copied()
+            .filter(|it| it.phase == Phase::Approach);
         if let Some(from) = from {
             let pictures = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
             let pictures = pictures.clamp(0.0, MOST_PICTURES as f64) as i64;
             whole.extend((1..pictures).map(|picture| {
-                let elapsed = (sample.time - from.time) * picture as f64 / pictures as f64;
-                let way = from.impactor_velocity * elapsed;
-                Sample {
-                    time: from.time + elapsed,
-                    impactor_position: from.impactor_position + way,
-                    gap: (from.gap - way).max(0.0),
-                    ..from
-                }
+                let part = picture as f64 / pictures as f64;
+                approaching(from, part * (sample.time - from.time))
             }));
         }
         whole.push(sample);
     }
     whole
+}
+
+/// The same `elapsed` seconds later, when nothing but the vehicle has moved.
+fn approaching(mut sample: Sample, elapsed: f64) -> Sample {
+    let way = sample.impactor_velocity * elapsed;
+    sample.time += elapsed;
+    sample.impactor_position += way;
+    sample.gap = (sample.gap - way).max(0.0);
+    sample
 }
 
 /// What a simulation shows, with its outcome before and after; `stamp` dates the event.
@@ -176,9 +182,8 @@ pub fn write_rrd(
             .map_err(|error| error.to_string())
     };
     // The film ends with the stream and the file's footer in it, before the file has its name.
-    let outcome = written().and_then(|()| {
-        fs::rename(&unfinished, path).map_err(|error| error.to_string())
-    });
+    let outcome =
+        written().and_then(|()| fs::rename(&unfinished, path).map_err(|error| error.to_string()));
     if outcome.is_err() {
         let _ = fs::remove_file(&unfinished); // it may not even be there
     }

@@ -216,7 +216,9 @@ impl Film {
     }
 
     fn result(&mut self, result: &Announcement) -> RecordingStreamResult<()> {
-        let end = self.timeline.in_impact(result.report.end_time, result.stamp);
+        let end = self
+            .timeline
+            .in_impact(result.report.end_time, result.stamp);
         self.line(Line {
             moment: end,
             severity: Severity::Info,
@@ -432,7 +434,9 @@ impl Film {
         let spring = LineStrips3D::update_fields().with_strips(springs);
         send("top_spring", spring.columns(ones())?.collect())?;
 
-        let there: Vec<_> = scenes().map(|it| usize::from(it.vehicle.is_some())).collect();
+        let there: Vec<_> = scenes()
+            .map(|it| usize::from(it.vehicle.is_some()))
+            .collect();
         let bodies = || scenes().filter_map(|it| it.vehicle.as_ref());
         let vehicle = Boxes3D::update_fields()
             .with_centers(bodies().map(|it| it.centre))
@@ -442,7 +446,9 @@ impl Film {
             .with_positions(bodies().map(|it| it.label_place))
             .with_labels(bodies().map(|it| it.label.as_str()));
         send("vehicle/label", label.columns(there)?.collect())?;
-        let there: Vec<_> = scenes().map(|it| usize::from(it.contact.is_some())).collect();
+        let there: Vec<_> = scenes()
+            .map(|it| usize::from(it.contact.is_some()))
+            .collect();
         let forces = || scenes().filter_map(|it| it.contact.as_ref());
         let contact = Arrows3D::update_fields()
             .with_origins(forces().map(|it| it.origin))
@@ -459,7 +465,8 @@ impl Film {
         };
         let text = TextLog::new(line.text).with_level(level);
         let data = text.columns_of_unit_batches()?;
-        self.stream.send_columns("log", columns([line.moment]), data)
+        self.stream
+            .send_columns("log", columns([line.moment]), data)
     }
 
     /// What does not change while the column is the same.

@@ -127,13 +127,23 @@ fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point> {
 /// Built in: a block. Pinned: a triangle with a pin. Semi-rigid: a block with a spiral.
 fn base(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
     let down = PlanePoint::new(0.0, -0.1);
-    let ground = |z: f64| (PlanePoint::new(-HALF_PLATE, z), PlanePoint::new(HALF_PLATE, z));
+    let ground = |z: f64| {
+        (
+            PlanePoint::new(-HALF_PLATE, z),
+            PlanePoint::new(HALF_PLATE, z),
+        )
+    };
     let mut strips = Vec::new();
     let below = if drawing.base == SupportKind::Pinned {
         let apex = in_space(PlanePoint::default(), 0.0);
         let feet = [-0.2, 0.2].map(|x| in_space(PlanePoint::new(x, -0.3), 0.0));
         strips.push(vec![apex, feet[0], feet[1], apex]);
-        strips.push(circle(PlanePoint::default(), 0.05, 0.0, std::f64::consts::TAU));
+        strips.push(circle(
+            PlanePoint::default(),
+            0.05,
+            0.0,
+            std::f64::consts::TAU,
+        ));
         -0.3
     } else {
         let block = Boxes3D::from_centers_and_half_sizes(
@@ -219,7 +229,10 @@ fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<
     } else {
         format!("displacements drawn x {}", drawing.magnification)
     };
-    let arrows = format!("forces: 1 m = {}", super::scene::force(drawing.force_per_metre));
+    let arrows = format!(
+        "forces: 1 m = {}",
+        super::scene::force(drawing.force_per_metre)
+    );
     let entries = [
         ("hinge elastic".to_owned(), colour::ELASTIC),
         ("hinge plastic".to_owned(), colour::PLASTIC),
@@ -246,12 +259,9 @@ fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStr
     let surface = LineStrips2D::new([yield_surface(exponents)])
         .with_colors([color(colour::SURFACE)])
         .with_radii([Radius::new_ui_points(1.0)]);
-    let axes = LineStrips2D::new([
-        [[-1.15_f32, 0.0], [1.15, 0.0]],
-        [[0.0, -1.15], [0.0, 1.15]],
-    ])
-    .with_colors([color(colour::AXIS)])
-    .with_radii([Radius::new_ui_points(0.7)]);
+    let axes = LineStrips2D::new([[[-1.15_f32, 0.0], [1.15, 0.0]], [[0.0, -1.15], [0.0, 1.15]]])
+        .with_colors([color(colour::AXIS)])
+        .with_radii([Radius::new_ui_points(0.7)]);
     let names = Points2D::new([[1.35_f32, 0.0], [0.0, -1.45]])
         .with_labels(["M/Mp", "-N/Np"])
         .with_colors([color(colour::SURFACE)])

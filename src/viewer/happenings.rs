@@ -38,7 +38,8 @@ impl Happenings {
         self.announced = of_report(report);
         let last = self.last.map_or(f64::NEG_INFINITY, |last| last.time);
         self.announced.retain(|it| it.time > last);
-        self.announced.sort_by(|one, other| other.time.total_cmp(&one.time));
+        self.announced
+            .sort_by(|one, other| other.time.total_cmp(&one.time));
     }
 
     /// What has happened until this state and has not been told.
@@ -172,7 +173,10 @@ mod tests {
     }
 
     fn all(happenings: &mut Happenings, samples: &[Sample]) -> Vec<Happening> {
-        samples.iter().flat_map(|sample| happenings.until(sample)).collect()
+        samples
+            .iter()
+            .flat_map(|sample| happenings.until(sample))
+            .collect()
     }
 
     const EVERYTHING: [&str; 9] = [
@@ -214,7 +218,10 @@ mod tests {
         assert_eq!(alone.len(), with.len(), "{alone:#?}");
         for (alone, with) in alone.iter().zip(&with) {
             assert_eq!(alone.text.split(':').next(), with.text.split(':').next());
-            assert!((alone.time - with.time).abs() < 4.1e-5, "{alone:?} {with:?}");
+            assert!(
+                (alone.time - with.time).abs() < 4.1e-5,
+                "{alone:?} {with:?}"
+            );
         }
     }
 }

@@ -99,7 +99,11 @@ impl LiveViewer {
             );
             return;
         }
-        if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
+        if self
+            .thread
+            .take()
+            .is_some_and(|thread| thread.join().is_err())
+        {
             (self.telling)(
                 Severity::Error,
                 format!("the thread {VIEWER_THREAD} ended by a panic; please report what it wrote"),

@@ -75,10 +75,7 @@ pub const ALL: [Plot; PLOTS] = [
         entity: "plots/normal_force",
         title: "Fig. 7: N, tension + [kN]",
         per_si: 1e-3,
-        curves: &[
-            ("N_a below", colour::BAR_A),
-            ("N_b above", colour::BAR_B),
-        ],
+        curves: &[("N_a below", colour::BAR_A), ("N_b above", colour::BAR_B)],
         names: NamesCorner::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
@@ -301,7 +298,10 @@ mod tests {
     fn samples_with(gap: f64) -> Vec<Sample> {
         let column = Parameters::default().column_properties();
         let mut samples = Vec::new();
-        simulate(&column, &Impact { gap, ..CAR }, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        simulate(&column, &Impact { gap, ..CAR }, 2.0, &mut |sample| {
+            samples.push(*sample)
+        })
+        .expect("simulated");
         samples
     }
 

@@ -133,10 +133,9 @@ impl Drawing {
         Self {
             lengths,
             outline: Outline::new(&drawn_section(parameters)),
-            section: section.name.map_or_else(
-                || "Section by numbers".to_owned(),
-                |name| name.to_owned(),
-            ),
+            section: section
+                .name
+                .map_or_else(|| "Section by numbers".to_owned(), |name| name.to_owned()),
             base: settings.support.base,
             top: settings.support.top,
             resistance_moment: parameters.resistance_moment(),
@@ -219,7 +218,10 @@ impl Drawing {
             let hinge = &sample.hinges[index];
             let place = places[index];
             let radius = self.arc_radius() * if index == 1 { 1.25 } else { 1.0 };
-            let beside = place.plus(1.0, PlanePoint::new(0.29 * self.lengths.total(), label_shifts[index]));
+            let beside = place.plus(
+                1.0,
+                PlanePoint::new(0.29 * self.lengths.total(), label_shifts[index]),
+            );
             HingeMark {
                 place: in_space(place, self.front()),
                 colour: colour::of_state(hinge.state),
@@ -254,7 +256,12 @@ impl Drawing {
     /// The arc stands on the side that the vehicle does not come from.
     fn arc(&self, centre: PlanePoint, radius: f64, moment: f64) -> Vec<Point> {
         let part = moment / self.resistance_moment;
-        let angle = FULL_ARC * if part.is_finite() { part.clamp(-1.1, 1.1) } else { 0.0 };
+        let angle = FULL_ARC
+            * if part.is_finite() {
+                part.clamp(-1.1, 1.1)
+            } else {
+                0.0
+            };
         (0..=ARC_PIECES)
             .map(|piece| {
                 let at = angle * (piece as f64 / ARC_PIECES as f64 - 0.5);
@@ -282,7 +289,10 @@ impl Drawing {
             let up = length * point as f64 / points as f64;
             in_space(foot.plus(1.0, PlanePoint::new(aside, up)), 0.0)
         }));
-        spring.push(in_space(PlanePoint::new(SPRING_BESIDE, self.spring_end()), 0.0));
+        spring.push(in_space(
+            PlanePoint::new(SPRING_BESIDE, self.spring_end()),
+            0.0,
+        ));
         spring
     }
 
@@ -309,7 +319,10 @@ impl Drawing {
         Some(Body {
             centre: in_space(centre, 0.0),
             label: format!("{mass}{speed:.2} m/s"),
-            label_place: in_space(centre.plus(1.0, PlanePoint::new(0.0, -0.5 * VEHICLE[2])), 0.0),
+            label_place: in_space(
+                centre.plus(1.0, PlanePoint::new(0.0, -0.5 * VEHICLE[2])),
+                0.0,
+            ),
         })
     }
 
@@ -425,7 +438,9 @@ mod tests {
     fn length(path: &[Point]) -> f64 {
         path.windows(2)
             .map(|pair| {
-                let square: f32 = (0..3).map(|axis| (pair[1][axis] - pair[0][axis]).powi(2)).sum();
+                let square: f32 = (0..3)
+                    .map(|axis| (pair[1][axis] - pair[0][axis]).powi(2))
+                    .sum();
                 f64::from(square.sqrt())
             })
             .sum()
@@ -470,9 +485,15 @@ mod tests {
             let part = 0.11 / x.hypot(z);
             assert!(near(mark, impact[0] + part * x, impact[1] + part * z));
         }
-        assert_eq!((base.colour, top.colour), (colour::PLASTIC, colour::ELASTIC));
+        assert_eq!(
+            (base.colour, top.colour),
+            (colour::PLASTIC, colour::ELASTIC)
+        );
         assert_eq!(base.label, "3: 100 % plastic, M -150 kN m");
-        assert_eq!(scene.vehicle.map(|it| it.label).as_deref(), Some("0.50 m/s"));
+        assert_eq!(
+            scene.vehicle.map(|it| it.label).as_deref(),
+            Some("0.50 m/s")
+        );
     }
 
     #[test]

@@ -4,7 +4,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rerun::{MemoryLimit, PlaybackBehavior, RecordingStream, RecordingStreamBuilder, ServerOptions};
+use rerun::{
+    MemoryLimit, PlaybackBehavior, RecordingStream, RecordingStreamBuilder, ServerOptions,
+};
 
 use super::blueprint::APPLICATION;
 use super::film::Film;
@@ -115,7 +117,10 @@ mod tests {
         assert!(right.iter().all(|it| loopback(it, 9876).is_ok()));
         for wrong in ["0.0.0.0", "192.168.0.1", "viewer", "", "::"] {
             let error = loopback(wrong, 9876).expect_err(wrong).to_string();
-            assert!(error.contains("expected an address of this machine"), "{error}");
+            assert!(
+                error.contains("expected an address of this machine"),
+                "{error}"
+            );
         }
     }
 

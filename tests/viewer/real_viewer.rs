@@ -124,7 +124,9 @@ fn a_viewer_that_is_stopped_holds_up_nobody() {
     }
     assert_eq!(bits(&states), expected);
     let (dropped, after) = (column.dropped(), resident(std::process::id()));
-    println!("60 impacts while it was stopped: {dropped} states lost to the viewer, {before} -> {after} B");
+    println!(
+        "60 impacts while it was stopped: {dropped} states lost to the viewer, {before} -> {after} B"
+    );
     assert!(dropped > 0 && after < before + 100_000_000);
     let rest = Duration::from_secs(10).saturating_sub(stopped.elapsed());
     std::thread::park_timeout(rest);
@@ -153,7 +155,11 @@ fn a_viewer_that_goes_on_is_shown_what_comes() {
         assert!(Instant::now() < given_up, "the queue does not empty");
         std::thread::park_timeout(Duration::from_millis(20));
     }
-    println!("memory of the viewer: {} B; stopped within {:?}", running.memory(), column.stop());
+    println!(
+        "memory of the viewer: {} B; stopped within {:?}",
+        running.memory(),
+        column.stop()
+    );
 }
 
 /// Killed, and another one started in its place: that one has everything from the beginning.
@@ -187,18 +193,31 @@ fn a_viewer_that_is_started_again_has_everything() {
     let picture = folder.path().join("received.png");
     photograph(&program, &received, &picture);
     let print = viewer(&program)
-        .args(["rrd", "print", "-v"])
+        .args(["rrd", "print", "-vvv"])
         .arg(&received)
         .stdout(Stdio::piped())
         .output()
         .expect("runs");
     let print = String::from_utf8_lossy(&print.stdout).into_owned();
-    for entity in ["/column/steel", "/ghost", "/legend", "/plots/energy", "/yield/3/surface", "/log"] {
-        assert!(print.contains(entity), "{entity} is missing in what was received");
+    for entity in [
+        "/column/steel",
+        "/ghost",
+        "/legend",
+        "/plots/energy",
+        "/yield/3/surface",
+        "/log",
+    ] {
+        assert!(
+            print.contains(entity),
+            "{entity} is missing in what was received"
+        );
     }
     for (event, velocity) in (1..).zip(velocities) {
         let forecast = format!("forecast of impact-{event}");
-        assert!(print.contains(&forecast), "the impact at {velocity} m/s is missing");
+        assert!(
+            print.contains(&forecast),
+            "the impact at {velocity} m/s is missing"
+        );
     }
 }
 
@@ -237,7 +256,11 @@ fn pictures_of_four_moments_are_not_empty_and_differ() {
         .iter()
         .map(|name| {
             let picture = folder.path().join(format!("{name}.png"));
-            photograph(&program, &folder.path().join(format!("{name}.rrd")), &picture);
+            photograph(
+                &program,
+                &folder.path().join(format!("{name}.rrd")),
+                &picture,
+            );
             pixels(&picture)
         })
         .collect();
@@ -245,15 +268,27 @@ fn pictures_of_four_moments_are_not_empty_and_differ() {
         let mut colours: Vec<_> = picture.chunks(4).map(<[u8]>::to_vec).collect();
         colours.sort_unstable();
         colours.dedup();
-        println!("picture {number}: {} bytes, {} colours", picture.len(), colours.len());
-        assert!(colours.len() > 1_000, "picture {number} shows next to nothing");
+        println!(
+            "picture {number}: {} bytes, {} colours",
+            picture.len(),
+            colours.len()
+        );
+        assert!(
+            colours.len() > 1_000,
+            "picture {number} shows next to nothing"
+        );
         for other in &pictures[..number] {
             assert_eq!(picture.len(), other.len());
-            let differ = picture.iter().zip(other).filter(|(one, other)| one != other);
+            let differ = picture
+                .iter()
+                .zip(other)
+                .filter(|(one, other)| one != other);
             let part = differ.count() as f64 / picture.len() as f64;
-            println!("picture {number} differs from an earlier one in {:.2} %", 100.0 * part);
+            println!(
+                "picture {number} differs from an earlier one in {:.2} %",
+                100.0 * part
+            );
             assert!(part > 0.005);
         }
     }
 }
-

@@ -70,7 +70,10 @@ fn a_recording_becomes_a_file() {
     let before = Instant::now();
     let items = from_messages(states, reports);
     write_rrd(&path, &Arc::new(Parameters::default()), items, false).expect("written");
-    println!("a recording of 57 ms at 1 kHz became a file within {:?}", before.elapsed());
+    println!(
+        "a recording of 57 ms at 1 kHz became a file within {:?}",
+        before.elapsed()
+    );
     let content = std::fs::read(&path).expect("there");
     assert_eq!(&content[..4], b"RRF2");
     assert!(content.len() > 100_000, "{}", content.len());

@@ -166,7 +166,10 @@ pub fn bits(states: &[StateOutput]) -> Vec<(Nanos, String)> {
 pub fn without_viewer(velocities: &[f64]) -> Vec<(Nanos, String)> {
     let mut column = LiveColumn::start(&parameters(&[]));
     assert!(column.viewer.is_none());
-    let states = velocities.iter().flat_map(|it| column.hit(*it)).collect::<Vec<_>>();
+    let states = velocities
+        .iter()
+        .flat_map(|it| column.hit(*it))
+        .collect::<Vec<_>>();
     column.stop();
     bits(&states)
 }
