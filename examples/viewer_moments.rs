@@ -6,7 +6,7 @@
 //! ```
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use column_twin::column::{Impact, simulate};
@@ -19,12 +19,21 @@ const GAP: f64 = 0.5;
 /// The event's stamp, so that the files are the same each time: 2026-01-01, 12:00 UTC.
 const STAMP: i64 = 1_767_268_800_000_000_000;
 
+#[allow(dead_code)] // the test of the pictures has a main of its own
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let (Some(config), Some(folder)) = (arguments.next(), arguments.next()) else {
         return Err("expected two arguments: a parameter file, and a folder for the files".into());
     };
-    let parameters = Arc::new(Parameters::load(&[config], &[])?);
+    write(&config, &folder)
+}
+
+/// Writes `before.rrd`, `first_yield.rrd`, `peak.rrd` and `rest.rrd` into a folder.
+///
+/// # Errors
+/// Wrong parameters, a vehicle that does not reach the column, or a folder that cannot be written to.
+pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let parameters = Arc::new(Parameters::load(&[config.to_owned()], &[])?);
     let given = parameters.impact();
     let car = Impact {
         mass: given.mass,
@@ -49,13 +58,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("before", 0.3 * contact),
         ("first_yield", first_yield + 2e-5),
         ("peak", report.max_v1_time),
-        ("rest", f64::INFINITY),
+        ("rest", report.end_time),
     ] {
-        let until = samples.iter().take_while(|it| it.time <= time).copied();
-        let mut items = from_samples("car", STAMP, until, &report);
-        if time.is_finite() {
-            items.retain(|it| !matches!(it, Item::Result(_)));
-        }
+        // The whole impact, and of it what lies before the moment: every tenth step, which the viewer loads at once.
+        let mut items = from_samples("car", STAMP, samples.iter().copied(), &report);
+        let mut count = 0;
+        items.retain(|item| match item {
+            Item::State(state) => {
+                count += 1;
+                let near = time - state.sample.time < 1e-3 || state.sample.percussion > 0.0;
+                state.sample.time <= time && (count % 10 == 1 || near)
+            }
+            Item::Result(_) => time == report.end_time,
+            _ => true,
+        });
         let path = folder.join(format!("{name}.rrd"));
         write_rrd(&path, &parameters, items, true)?;
     }

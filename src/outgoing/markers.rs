@@ -6,6 +6,7 @@ use crate::column::{HingeState, Phase, Sample};
 use crate::messages::geometry_msgs::{Point, Pose, Vector3};
 use crate::messages::std_msgs::{ColorRGBA, Header};
 use crate::messages::visualization_msgs::{Marker, MarkerArray};
+use crate::shape::{Joints, PlanePoint};
 use crate::twin::Lengths;
 
 /// Width of the column's line \[m\].
@@ -39,25 +40,14 @@ const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
 
 /// All markers for one sample. Vehicle and force are taken away where there is none.
 pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> MarkerArray {
-    let base = point(0.0, 0.0);
-    let impact = point(sample.v1, lengths.below - sample.u1);
-    let top = point(0.0, lengths.below + lengths.above - sample.u2);
+    let joints = Joints::new(lengths, sample, 1.0);
     let mut column = marker(header, "column", 0, Marker::LINE_STRIP, STEEL);
     column.scale.x = COLUMN_WIDTH;
-    column.points = vec![base, impact, top];
+    column.points = [joints.base, joints.impact, joints.top]
+        .map(in_space)
+        .to_vec();
     let mut markers = vec![column];
-    let hinges = [
-        Point {
-            z: impact.z - HINGE_OFFSET,
-            ..impact
-        },
-        Point {
-            z: impact.z + HINGE_OFFSET,
-            ..impact
-        },
-        top,
-        base,
-    ];
+    let hinges = joints.hinges(HINGE_OFFSET).map(in_space);
     for ((id, position), hinge) in (0..).zip(hinges).zip(&sample.hinges) {
         let mut sphere = marker(
             header,
@@ -70,21 +60,19 @@ pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> Mar
         sphere.scale = vector([HINGE_DIAMETER; 3]);
         markers.push(sphere);
     }
-    markers.push(vehicle(header, sample, impact.z));
-    markers.push(force(header, sample, impact));
+    markers.push(vehicle(header, sample, &joints));
+    markers.push(force(header, sample, in_space(joints.impact)));
     MarkerArray { markers }
 }
 
-fn vehicle(header: &Header, sample: &Sample, height: f64) -> Marker {
+fn vehicle(header: &Header, sample: &Sample, joints: &Joints) -> Marker {
     let mut cube = marker(header, "vehicle", 0, Marker::CUBE, CAR);
     if sample.phase == Phase::Idle {
         cube.action = Marker::DELETE;
     }
     // Its front touches the face of the column, half a width before its axis.
-    cube.pose.position = point(
-        sample.impactor_position - 0.5 * (VEHICLE[0] + COLUMN_WIDTH),
-        height,
-    );
+    let front = joints.impactor_front(sample, 0.5 * COLUMN_WIDTH);
+    cube.pose.position = in_space(PlanePoint::new(front - 0.5 * VEHICLE[0], joints.impact.z));
     cube.scale = vector(VEHICLE);
     cube
 }
@@ -94,7 +82,10 @@ fn force(header: &Header, sample: &Sample, at: Point) -> Marker {
     if sample.contact_force <= 0.0 {
         arrow.action = Marker::DELETE;
     }
-    let tail = point(at.x - sample.contact_force / FORCE_PER_METRE, at.z);
+    let tail = Point {
+        x: at.x - sample.contact_force / FORCE_PER_METRE,
+        ..at
+    };
     arrow.points = vec![tail, at];
     arrow.scale = vector([ARROW[0], ARROW[1], 0.0]);
     arrow
@@ -121,7 +112,7 @@ fn marker(header: &Header, ns: &str, id: i32, kind: i32, color: ColorRGBA) -> Ma
     }
 }
 
-fn point(x: f64, z: f64) -> Point {
+fn in_space(PlanePoint { x, z }: PlanePoint) -> Point {
     Point { x, y: 0.0, z }
 }
 
@@ -132,6 +123,10 @@ fn vector([x, y, z]: [f64; 3]) -> Vector3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn point(x: f64, z: f64) -> Point {
+        in_space(PlanePoint::new(x, z))
+    }
 
     const LENGTHS: Lengths = Lengths {
         below: 1.0,

@@ -149,10 +149,7 @@ impl Outgoing {
         Self {
             column_id: settings.column_id.clone(),
             frame_id: settings.frame_id.clone(),
-            lengths: Lengths {
-                below: settings.geometry.length_below,
-                above: settings.geometry.length_above,
-            },
+            lengths: Lengths::from(parameters),
             joints: JointStates::default(),
             joint_states: Thinning::new(JOINT_STATES_PERIOD),
             markers: Thinning::new(MARKERS_PERIOD),

@@ -83,11 +83,12 @@ pub fn start_live_twin(
             None
         }
     };
-    let options = LiveOptions {
+    let mut options = LiveOptions {
         state_file: path,
         real_time: RealTime::of(&parameters),
         ..options
     };
+    super::pictures::ask_for_outputs(&parameters, &mut options);
     let first_parameters = Arc::new(parameters.clone());
     let new = |now| twin::Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
     let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
@@ -108,6 +109,7 @@ pub fn start_live_twin(
         tracing::warn!("{warning}");
     }
     let outputs = handle.outputs(READER).ok_or(LiveTwinError::NoQueue)?;
+    let pictures = super::pictures::start(&held, &handle, clock.now())?;
     let twin = Arc::new(LiveTwin {
         living: RwLock::new(Some(Living {
             handle,
@@ -121,7 +123,10 @@ pub fn start_live_twin(
     Ok(StartedTwin {
         twin,
         outputs: Box::new(LiveOutputs(outputs)),
-        stop: Box::new(move || ending.stop()),
+        stop: Box::new(move || {
+            ending.stop();
+            pictures.stop();
+        }),
     })
 }
 
@@ -250,6 +255,7 @@ fn health(handle: &LiveHandle) -> Health {
         worst_lateness: 1e-9 * statistics.worst_lateness as f64,
         dropped_inputs: dropped("inputs"),
         dropped_states: dropped(&format!("states to {of_ros}")),
+        dropped_viewer: dropped(&format!("states to {}", super::pictures::QUEUE)),
         statistics: [
             ("turns", statistics.turns),
             ("late turns", statistics.overruns),

@@ -21,6 +21,7 @@ mod names;
 mod node;
 mod parameter_services;
 mod participant;
+mod pictures;
 mod publishing;
 pub mod qos;
 mod raw;

@@ -2,6 +2,7 @@
 
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
+use crate::twin::Lengths;
 
 /// A point in the plane that the column bends in \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -42,15 +43,6 @@ impl PlanePoint {
             Self::new(0.0, 1.0)
         }
     }
-}
-
-/// The undeformed lengths of the two bars \[m\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lengths {
-    /// `L_a`: from the base to the impact point.
-    pub below: f64,
-    /// `L_b`: from the impact point to the top.
-    pub above: f64,
 }
 
 impl Lengths {

@@ -14,6 +14,8 @@ mod outline;
 mod solid;
 
 pub use axis::{Axis, BEND_LENGTH, Station};
-pub use joints::{Joints, Lengths, PlanePoint};
+pub use joints::{Joints, PlanePoint};
+
+pub use crate::twin::Lengths;
 pub use outline::{Outline, drawn_section};
 pub use solid::Solid;

@@ -24,7 +24,7 @@ use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStre
 
 use super::fixtures::stress_entity;
 use super::plots::{self, NamesCorner, PLOTS};
-use super::scene::{Drawing, HINGE_PLACES};
+use super::scene::Drawing;
 use super::timeline::IMPACT_TIME;
 use crate::column::{HINGE_NAMES, HINGES};
 
@@ -253,7 +253,7 @@ impl Blueprint {
     /// The whole path until now is seen, everything else as it is now.
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
-        let title = format!("{} {}: M-N [-]", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
+        let title = format!("Hinge {}: M-N [-]", HINGE_NAMES[hinge]);
         let origin = format!("/yield/{}", HINGE_NAMES[hinge]);
         self.view(id, "2D", &title, &origin, &["+ $origin/**".to_owned()])?;
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {
@@ -286,12 +286,15 @@ impl Blueprint {
         } else {
             PlayState::Playing
         };
-        let time = TimePanelBlueprint::new()
+        let mut time = TimePanelBlueprint::new()
             .with_state(PanelState::Collapsed)
             .with_timeline(TimelineName(Utf8::from(IMPACT_TIME)))
             .with_playback_speed(PlaybackSpeed(datatypes::Float64(PLAYBACK_SPEED)))
-            .with_play_state(play)
-            .with_loop_mode(LoopMode::All);
+            .with_play_state(play);
+        // A viewer that loops does not follow.
+        if !follows {
+            time = time.with_loop_mode(LoopMode::All);
+        }
         self.write("time_panel", &time)
     }
 }

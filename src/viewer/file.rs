@@ -11,19 +11,21 @@ use rerun::RecordingStreamBuilder;
 use super::ViewerError;
 use super::blueprint::APPLICATION;
 use super::film::{Film, FilmOptions};
-use super::item::Instant;
 use super::item::{Announcement, Item};
 use super::plots::Ranges;
-use crate::column::{Outcome, Report, Sample};
+use crate::column::{Outcome, Phase, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
-use crate::twin::TwinPhase;
+use crate::twin::{StateOutput, TwinPhase};
 
 /// Shortest time between two pictures of the scene \[ns\].
 const PICTURE_PERIOD: i64 = 500_000;
 
 /// Most pictures of the scene that one impact is worth.
 const MOST_PICTURES: i64 = 600;
+
+/// Time between two pictures of an approach \[s\].
+const APPROACH_PERIOD: f64 = 1e-3;
 
 /// Longest wait for the disk.
 const WRITTEN_WITHIN: Duration = Duration::from_secs(60);
@@ -61,6 +63,36 @@ pub fn from_messages(
     items
 }
 
+/// A simulation takes an approach to a column at rest in one stride: the vehicle moves on evenly, and so it is shown.
+fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
+    let mut whole: Vec<Sample> = Vec::new();
+    for sample in samples {
+        let from = whole
+            .last()
+            .copied()
+            .filter(|it| it.phase == Phase::Approach);
+        if let Some(from) = from {
+            let pictures = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
+            let pictures = pictures.clamp(0.0, MOST_PICTURES as f64) as i64;
+            whole.extend((1..pictures).map(|picture| {
+                let part = picture as f64 / pictures as f64;
+                approaching(from, part * (sample.time - from.time))
+            }));
+        }
+        whole.push(sample);
+    }
+    whole
+}
+
+/// The same `elapsed` seconds later, when nothing but the vehicle has moved.
+fn approaching(mut sample: Sample, elapsed: f64) -> Sample {
+    let way = sample.impactor_velocity * elapsed;
+    sample.time += elapsed;
+    sample.impactor_position += way;
+    sample.gap = (sample.gap - way).max(0.0);
+    sample
+}
+
 /// What a simulation shows, with its outcome before and after; `stamp` dates the event.
 pub fn from_samples(
     event_id: &str,
@@ -71,12 +103,14 @@ pub fn from_samples(
     let event_id: Arc<str> = event_id.into();
     let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
     let mut items = vec![Item::Forecast(announcement())];
+    let samples = with_the_whole_approach(samples);
     items.extend(samples.into_iter().map(|sample| {
-        Item::State(Instant {
+        Item::State(StateOutput {
             stamp: stamp.saturating_add(super::timeline::nanos(sample.time)),
             event_id: Arc::clone(&event_id),
             phase: TwinPhase::from(sample.phase),
             sample,
+            lengths: None,
         })
     }));
     if let (Some(Item::State(last)), Outcome::Elastic | Outcome::Plastic) =

@@ -1,6 +1,7 @@
 //! Writes what is shown into a Rerun stream: statics once, states in batches, one column of data for each entity.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use rerun::{
     Arrows3D, Boxes3D, Color, FillMode, LineStrip2D, LineStrip3D, LineStrips2D, LineStrips3D,
@@ -14,7 +15,6 @@ use super::blueprint;
 use super::colour::{self, Rgb};
 use super::fixtures;
 use super::happenings::{Happening, Happenings, summary};
-use super::item::Instant;
 use super::item::{Announcement, Item};
 use super::plots::{self, Ranges};
 use super::scene::{Drawing, Scene, VEHICLE};
@@ -22,10 +22,16 @@ use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Solid;
-use crate::twin::Severity;
+use crate::twin::{Severity, StateOutput};
 
 /// Most states that are written at once.
 pub const LARGEST_BATCH: usize = 512;
+
+/// How far the last state of an impact may be from the column at rest \[m\]: it still vibrates.
+const VIBRATION: f64 = 0.02;
+
+/// How long what stands still may take to leave.
+const STATICS_WITHIN: Duration = Duration::from_millis(500);
 
 /// How a film is made.
 #[derive(Debug, Clone)]
@@ -63,9 +69,11 @@ pub struct Film {
     going: Going,
     /// The last displacements that were shown at rest.
     at_rest: Option<[f64; 2]>,
+    /// Whether the scene has ever been drawn.
+    drawn: bool,
     /// A forecast whose states have not come yet.
     forecast: Option<Announcement>,
-    batch: Vec<(Moment, Instant)>,
+    batch: Vec<(Moment, StateOutput)>,
 }
 
 /// A line of the log.
@@ -95,11 +103,14 @@ impl Film {
             timeline,
             going: Going::default(),
             at_rest: None,
+            drawn: false,
             forecast: None,
             batch: Vec::new(),
         };
         film.send_blueprint()?;
         film.statics()?;
+        // What stands still leaves before the columns of data, which wait for nothing; a stream that is slow may have it later.
+        let _ = film.stream.flush_with_timeout(STATICS_WITHIN);
         Ok(film)
     }
 
@@ -130,6 +141,7 @@ impl Film {
         match item {
             Item::State(_) => Ok(()),
             Item::Forecast(forecast) => {
+                self.stand(forecast.stamp)?;
                 let line = Line {
                     moment: self.timeline.at_last(forecast.stamp),
                     severity: Severity::Info,
@@ -160,7 +172,7 @@ impl Film {
         }
     }
 
-    fn state(&mut self, state: Instant) -> RecordingStreamResult<()> {
+    fn state(&mut self, state: StateOutput) -> RecordingStreamResult<()> {
         let Placed { moment, begins } = self.timeline.place(&state);
         if begins {
             self.flush()?;
@@ -174,9 +186,10 @@ impl Film {
     }
 
     /// Another impact begins.
-    fn begin(&mut self, state: &Instant) -> RecordingStreamResult<()> {
+    fn begin(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
         let first = state.sample;
         let stamp = state.stamp - super::timeline::nanos(first.time);
+        self.stand(stamp)?;
         self.going = Going {
             first: Some(first),
             stamp,
@@ -213,6 +226,16 @@ impl Film {
         })
     }
 
+    /// The column before anything has happened, unless something is drawn already.
+    fn stand(&mut self, stamp: i64) -> RecordingStreamResult<()> {
+        if self.drawn {
+            return Ok(());
+        }
+        let before = Timeline::before(self.parameters.column_properties().step_nanos, stamp);
+        let scene = self.drawing.scene(&self.drawing.at_rest, None);
+        self.pictures(&[(before, scene)])
+    }
+
     /// The column at rest, unless it is already shown so.
     fn rest(&mut self, stamp: i64, v1: f64, u2: f64) -> RecordingStreamResult<()> {
         if self.at_rest == Some([v1, u2]) {
@@ -221,7 +244,9 @@ impl Film {
         let shown = self.going.last.map(|last| [last.v1, last.u2]);
         self.at_rest = Some([v1, u2]);
         // After an impact its last state is better than what the twin says of its rest: it has forces.
-        let near = |shown: [f64; 2]| (shown[0] - v1).abs() < 0.02 && (shown[1] - u2).abs() < 0.02;
+        let near = |shown: [f64; 2]| {
+            (shown[0] - v1).abs() < VIBRATION && (shown[1] - u2).abs() < VIBRATION
+        };
         if shown.is_some_and(near) {
             return Ok(());
         }
@@ -278,7 +303,7 @@ impl Film {
         Ok(())
     }
 
-    fn curves(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
+    fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let times = columns(batch.iter().map(|(moment, _)| *moment));
         for plot in &plots::ALL {
             let values = batch.iter().flat_map(|(_, state)| {
@@ -293,7 +318,7 @@ impl Film {
         Ok(())
     }
 
-    fn percussions(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
+    fn percussions(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let struck = batch.iter().filter(|(_, it)| it.sample.percussion > 0.0);
         let times: Vec<_> = struck.map(|(moment, _)| *moment).collect();
         if times.is_empty() {
@@ -306,7 +331,7 @@ impl Film {
     }
 
     /// The path of each hinge in its yield surface, piece by piece, and where it is now.
-    fn stresses(&self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
+    fn stresses(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let times = columns(batch.iter().map(|(moment, _)| *moment));
         let resistances = [
             self.drawing.resistance_moment,
@@ -342,7 +367,7 @@ impl Film {
     }
 
     /// Pictures of the scene of those states that are far enough apart, and of the last one of an impact.
-    fn scenes(&mut self, batch: &[(Moment, Instant)]) -> RecordingStreamResult<()> {
+    fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let mut pictures = Vec::new();
         let first = self.going.first.unwrap_or_default();
         for (moment, state) in batch {
@@ -359,10 +384,11 @@ impl Film {
         self.pictures(&pictures)
     }
 
-    fn pictures(&self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
+    fn pictures(&mut self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
         if pictures.is_empty() {
             return Ok(());
         }
+        self.drawn = true;
         let times = columns(pictures.iter().map(|(moment, _)| *moment));
         let scenes = || pictures.iter().map(|(_, scene)| scene);
         let ones = || vec![1; pictures.len()];
@@ -414,9 +440,12 @@ impl Film {
         let bodies = || scenes().filter_map(|it| it.vehicle.as_ref());
         let vehicle = Boxes3D::update_fields()
             .with_centers(bodies().map(|it| it.centre))
-            .with_half_sizes(bodies().map(|_| VEHICLE.map(|it| 0.5 * it as f32)))
+            .with_half_sizes(bodies().map(|_| VEHICLE.map(|it| 0.5 * it as f32)));
+        send("vehicle/body", vehicle.columns(there.clone())?.collect())?;
+        let label = Points3D::update_fields()
+            .with_positions(bodies().map(|it| it.label_place))
             .with_labels(bodies().map(|it| it.label.as_str()));
-        send("vehicle/body", vehicle.columns(there)?.collect())?;
+        send("vehicle/label", label.columns(there)?.collect())?;
         let there: Vec<_> = scenes()
             .map(|it| usize::from(it.contact.is_some()))
             .collect();
@@ -464,7 +493,7 @@ impl Film {
         stream.log_static("column/moments", &arcs)?;
         let heads = Arrows3D::update_fields()
             .with_colors([color(colour::MOMENT)])
-            .with_radii([thin]);
+            .with_radii([radius(0.008 * drawing.lengths.total())]);
         stream.log_static("column/moment_heads", &heads)?;
         let spring = LineStrips3D::update_fields()
             .with_colors([color(colour::SUPPORT)])
@@ -472,9 +501,13 @@ impl Film {
         stream.log_static("top_spring", &spring)?;
         let vehicle = Boxes3D::update_fields()
             .with_colors([color(colour::IMPACTOR)])
-            .with_fill_mode(FillMode::TransparentFillMajorWireframe)
-            .with_show_labels(true);
+            .with_fill_mode(FillMode::TransparentFillMajorWireframe);
         stream.log_static("vehicle/body", &vehicle)?;
+        let label = Points3D::update_fields()
+            .with_colors([color(colour::IMPACTOR)])
+            .with_radii([radius(0.0)])
+            .with_show_labels(true);
+        stream.log_static("vehicle/label", &label)?;
         let contact = Arrows3D::update_fields()
             .with_colors([color(colour::CONTACT)])
             .with_radii([radius(0.006 * drawing.lengths.total())])

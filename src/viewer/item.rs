@@ -5,13 +5,13 @@ use std::sync::Arc;
 use crate::column::{HingeSample, HingeState, Phase, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
-use crate::twin::{Output, RefusedInput, Severity, TwinPhase};
+use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
 
 /// One thing that a viewer is shown. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
 pub enum Item {
     /// The column at one instant of a response.
-    State(Instant),
+    State(StateOutput),
     /// What an impact will do.
     Forecast(Announcement),
     /// What an impact has done.
@@ -36,19 +36,6 @@ pub enum Item {
     },
     /// Other parameters hold from here on.
     Parameters(Arc<Parameters>),
-}
-
-/// The column at one instant of a response.
-#[derive(Debug, Clone)]
-pub struct Instant {
-    /// The instant.
-    pub stamp: i64,
-    /// The impact that the column responds to.
-    pub event_id: Arc<str>,
-    /// Where the column is in its course.
-    pub phase: TwinPhase,
-    /// The values.
-    pub sample: Sample,
 }
 
 /// A forecast or a result.
@@ -79,12 +66,7 @@ impl Item {
     #[must_use]
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
-            Output::State(state) => Self::State(Instant {
-                stamp: state.stamp,
-                event_id: state.event_id,
-                phase: state.phase,
-                sample: state.sample,
-            }),
+            Output::State(state) => Self::State(state),
             Output::Forecast(it) => {
                 Self::Forecast(Announcement::new(it.stamp, it.event_id, &it.report))
             }
@@ -122,11 +104,12 @@ impl Item {
     /// impact, it is taken for a column that moves freely.
     #[must_use]
     pub fn of_messages(state: &ColumnState, forces: &HingeForces) -> Self {
-        Self::State(Instant {
+        Self::State(StateOutput {
             stamp: nanos(state),
             event_id: state.event_id.as_str().into(),
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
+            lengths: None,
         })
     }
 }

@@ -35,7 +35,7 @@ pub use blueprint::APPLICATION;
 pub use file::{from_messages, from_samples, write_rrd};
 pub use film::{Film, FilmOptions};
 pub use happenings::{Happening, Happenings, summary};
-pub use item::{Announcement, Instant, Item};
+pub use item::{Announcement, Item};
 pub use live_viewer::{LiveViewer, Telling, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
 pub use scene::{Arrow, Body, Drawing, FULL_ARC, HingeMark, Scene, VEHICLE};
 pub use server::{Served, serve};

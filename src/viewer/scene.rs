@@ -98,6 +98,8 @@ pub struct Body {
     pub centre: Point,
     /// Mass and speed.
     pub label: String,
+    /// Where its label stands.
+    pub label_place: Point,
 }
 
 /// The column at one instant.
@@ -225,9 +227,8 @@ impl Drawing {
                 colour: colour::of_state(hinge.state),
                 label_place: in_space(beside, self.front()),
                 label: format!(
-                    "{} {}: {} %{}, {}",
+                    "{}: {} %{}, {}",
                     HINGE_NAMES[index],
-                    HINGE_PLACES[index],
                     percent(hinge.utilisation),
                     match hinge.state {
                         HingeState::Elastic => "",
@@ -318,6 +319,10 @@ impl Drawing {
         Some(Body {
             centre: in_space(centre, 0.0),
             label: format!("{mass}{speed:.2} m/s"),
+            label_place: in_space(
+                centre.plus(1.0, PlanePoint::new(0.0, -0.5 * VEHICLE[2])),
+                0.0,
+            ),
         })
     }
 
@@ -484,7 +489,7 @@ mod tests {
             (base.colour, top.colour),
             (colour::PLASTIC, colour::ELASTIC)
         );
-        assert_eq!(base.label, "3 base: 100 % plastic, M -150 kN m");
+        assert_eq!(base.label, "3: 100 % plastic, M -150 kN m");
         assert_eq!(
             scene.vehicle.map(|it| it.label).as_deref(),
             Some("0.50 m/s")

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::item::Instant;
+use crate::twin::StateOutput;
 
 /// Time since the impact. The impacts of one recording follow one another on it: each begins a little after the end of the
 /// one before.
@@ -63,8 +63,17 @@ impl Timeline {
         }
     }
 
+    /// A moment before the first impact, whose stamp is given.
+    #[must_use]
+    pub fn before(step_nanos: u64, stamp: i64) -> Moment {
+        Moment {
+            wall_clock: stamp.saturating_sub(PAUSE),
+            ..Self::new(step_nanos).last
+        }
+    }
+
     /// The place of a state. Another identifier of the event, or a time that goes back, is another impact.
-    pub fn place(&mut self, state: &Instant) -> Placed {
+    pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
         let begins = match &self.impact {
             None => true,
@@ -142,8 +151,8 @@ mod tests {
     use crate::column::Sample;
     use crate::twin::TwinPhase;
 
-    fn state(event_id: &str, time: f64) -> Instant {
-        Instant {
+    fn state(event_id: &str, time: f64) -> StateOutput {
+        StateOutput {
             stamp: 0,
             event_id: event_id.into(),
             phase: TwinPhase::Contact,
@@ -151,6 +160,7 @@ mod tests {
                 time,
                 ..Sample::default()
             },
+            lengths: None,
         }
     }
 

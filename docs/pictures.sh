@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Makes the README's pictures of the viewer, with the real viewer and without a screen:
+#
+#   docs/pictures.sh [FOLDER]     default: docs/images
+#
+# viewer_before.png, viewer_first_yield.png, viewer_peak.png, viewer_rest.png: the paper's column at four moments. Needs
+# Rust, Python and access to PyPI (tests/interop/viewer.sh installs the viewer), and a Vulkan driver: without a graphics card
+# that of Debian's mesa-vulkan-drivers will do.
+set -euo pipefail
+
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+mkdir -p "${1:-$repository/docs/images}"
+folder=$(cd "${1:-$repository/docs/images}" && pwd)
+cd "$repository"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+viewer=$(tests/interop/viewer.sh)
+venv=${viewer%/lib/*}
+home=$venv/home
+cargo run --quiet --release --example viewer_moments -- config/heb220_paper.yaml "$work"
+
+for moment in before first_yield peak rest; do
+  # A port that is free now; the viewer listens on it although nobody will connect.
+  port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+  HOME=$home XDG_CONFIG_HOME=$home XDG_RUNTIME_DIR=$work RUST_LOG=error \
+    timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1400x850 --bind 127.0.0.1 --port "$port" \
+    --screenshot-to "$folder/viewer_$moment.png" >"$work/log" 2>&1 || {
+    cat "$work/log" >&2
+    printf 'pictures: no picture of %s\n' "$moment" >&2
+    exit 1
+  }
+  printf '%s\n' "$folder/viewer_$moment.png"
+done

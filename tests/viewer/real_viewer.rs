@@ -1,0 +1,294 @@
+//! The real viewer of the wheel, without a screen: stopped, killed, started again, and photographed. Slow, and only where
+//! Python is and PyPI can be reached: `cargo test --release --test viewer -- --ignored --nocapture --test-threads 1`.
+
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use column_twin::parameters::Value;
+
+use super::moments;
+use super::twin::{LiveColumn, PATIENCE, bits, parameters, without_viewer};
+
+/// Pictures are this large \[points\]; the file has four pixels for each.
+const WINDOW: &str = "1400x850";
+
+/// The viewer's program, installed when it is not there.
+fn program() -> PathBuf {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interop/viewer.sh");
+    let output = Command::new(script)
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("runs");
+    assert!(output.status.success(), "viewer.sh: {}", output.status);
+    PathBuf::from(String::from_utf8(output.stdout).expect("a path").trim())
+}
+
+/// The viewer with its own home, where it is told to say nothing about its users.
+fn viewer(program: &Path) -> Command {
+    let venv = program
+        .ancestors()
+        .find(|it| it.join(".complete").exists())
+        .expect("in its environment");
+    let mut command = Command::new(program);
+    command
+        .env("HOME", venv.join("home"))
+        .env("XDG_CONFIG_HOME", venv.join("home"))
+        .env("XDG_RUNTIME_DIR", venv.join("home"))
+        .env("RUST_LOG", "error")
+        .stdout(Stdio::null());
+    command
+}
+
+fn free_port() -> u16 {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    listener.local_addr().expect("its address").port()
+}
+
+/// A process that is killed when the test ends.
+struct Running(Child);
+
+impl Running {
+    fn start(mut command: Command, port: u16) -> Self {
+        let child = command
+            .args(["--bind", "127.0.0.1", "--port", &port.to_string()])
+            .spawn()
+            .expect("starts");
+        let running = Self(child);
+        let given_up = Instant::now() + PATIENCE;
+        while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
+            assert!(Instant::now() < given_up, "the viewer does not listen");
+            std::thread::park_timeout(Duration::from_millis(50));
+        }
+        running
+    }
+
+    fn signal(&self, signal: &str) {
+        let status = Command::new("kill")
+            .args([format!("-{signal}"), self.0.id().to_string()])
+            .status()
+            .expect("runs");
+        assert!(status.success());
+    }
+
+    /// Memory of the process that is in use \[B\].
+    fn memory(&self) -> u64 {
+        resident(self.0.id())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill(); // it may have ended
+        let _ = self.0.wait();
+    }
+}
+
+/// As the system says.
+fn resident(process: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+    1024 * kilobytes.unwrap_or(0)
+}
+
+fn connecting(port: u16) -> LiveColumn {
+    LiveColumn::start(&parameters(&[
+        ("mode", Value::from("connect")),
+        ("port", Value::from(i64::from(port))),
+        ("memory_limit", Value::from(20_000_000_i64)),
+    ]))
+}
+
+/// Stopped for ten seconds while far more happens than fits anywhere: the stream to ROS is the same bit for bit, the memory is
+/// bounded, what is not shown is counted, and the stop takes less than a second even then.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+fn a_viewer_that_is_stopped_holds_up_nobody() {
+    let velocities: Vec<f64> = (0..60).map(|_| 1.0).collect();
+    let expected = without_viewer(&velocities);
+    let port = free_port();
+    let program = program();
+    let mut headless = viewer(&program);
+    headless.arg("--headless");
+    let running = Running::start(headless, port);
+    let mut column = connecting(port);
+    let mut states = column.hit(velocities[0]);
+    column.wait_for("connected with the viewer");
+    running.signal("STOP");
+    let stopped = Instant::now();
+    let before = resident(std::process::id());
+    for velocity in &velocities[1..] {
+        states.extend(column.hit(*velocity));
+    }
+    assert_eq!(bits(&states), expected);
+    let (dropped, after) = (column.dropped(), resident(std::process::id()));
+    println!(
+        "60 impacts while it was stopped: {dropped} states lost to the viewer, {before} -> {after} B"
+    );
+    assert!(dropped > 0 && after < before + 100_000_000);
+    let rest = Duration::from_secs(10).saturating_sub(stopped.elapsed());
+    std::thread::park_timeout(rest);
+    println!("stopped with the viewer stopped: {:?}", column.stop());
+    running.signal("CONT");
+}
+
+/// Slow, then stopped for a while: it shows what comes afterwards.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+fn a_viewer_that_goes_on_is_shown_what_comes() {
+    let port = free_port();
+    let program = program();
+    let mut headless = viewer(&program);
+    headless.arg("--headless");
+    let running = Running::start(headless, port);
+    let mut column = connecting(port);
+    column.hit(3.0);
+    column.wait_for("connected with the viewer");
+    running.signal("STOP");
+    column.hit(1.0);
+    running.signal("CONT");
+    column.hit(1.0);
+    let given_up = Instant::now() + PATIENCE;
+    while column.waiting() > 0 {
+        assert!(Instant::now() < given_up, "the queue does not empty");
+        std::thread::park_timeout(Duration::from_millis(20));
+    }
+    println!(
+        "memory of the viewer: {} B; stopped within {:?}",
+        running.memory(),
+        column.stop()
+    );
+}
+
+/// Killed, and another one started in its place: that one has everything from the beginning.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+fn a_viewer_that_is_started_again_has_everything() {
+    let velocities = [3.0, 1.0, 1.0];
+    let expected = without_viewer(&velocities);
+    let (port, program) = (free_port(), program());
+    let folder = tempfile::tempdir().expect("a folder");
+    let received = folder.path().join("received.rrd");
+    let mut headless = viewer(&program);
+    headless.arg("--headless");
+    let running = Running::start(headless, port);
+    let mut column = connecting(port);
+    let mut states = column.hit(velocities[0]);
+    column.wait_for("connected with the viewer");
+    drop(running);
+    states.extend(column.hit(velocities[1]));
+    column.wait_for("has gone");
+    column.said.lock().expect("no panic").clear();
+    // The same program, which keeps what it is sent.
+    let mut saving = viewer(&program);
+    saving.arg("--save").arg(&received);
+    let saver = Running::start(saving, port);
+    column.wait_for("connected with the viewer");
+    states.extend(column.hit(velocities[2]));
+    assert_eq!(bits(&states), expected);
+    println!("stopped within {:?}", column.stop());
+    saver.signal("INT");
+    let picture = folder.path().join("received.png");
+    photograph(&program, &received, &picture);
+    let print = viewer(&program)
+        .args(["rrd", "print", "-vvv"])
+        .arg(&received)
+        .stdout(Stdio::piped())
+        .output()
+        .expect("runs");
+    let print = String::from_utf8_lossy(&print.stdout).into_owned();
+    for entity in [
+        "/column/steel",
+        "/ghost",
+        "/legend",
+        "/plots/energy",
+        "/yield/3/surface",
+        "/log",
+    ] {
+        assert!(
+            print.contains(entity),
+            "{entity} is missing in what was received"
+        );
+    }
+    for (event, velocity) in (1..).zip(velocities) {
+        let forecast = format!("forecast of impact-{event}");
+        assert!(
+            print.contains(&forecast),
+            "the impact at {velocity} m/s is missing"
+        );
+    }
+}
+
+/// Makes a picture of a file with the real viewer.
+fn photograph(program: &Path, recording: &Path, picture: &Path) {
+    let status = viewer(program)
+        .arg(recording)
+        .args(["--headless", "--window-size", WINDOW, "--bind", "127.0.0.1"])
+        .args(["--port", &free_port().to_string()])
+        .arg("--screenshot-to")
+        .arg(picture)
+        .status()
+        .expect("runs");
+    assert!(status.success(), "{}: {status}", recording.display());
+}
+
+/// Colours of a picture: how many different ones, and how many pixels differ from another picture.
+fn pixels(path: &Path) -> Vec<u8> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a picture");
+    let size = reader.output_buffer_size().expect("fits");
+    let mut pixels = vec![0; size];
+    reader.next_frame(&mut pixels).expect("a picture");
+    pixels
+}
+
+/// Before, first yield, peak, rest: each shows something, and no two are alike.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+fn pictures_of_four_moments_are_not_empty_and_differ() {
+    let program = program();
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_paper.yaml");
+    moments::write(&config, folder.path()).expect("written");
+    let pictures: Vec<_> = ["before", "first_yield", "peak", "rest"]
+        .iter()
+        .map(|name| {
+            let picture = folder.path().join(format!("{name}.png"));
+            photograph(
+                &program,
+                &folder.path().join(format!("{name}.rrd")),
+                &picture,
+            );
+            pixels(&picture)
+        })
+        .collect();
+    for (number, picture) in pictures.iter().enumerate() {
+        let mut colours: Vec<_> = picture.chunks(4).map(<[u8]>::to_vec).collect();
+        colours.sort_unstable();
+        colours.dedup();
+        println!(
+            "picture {number}: {} bytes, {} colours",
+            picture.len(),
+            colours.len()
+        );
+        assert!(
+            colours.len() > 1_000,
+            "picture {number} shows next to nothing"
+        );
+        for other in &pictures[..number] {
+            assert_eq!(picture.len(), other.len());
+            let differ = picture
+                .iter()
+                .zip(other)
+                .filter(|(one, other)| one != other);
+            let part = differ.count() as f64 / picture.len() as f64;
+            println!(
+                "picture {number} differs from an earlier one in {:.2} %",
+                100.0 * part
+            );
+            assert!(part > 0.005);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Files for the viewer, from simulations and from the messages of a recording.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use column_twin::column::{Impact, Report, Sample, simulate};
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::parameters::Parameters;
+use column_twin::viewer::{Item, Timeline, ViewerError, from_messages, from_samples, write_rrd};
+
+fn impact() -> (Vec<Sample>, Report) {
+    let car = Impact {
+        mass: 1500.0,
+        velocity: 10.0,
+        gap: 0.0,
+        restitution: 0.0,
+    };
+    let mut samples = Vec::new();
+    let column = Parameters::default().column_properties();
+    let report = simulate(&column, &car, 2.0, &mut |sample| samples.push(*sample));
+    (samples, report.expect("simulated"))
+}
+
+/// The messages of one impact, a state each millisecond, and both of its reports.
+fn recorded(event_id: &str) -> (Vec<(ColumnState, HingeForces)>, [ImpactReport; 2]) {
+    let (samples, report) = impact();
+    let states = samples.iter().step_by(50).map(|sample| {
+        let mut state = ColumnState::from(sample);
+        state.event_id = event_id.to_owned();
+        (state, HingeForces::from(sample))
+    });
+    let report = |kind| ImpactReport {
+        kind,
+        event_id: event_id.to_owned(),
+        ..ImpactReport::from(&report)
+    };
+    let reports = [ImpactReport::FORECAST, ImpactReport::RESULT].map(report);
+    (states.collect(), reports)
+}
+
+#[test]
+fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
+    let (one, of_one) = recorded("a");
+    let (other, of_other) = recorded("b");
+    let (_, unheard) = recorded("c");
+    let count = one.len();
+    let states = one.into_iter().chain(other);
+    let reports = of_other.into_iter().chain(unheard).chain(of_one);
+    let items = from_messages(states, reports);
+    assert_eq!(items.len(), 2 * count + 4);
+    assert!(matches!(&items[0], Item::Forecast(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 1], Item::Result(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 2], Item::Forecast(it) if &*it.event_id == "b"));
+    assert!(matches!(items.last(), Some(Item::Result(it)) if &*it.event_id == "b"));
+    let mut timeline = Timeline::new(20_000);
+    let mut times = items.iter().filter_map(|item| match item {
+        Item::State(state) => Some(timeline.place(state).moment.impact_time),
+        _ => None,
+    });
+    assert_eq!(times.next(), Some(0));
+    assert!(times.is_sorted());
+}
+
+#[test]
+fn a_recording_becomes_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("impact.rrd");
+    let (states, reports) = recorded("a");
+    let before = Instant::now();
+    let items = from_messages(states, reports);
+    write_rrd(&path, &Arc::new(Parameters::default()), items, false).expect("written");
+    println!(
+        "a recording of 57 ms at 1 kHz became a file within {:?}",
+        before.elapsed()
+    );
+    let content = std::fs::read(&path).expect("there");
+    assert_eq!(&content[..4], b"RRF2");
+    assert!(content.len() > 100_000, "{}", content.len());
+    assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 1);
+}
+
+#[test]
+fn every_step_of_a_simulation_becomes_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("impact.rrd");
+    let (samples, report) = impact();
+    let steps = samples.len();
+    let before = Instant::now();
+    let items = from_samples("car", 0, samples, &report);
+    write_rrd(&path, &Arc::new(Parameters::default()), items, false).expect("written");
+    println!("{steps} steps became a file within {:?}", before.elapsed());
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_said_and_leaves_nothing() {
+    let (states, reports) = recorded("a");
+    let items = || from_messages(states.clone(), reports.clone());
+    let parameters = Arc::new(Parameters::default());
+    for path in ["/nowhere/at/all/impact.rrd", "/"] {
+        let error = write_rrd(Path::new(path), &parameters, items(), false).expect_err(path);
+        assert!(matches!(error, ViewerError::File { .. }), "{error:?}");
+        assert!(error.to_string().starts_with("cannot write /"), "{error}");
+    }
+}
