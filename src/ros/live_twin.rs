@@ -109,7 +109,7 @@ pub fn start_live_twin(
         tracing::warn!("{warning}");
     }
     let outputs = handle.outputs(READER).ok_or(LiveTwinError::NoQueue)?;
-    let pictures = super::pictures::start(&held, &handle, clock.now())?;
+    let pictures = super::pictures::start(&first_parameters, &handle, clock.now())?;
     let twin = Arc::new(LiveTwin {
         living: RwLock::new(Some(Living {
             handle,
