@@ -9,7 +9,9 @@ use serde_json::{Value as Json, json};
 
 use super::repair::failure;
 use super::{Exit, Failure};
-use crate::recording::{self, EventSummary, Reader, RecordedTopic, RecordingError};
+use crate::recording::{
+    self, EventSummary, FLUSH_WITHIN, REPAIR_RECORD, Reader, RecordedTopic, RecordingError,
+};
 
 /// What `column-twin info` is told.
 #[derive(Debug, Args)]
@@ -138,6 +140,22 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
             reader.wholeness().to_string()
         },
     )?;
+    if let Some((_, repair)) = reader
+        .metadata()
+        .iter()
+        .find(|(name, _)| name == REPAIR_RECORD)
+    {
+        let said = |key: &str| repair.get(key).map_or("?", String::as_str);
+        line(
+            "Repaired",
+            format!(
+                "from {}, which was {}; what was recorded in its last {} ms may be missing",
+                said("source"),
+                said("fault"),
+                FLUSH_WITHIN.as_millis()
+            ),
+        )?;
+    }
     line("Lost", losses(reader))
 }
 

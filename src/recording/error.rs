@@ -118,6 +118,12 @@ pub enum RecordingError {
         /// What can be done with what is there.
         advice: String,
     },
+    /// Its writer has not finished.
+    #[error("{} is being recorded just now; stop the program that records it, which finishes it", path.display())]
+    BeingWritten {
+        /// The recording.
+        path: PathBuf,
+    },
     /// metadata.yaml is not what rosbag2 writes.
     #[error("{}: {reason}; read the .mcap file itself, or write the recording anew with: column-twin repair", path.display())]
     BadMetadata {

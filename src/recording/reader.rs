@@ -10,6 +10,7 @@ use super::error::RecordingError;
 use super::records::{ChannelRecord, FileEnd, MessageRecord, Record, RecordReader, SchemaRecord};
 use super::reordering::{Blocks, Reordering};
 use super::retention::mcap_files;
+use super::storage::is_being_written;
 use super::topic::OfferedQos;
 use super::writer::{LOSSES_RECORD, QOS_KEY, START_RECORD};
 use crate::parameters::Compression;
@@ -325,6 +326,11 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
 
 fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
     let files = mcap_files(path).map_err(|source| RecordingError::io("read", path, source))?;
+    if files.iter().any(|file| is_being_written(file)) {
+        return Ok(RecordingError::BeingWritten {
+            path: path.to_path_buf(),
+        });
+    }
     let advice = match files.first() {
         Some(file) => format!(
             "what its writer left can be read from {}, or written anew with: column-twin repair {}",

@@ -21,6 +21,9 @@ pub const REPAIR_RECORD: &str = "column_twin_repair";
 /// What the name of a recording that was written anew ends with.
 const SUFFIX: &str = "_repaired";
 
+/// What the names of directories begin with in which a recording is written anew.
+const WORKSHOP: &str = ".column-twin-repair-";
+
 /// Most recordings that are repaired at a start, the newest first.
 const MOST_AT_START: usize = 16;
 
@@ -87,6 +90,11 @@ fn repair_unless(
     if has_metadata && reader.wholeness().is_whole() {
         return Ok(None);
     }
+    if reader.files().iter().any(|file| is_being_written(file)) {
+        return Err(RecordingError::BeingWritten {
+            path: source.to_path_buf(),
+        });
+    }
     if reader.topics().is_empty() {
         return Err(RecordingError::NothingToSave {
             path: source.to_path_buf(),
@@ -116,8 +124,8 @@ fn repair_unless(
 fn open_unfinished(directory: &Path) -> Result<Reader, RecordingError> {
     let files =
         mcap_files(directory).map_err(|source| RecordingError::io("read", directory, source))?;
-    if files.is_empty() {
-        // Says what is missing.
+    if files.is_empty() || files.iter().any(|file| is_being_written(file)) {
+        // Says why.
         return Reader::open(directory);
     }
     Reader::open_files(directory, files)
@@ -148,7 +156,7 @@ fn write_anew(
     };
     let failed = |source| RecordingError::io("write to", parent, source);
     let workshop = tempfile::Builder::new()
-        .prefix(".column-twin-repair-")
+        .prefix(WORKSHOP)
         .tempdir_in(parent)
         .map_err(failed)?;
     let name = directory.file_name().unwrap_or_default();
@@ -233,6 +241,7 @@ impl From<&RecordedTopic> for Described {
 
 /// Repairs what crashes have left in the directory of the recordings.
 pub(super) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
+    remove_workshops(&options.directory);
     let unfinished: Vec<PathBuf> = find_recordings(&options.directory)
         .into_iter()
         .map(|found| found.directory)
@@ -258,4 +267,20 @@ fn is_unfinished(directory: &Path) -> bool {
         && !directory.join(METADATA_FILE).exists()
         && !beside(directory).exists()
         && !files.iter().any(|file| is_being_written(file))
+}
+
+/// Removes what repairs have left that were themselves cut off.
+fn remove_workshops(parent: &Path) {
+    let entries = fs::read_dir(parent).into_iter().flatten().flatten();
+    for workshop in entries.filter(|it| it.file_name().to_string_lossy().starts_with(WORKSHOP)) {
+        let inside = fs::read_dir(workshop.path())
+            .into_iter()
+            .flatten()
+            .flatten();
+        let mut files = inside.flat_map(|it| mcap_files(&it.path()).unwrap_or_default());
+        if !files.any(|file| is_being_written(&file)) {
+            // Should it stay, it is tried again at the next start.
+            let _ = fs::remove_dir_all(workshop.path());
+        }
+    }
 }

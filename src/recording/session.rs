@@ -560,3 +560,64 @@ impl Session {
         self.end(Ended::Stopped);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::topic::OfferedQos;
+    use super::*;
+
+    fn entry(starting_point: bool) -> Entry {
+        Entry {
+            topic: 0,
+            log_time: 0,
+            publish_time: 0,
+            data: [0, 1, 0, 0, 1, 0, 0, 0, 0].as_slice().into(),
+            starting_point,
+        }
+    }
+
+    #[test]
+    fn an_old_recording_goes_on_at_a_starting_point_or_at_its_hard_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
+        options.max_duration = Some(Duration::from_secs(10));
+        let topic = TopicInfo {
+            name: "/text".to_owned(),
+            type_name: "std_msgs/msg/String",
+            qos: OfferedQos {
+                reliable: true,
+                transient_local: false,
+                depth: 1,
+            },
+        };
+        let counters = Arc::<Counters>::default();
+        let mut session = Session::start(options, vec![topic], Arc::clone(&counters)).unwrap();
+        let names = || {
+            let mut names: Vec<_> = fs::read_dir(folder.path())
+                .unwrap()
+                .map(|it| it.unwrap().file_name().into_string().unwrap())
+                .collect();
+            names.sort();
+            names
+        };
+        for (second, starting_point, recordings) in [
+            (0, true, 1),
+            (9, true, 1),
+            (15, false, 1),
+            (16, true, 2),
+            (35, false, 2),
+            (36, false, 3),
+        ] {
+            session.take(entry(starting_point), Duration::from_secs(second));
+            assert_eq!(names().len(), recordings, "second {second}");
+        }
+        session.finish();
+        assert_eq!(
+            names(),
+            ["00", "16", "36"].map(|second| format!("column_twin_1970_01_01-00_00_{second}"))
+        );
+        // The last began with the starting point of second 16.
+        assert_eq!(counters.written.load(Ordering::Relaxed), 6 + 1);
+        assert_eq!(counters.finished.load(Ordering::Relaxed), 3);
+    }
+}

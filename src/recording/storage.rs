@@ -29,8 +29,7 @@ impl Storage {
     /// A new file, locked against a repair by another program for as long as it is open.
     pub fn create(path: &Path, reserving: bool) -> io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path)?;
-        // Not every file system has locks; without one a running recording could be taken for a crashed one.
-        let _ = file.try_lock();
+        lock(&file);
         Ok(Self(Arc::new(Shared {
             file,
             position: AtomicU64::new(0),
@@ -111,6 +110,18 @@ impl Seek for Storage {
         match to {
             SeekFrom::Current(0) => Ok(self.position()),
             _ => Err(io::Error::from(io::ErrorKind::NotSeekable)),
+        }
+    }
+}
+
+/// Not every file system has locks; without one a running recording could be taken for a crashed one.
+fn lock(file: &File) {
+    // Who looks whether it is locked holds it for a moment.
+    const ATTEMPTS: usize = 1000;
+    for _ in 0..ATTEMPTS {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => std::thread::yield_now(),
+            Ok(()) | Err(TryLockError::Error(_)) => return,
         }
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use column_twin::parameters::Parameters;
 use column_twin::recording::{
     Entry, Reader, Recorder, RecorderOptions, RecorderReport, RecordingError, Writer,
-    WriterOptions, directory_name,
+    WriterOptions, directory_name, repair,
 };
 use column_twin::twin::Severity;
 
@@ -307,6 +307,20 @@ fn a_recording_that_is_being_written_is_not_taken_for_a_crashed_one() {
     assert!(recorder.record(plain(0)));
     let _ = recorder.stop();
     assert_eq!(recordings(folder.path()).len(), 2);
+    for error in [
+        Reader::open(&running).unwrap_err(),
+        repair(&running, None).unwrap_err(),
+    ] {
+        assert!(
+            matches!(error, RecordingError::BeingWritten { .. }),
+            "{error}"
+        );
+        assert!(
+            error
+                .to_string()
+                .contains("stop the program that records it")
+        );
+    }
     writer.finish().unwrap();
 }
 
