@@ -19,7 +19,7 @@ const MAX_INPUTS_PER_TURN: usize = 8;
 
 /// Steps of a forecast between two looks at the clock, while the response is on time: what is left of the time to a
 /// deadline, and too short for them, is lost to the forecast.
-const SLICE: u64 = 16;
+const SLICE: u64 = 4;
 
 /// Steps of a forecast per turn while the response catches up: the late samples are late already.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
@@ -67,7 +67,8 @@ impl Solver {
             self.look_ahead();
             self.publish_statistics();
             planned = self.plan(planned, disturbed);
-            if self.shared.inputs.is_empty() {
+            // A thread that has a forecast to compute does not sleep: what is left to the deadline is less than a slice.
+            if self.shared.inputs.is_empty() && !self.twin.is_looking_ahead() {
                 let deadline = self.twin.next_deadline(self.clock.now());
                 self.clock.wait_until(deadline, &self.shared.bell);
             }
