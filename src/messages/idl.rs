@@ -45,18 +45,18 @@ fn definition(interface: &Interface) -> Result<String, DefinitionError> {
     let name = interface.type_name();
     let comments = Comments::of(interface.text());
     let mut text = comments.block(&comments.head, 0);
-    let _ = write!(text, "module {} {{ module msg {{\n", interface.package());
+    let _ = writeln!(text, "module {} {{ module msg {{", interface.package());
     if !specification.constants.is_empty() {
-        let _ = write!(text, "module {name}_Constants {{\n");
+        let _ = writeln!(text, "module {name}_Constants {{");
         for constant in &specification.constants {
             text += &comments.above(&constant.name, 2);
             let ty = type_name(interface, &constant.ty)?;
             let value = literal(&constant.value);
-            let _ = write!(text, "  const {ty} {} = {value};\n", constant.name);
+            let _ = writeln!(text, "  const {ty} {} = {value};", constant.name);
         }
         text += "};\n";
     }
-    let _ = write!(text, "module dds_ {{\n@final\nstruct {name}_ {{\n");
+    let _ = writeln!(text, "module dds_ {{\n@final\nstruct {name}_ {{");
     for field in &specification.fields {
         text += &comments.above(&field.name, 2);
         let (element, length) = match &field.ty {
@@ -67,7 +67,7 @@ fn definition(interface: &Interface) -> Result<String, DefinitionError> {
             other => (other, String::new()),
         };
         let ty = type_name(interface, element)?;
-        let _ = write!(text, "  {ty} {}{length};\n", field.name);
+        let _ = writeln!(text, "  {ty} {}{length};", field.name);
     }
     text += "};\n}; }; };\n";
     Ok(text)

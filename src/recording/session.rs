@@ -38,6 +38,9 @@ const ROOM_TO_RESUME: u64 = 2 << 20;
 /// Most recordings that begin in one second.
 const MOST_PER_SECOND: u32 = 100;
 
+/// Is told what happens to a recorder.
+pub type Telling = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
+
 /// How to record.
 #[derive(Clone)]
 pub struct RecorderOptions {
@@ -68,7 +71,7 @@ pub struct RecorderOptions {
     /// Most bytes of messages that wait for the recorder.
     pub queue_bytes: usize,
     /// Is called in the recorder's thread with what happens; must not take long.
-    pub tell: Option<Arc<dyn Fn(&RecorderReport) + Send + Sync>>,
+    pub tell: Option<Telling>,
 }
 
 impl RecorderOptions {

@@ -55,6 +55,7 @@ struct Going {
     pictured: Option<f64>,
     happenings: Happenings,
     /// The event, for what a report tells.
+    event_id: Option<Arc<str>>,
     stamp: i64,
 }
 
@@ -153,7 +154,12 @@ impl Film {
                 };
                 let mut ranges = Ranges::default();
                 ranges.reach_report(&forecast.report);
-                self.forecast = Some(forecast);
+                // A running twin computes it while the first states come.
+                if self.going.event_id.as_deref() == Some(&*forecast.event_id) {
+                    self.going.happenings.announce(&forecast.report);
+                } else {
+                    self.forecast = Some(forecast);
+                }
                 self.cover(&ranges)?;
                 self.line(line)
             }
@@ -192,6 +198,7 @@ impl Film {
         self.stand(stamp)?;
         self.going = Going {
             first: Some(first),
+            event_id: Some(Arc::clone(&state.event_id)),
             stamp,
             ..Going::default()
         };

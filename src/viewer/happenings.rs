@@ -206,6 +206,22 @@ mod tests {
         assert_eq!(told[6].time, report.max_v1_time);
     }
 
+    /// A running twin has its forecast when the first states are out: nothing is told twice, or not at all.
+    #[test]
+    fn a_report_may_come_late() {
+        let (samples, report) = impact();
+        for late in [1, 30, 600] {
+            let mut happenings = Happenings::default();
+            let mut told = all(&mut happenings, &samples[..late]);
+            happenings.announce(&report);
+            told.extend(all(&mut happenings, &samples[late..]));
+            for (told, expected) in told.iter().zip(EVERYTHING) {
+                assert!(told.text.starts_with(expected), "{told:?} {expected}");
+            }
+            assert_eq!(told.len(), EVERYTHING.len());
+        }
+    }
+
     /// A recording that lacks the report tells the same, to a step.
     #[test]
     fn states_alone_tell_the_same() {

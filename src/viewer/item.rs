@@ -9,6 +9,10 @@ use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
 
 /// One thing that a viewer is shown. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are states, which are not to be allocated one by one"
+)]
 pub enum Item {
     /// The column at one instant of a response.
     State(StateOutput),

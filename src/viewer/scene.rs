@@ -194,7 +194,7 @@ impl Drawing {
                 (base, station)
             } else if station <= last / 2 {
                 (below, last / 2 - station)
-            } else if station <= last - bend - 1 {
+            } else if station < last - bend {
                 (above, station - last / 2)
             } else {
                 (top, last - station)

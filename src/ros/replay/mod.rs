@@ -240,8 +240,10 @@ fn channels(
     let journal = endpoints::JOURNAL.name.trim_start_matches('~');
     let chosen = |topic: &&RecordedTopic| match options.topics.is_empty() {
         true => {
-            !(*topic.type_name == *endpoints::JOURNAL.type_name && topic.name.ends_with(journal))
-                && !(options.clock.is_some() && *topic.name == *endpoints::CLOCK.name)
+            let is_journal =
+                *topic.type_name == *endpoints::JOURNAL.type_name && topic.name.ends_with(journal);
+            let own_clock = options.clock.is_some() && *topic.name == *endpoints::CLOCK.name;
+            !is_journal && !own_clock
         }
         false => options
             .topics
