@@ -285,11 +285,16 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
 
     let second = Domain::fresh();
     let node = program(&second, directory.path());
+    let names = Names::new("/", "reader", &[]).unwrap();
+    let mut reader = Node::new(&second.environment, names).unwrap();
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT, true);
     let outcome = impact(&second, "b", 6.0);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
         "{outcome:?}"
     );
+    reports.messages.recv_timeout(PATIENCE).expect("a report");
+    drop(reports);
     let (code, log) = stopped(node);
     assert_eq!(code, Some(0), "{log}");
     assert!(log.contains("written anew"), "{log}");
