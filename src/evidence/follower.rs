@@ -43,6 +43,17 @@ struct Course {
     count: u64,
     /// The newest message that was found.
     newest_found: u64,
+    /// Recorded messages that the twin does not give out, since the journal was last seen to be complete.
+    foreign: Foreign,
+}
+
+/// Recorded messages that a twin does not give out: forged where the journal is complete, and else such that belong to
+/// what is missing in it. A recording that begins in the middle of a response (the one before could not go on: a full
+/// disk) begins with the last starting point, and lacks what the twin was given since.
+#[derive(Default)]
+struct Foreign {
+    count: [u64; TOPICS.len()],
+    first: Option<Difference>,
 }
 
 struct Computed {
@@ -68,12 +79,7 @@ impl Follower {
             response: point.response,
             step: None,
         };
-        if let Some(course) = &mut self.course
-            && course.next_number != point.number
-        {
-            let lost = point.number.abs_diff(course.next_number);
-            self.lose_track(format!("{lost} entries of the journal are missing"));
-        }
+        self.number_is(point.number);
         self.come_to(here, place);
         let Some(course) = &mut self.course else {
             return self.begin(point, place);
@@ -115,12 +121,7 @@ impl Follower {
 
     fn handled(&mut self, handled: &Handled, place: &Place<'_>) {
         self.findings.inputs += 1;
-        if let Some(course) = &self.course
-            && course.next_number != handled.number
-        {
-            let lost = handled.number.abs_diff(course.next_number);
-            self.lose_track(format!("{lost} entries of the journal are missing"));
-        }
+        self.number_is(handled.number);
         self.come_to(handled.position, place);
         let Some(course) = &mut self.course else {
             return;
@@ -155,10 +156,30 @@ impl Follower {
     }
 
     fn status_taken(&mut self, taken: StatusTaken, place: &Place<'_>) {
+        self.number_is(taken.next_number);
         self.come_to(taken.position, place);
         if let Some(course) = &mut self.course {
             let status = course.twin.status(taken.stamp);
             course.gave_out(&[Output::Status(status)]);
+        }
+    }
+
+    /// The journal is at this number: complete so far, or not.
+    fn number_is(&mut self, number: u64) {
+        let Some(course) = &mut self.course else {
+            return;
+        };
+        let lost = number.abs_diff(course.next_number);
+        if lost > 0 {
+            return self.lose_track(format!("{lost} entries of the journal are missing"));
+        }
+        let Foreign { count, first } = std::mem::take(&mut course.foreign);
+        for (check, count) in self.findings.topics.iter_mut().zip(count) {
+            check.foreign += count;
+            self.findings.differences += count;
+        }
+        if self.findings.first_difference.is_none() {
+            self.findings.first_difference = first;
         }
     }
 
@@ -195,7 +216,6 @@ impl Follower {
                 recorded.bytes,
             ),
             None => {
-                self.findings.topics[recorded.topic].foreign += 1;
                 let found = super::comparison::FieldDifference {
                     field: "the message".to_owned(),
                     recorded: "there".to_owned(),
@@ -203,8 +223,9 @@ impl Follower {
                     by: None,
                 };
                 let event = message.event_id().unwrap_or_default().to_owned();
-                self.findings
-                    .differs(place.difference(found, message.stamp(), &event));
+                let found = place.difference(found, message.stamp(), &event);
+                course.foreign.count[recorded.topic] += 1;
+                course.foreign.first.get_or_insert(found);
                 return;
             }
         }
@@ -251,7 +272,15 @@ impl Follower {
         };
         for topic in 0..TOPICS.len() {
             let newest = course.newest_found;
-            self.findings.topics[topic].missing += course.missing_before(topic, newest);
+            let check = &mut self.findings.topics[topic];
+            check.missing += course.missing_before(topic, newest);
+            check.unchecked += course.foreign.count[topic];
+        }
+        let foreign: u64 = course.foreign.count.iter().sum();
+        if foreign > 0 {
+            self.findings.unchecked_because(format!(
+                "{foreign} messages belong to what came before the recording, or is missing in its journal"
+            ));
         }
     }
 
@@ -272,6 +301,7 @@ impl Course {
             computed: Default::default(),
             count: 0,
             newest_found: 0,
+            foreign: Foreign::default(),
         })
     }
 

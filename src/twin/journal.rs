@@ -156,6 +156,8 @@ impl Given {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatusTaken {
+    /// Number of the next starting point or input.
+    pub next_number: u64,
     /// Stamp of the status.
     pub stamp: Nanos,
     /// How far the twin had come.
@@ -196,6 +198,11 @@ impl Bookkeeping {
             due: true,
             taken_back: false,
         }
+    }
+
+    /// Of the next starting point or input.
+    pub fn next_number(&self) -> u64 {
+        self.next_number
     }
 
     fn number(&mut self) -> u64 {

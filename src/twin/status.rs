@@ -160,6 +160,7 @@ impl Twin {
         let long_ago = now < at || now.saturating_sub(at) >= STATUS_PERIOD;
         if due || long_ago || phase != last {
             out.put(Output::Journal(Journal::Status(StatusTaken {
+                next_number: self.journal.next_number(),
                 stamp: now,
                 position: self.position(),
             })));

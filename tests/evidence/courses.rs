@@ -2,7 +2,7 @@
 
 use column_twin::evidence::verify;
 use column_twin::parameters::{RecordMode, Value};
-use column_twin::recording::RecorderOptions;
+use column_twin::recording::{Reader, RecorderOptions};
 use column_twin::twin::{ImpactEvent, TwinPhase};
 
 use super::recorded_twin::{MS, RecordedTwin, event, parameters};
@@ -173,14 +173,28 @@ fn the_mode_events_leaves_the_time_at_rest_out() {
     assert!((5..=10).contains(&few) && many > 60, "{few} {many}");
 }
 
+/// Bytes of the recording of one impact.
+fn size_of_one_impact() -> u64 {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    twin.until_rest();
+    let recordings = twin.finish();
+    Reader::open(&recordings.path()).expect("readable").bytes()
+}
+
+fn of_size(max_file_size: u64) -> RecordedTwin {
+    let limited = |options| RecorderOptions {
+        max_file_size,
+        ..options
+    };
+    RecordedTwin::with_options(parameters(), RecordMode::Always, limited)
+}
+
 /// Each begins with a starting point and can be proven without the others; what reaches back before it is said.
 #[test]
 fn every_recording_stands_for_itself() {
-    let short = |options| RecorderOptions {
-        max_file_size: 1,
-        ..options
-    };
-    let mut twin = RecordedTwin::with_options(parameters(), RecordMode::Always, short);
+    // Passed by every impact, and never twice by one: there a recording ends in any case.
+    let mut twin = of_size(size_of_one_impact() * 6 / 10);
     let mut stamp = twin.now;
     for id in ["a", "b", "c"] {
         stamp = twin.now;
@@ -198,14 +212,43 @@ fn every_recording_stands_for_itself() {
         assert!(found.is_equal(), "{found}");
         assert_eq!(found.starting_points, 1, "{found}");
         // The fourth begins after the response that the late impact belongs into.
-        assert_eq!(
-            found.unchecked.len(),
-            usize::from(index == 3),
-            "{index}: {found}"
-        );
+        let whole = index != 3;
+        assert_eq!(found.unchecked.is_empty(), whole, "{index}: {found}");
         let all = found.topics.iter().map(|it| it.recorded).sum::<u64>();
-        assert_eq!(found.compared() == all, index != 3, "{index}: {found}");
+        assert_eq!(found.compared() == all, whole, "{index}: {found}");
     }
+}
+
+/// One that had to begin in the middle of a response is not taken for a forged one: what cannot be checked is said.
+#[test]
+fn a_recording_that_begins_in_the_middle_is_no_forgery() {
+    let mut twin = of_size(size_of_one_impact() / 7);
+    for id in ["a", "b"] {
+        twin.hit(event(id, twin.now));
+        (0..20).for_each(|_| twin.advance(MS));
+        twin.set(&[("impact.gap", Value::from(0.01))]);
+        twin.until_rest();
+        (0..3).for_each(|_| twin.advance(1000 * MS));
+    }
+    let recordings = twin.finish();
+    let paths = recordings.paths();
+    assert!(paths.len() > 4, "{paths:?}");
+    let mut unchecked = 0;
+    for path in &paths {
+        let found = verify(path).expect("can be verified");
+        assert!(found.is_equal(), "{found}");
+        assert_eq!(
+            found.unchecked_messages() > 0,
+            !found.unchecked.is_empty(),
+            "{found}"
+        );
+        unchecked += usize::from(!found.unchecked.is_empty());
+    }
+    assert!(
+        unchecked > 0 && unchecked < paths.len(),
+        "{unchecked} of {}",
+        paths.len()
+    );
 }
 
 /// SplitMix64.
