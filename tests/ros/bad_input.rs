@@ -190,10 +190,8 @@ fn a_refused_set_of_parameters_is_readable() {
             "they are for the column \"another\", and this is \"column\"",
         ),
     ];
-    let mut refused = 0;
-    for (wrong, reason) in cases {
+    for (refused, (wrong, reason)) in (1..).zip(cases) {
         assert!(sets.publish(wrong));
-        refused += 1;
         let status = statuses.find(reason, |it| it.parameters_refused == refused);
         assert!(
             status.last_refusal_reason.contains(reason),
