@@ -415,11 +415,16 @@ impl Film {
     fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let mut pictures = Vec::new();
         let first = self.going.first.unwrap_or_default();
+        let mut before = self.going.last.unwrap_or(first);
         for (moment, state) in batch {
             let sample = &state.sample;
             let period = self.options.picture_period;
             let goes_on = (state.phase as u8) < crate::twin::TwinPhase::Rest as u8;
-            if goes_on && !plots::apart(self.going.pictured, sample.time, period) {
+            // A percussion, or a hinge that yields or unloads, is seen at its own instant.
+            let states = |sample: &Sample| sample.hinges.map(|hinge| hinge.state);
+            let notable = sample.percussion > 0.0 || states(&before) != states(sample);
+            before = *sample;
+            if goes_on && !notable && !plots::apart(self.going.pictured, sample.time, period) {
                 continue;
             }
             let budget = self.options.budget.as_mut();
