@@ -191,7 +191,7 @@ mod tests {
             .norm();
         for pair in stations.windows(2) {
             let jump = pair[0].direction.plus(-1.0, pair[1].direction).norm();
-            assert!(jump < 0.6 * kink, "{jump} of {kink}");
+            assert!(jump < 0.7 * kink, "{jump} of {kink}");
         }
     }
 

@@ -158,7 +158,15 @@ impl Connection {
 
     /// The oldest go first; the parameters that hold are kept.
     fn remember(&mut self, items: Vec<Item>) {
-        self.history.extend(items);
+        for item in items {
+            // A twin at rest says so every second.
+            let again = matches!((self.history.back(), &item),
+                (Some(Item::Rest { v1, u2, .. }), Item::Rest { v1: next_v1, u2: next_u2, .. })
+                    if v1 == next_v1 && u2 == next_u2);
+            if !again {
+                self.history.push_back(item);
+            }
+        }
         while self.history.len() > self.longest_history {
             if let Some(Item::Parameters(parameters)) = self.history.pop_front() {
                 self.parameters = parameters;

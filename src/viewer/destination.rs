@@ -8,7 +8,7 @@ use rerun::RecordingStreamBuilder;
 
 use super::blueprint::APPLICATION;
 use super::connection::{self, Connection};
-use super::film::{Film, FilmOptions};
+use super::film::{Budget, Film, FilmOptions};
 use super::item::Item;
 use super::plots::Ranges;
 use super::server;
@@ -19,6 +19,12 @@ use crate::twin::Severity;
 
 /// Shortest time between two pictures of the scene \[ns\].
 const PICTURE_PERIOD: i64 = 1_000_000;
+
+/// Pictures of the scene in the long run \[1/s\].
+const PICTURES_PER_SECOND: f64 = 60.0;
+
+/// Pictures that an impact may have at once: two ordinary ones, millisecond by millisecond.
+const SAVED_PICTURES: f64 = 120.0;
 
 /// A place that takes what there is to show.
 pub enum Destination {
@@ -43,6 +49,7 @@ impl Destination {
         let viewer = &parameters.settings().viewer;
         let options = FilmOptions {
             picture_period: PICTURE_PERIOD,
+            budget: Some(Budget::new(PICTURES_PER_SECOND, SAVED_PICTURES)),
             follows: true,
             ranges: Ranges::foreseen(parameters, None, None),
         };
@@ -93,9 +100,6 @@ impl Destination {
     /// The destination takes nothing any more.
     pub fn show(&mut self, items: Vec<Item>) -> Result<(), ViewerError> {
         match self {
-            Self::Stream(film) if items.is_empty() => {
-                debug_assert!(film.stream().is_enabled());
-            }
             Self::Stream(film) => film.show(items)?,
             Self::Connection(connection) => connection.show(items),
             Self::Spawned(spawned, connection) => {

@@ -148,6 +148,7 @@ pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
     let spaced = super::timeline::nanos(longest) / MOST_PICTURES;
     FilmOptions {
         picture_period: PICTURE_PERIOD.max(spaced),
+        budget: None,
         follows,
         ranges,
     }

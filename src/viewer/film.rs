@@ -33,11 +33,49 @@ const VIBRATION: f64 = 0.02;
 /// How long what stands still may take to leave.
 const STATICS_WITHIN: Duration = Duration::from_millis(500);
 
+/// How many pictures of the scene may be made in the long run: what is not spent is saved, up to a limit, so that a whole
+/// impact is seen millisecond by millisecond, and a column that never rests costs no more than the rate.
+#[derive(Debug, Clone)]
+pub struct Budget {
+    per_second: f64,
+    most: f64,
+    left: f64,
+    /// When it was looked at last \[ns\].
+    at: Option<i64>,
+}
+
+impl Budget {
+    /// Pictures per second, and how many can be saved.
+    #[must_use]
+    pub fn new(per_second: f64, most: f64) -> Self {
+        Self {
+            per_second,
+            most,
+            left: most,
+            at: None,
+        }
+    }
+
+    /// Whether there is one more picture at this time \[ns\]; a time that goes back earns nothing.
+    pub fn take(&mut self, now: i64) -> bool {
+        let passed = now.saturating_sub(self.at.unwrap_or(now)).max(0);
+        self.at = Some(now);
+        self.left = (self.left + 1e-9 * passed as f64 * self.per_second).min(self.most);
+        if self.left < 1.0 {
+            return false;
+        }
+        self.left -= 1.0;
+        true
+    }
+}
+
 /// How a film is made.
 #[derive(Debug, Clone)]
 pub struct FilmOptions {
     /// Shortest time between two pictures of the scene, in the time of the impact \[ns\]; curves have every state.
     pub picture_period: i64,
+    /// How many pictures there may be in the long run; `None`: any number.
+    pub budget: Option<Budget>,
     /// Whether the viewer follows what comes, or stands at the beginning.
     pub follows: bool,
     /// How far the axes reach from the start.
@@ -377,11 +415,20 @@ impl Film {
     fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let mut pictures = Vec::new();
         let first = self.going.first.unwrap_or_default();
+        let mut before = self.going.last.unwrap_or(first);
         for (moment, state) in batch {
             let sample = &state.sample;
             let period = self.options.picture_period;
             let goes_on = (state.phase as u8) < crate::twin::TwinPhase::Rest as u8;
-            if goes_on && !plots::apart(self.going.pictured, sample.time, period) {
+            // A percussion, or a hinge that yields or unloads, is seen at its own instant.
+            let states = |sample: &Sample| sample.hinges.map(|hinge| hinge.state);
+            let notable = sample.percussion > 0.0 || states(&before) != states(sample);
+            before = *sample;
+            if goes_on && !notable && !plots::apart(self.going.pictured, sample.time, period) {
+                continue;
+            }
+            let budget = self.options.budget.as_mut();
+            if goes_on && !budget.is_none_or(|budget| budget.take(moment.wall_clock)) {
                 continue;
             }
             self.going.pictured = Some(sample.time);
@@ -567,4 +614,24 @@ fn columns(moments: impl IntoIterator<Item = Moment>) -> Vec<TimeColumn> {
         TimeColumn::new_sequence(STEP, of(|it| it.step)),
         TimeColumn::new_timestamp_nanos_since_epoch(WALL_CLOCK, of(|it| it.wall_clock)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thousand states a second: the first impact is seen whole, and then sixty pictures a second.
+    #[test]
+    fn a_budget_is_spent_and_earned() {
+        let mut budget = Budget::new(60.0, 120.0);
+        let mut pictures = |from: i64, to: i64| {
+            let times = (from..to).map(|millisecond| millisecond * 1_000_000);
+            times.filter(|now| budget.take(*now)).count()
+        };
+        assert_eq!(pictures(0, 100), 100);
+        let later = pictures(1_000, 11_000);
+        assert!((600..=725).contains(&later), "{later}");
+        // Wound back: nothing is earned, and nothing breaks.
+        assert!(pictures(0, 50) <= 50);
+    }
 }

@@ -33,7 +33,7 @@ use std::path::PathBuf;
 
 pub use blueprint::APPLICATION;
 pub use file::{from_messages, from_samples, write_rrd};
-pub use film::{Film, FilmOptions};
+pub use film::{Budget, Film, FilmOptions};
 pub use happenings::{Happening, Happenings, summary};
 pub use item::{Announcement, Item};
 pub use live_viewer::{LiveViewer, Telling, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
