@@ -36,7 +36,10 @@ struct Wishes {
     seconds: u64,
 }
 
-const PARTS: [(&str, fn(Duration)); 5] = [
+/// A part, with the time that it may take.
+type Part = (&'static str, fn(Duration));
+
+const PARTS: [Part; 5] = [
     ("stream", stream::run),
     ("forecast", forecast::run),
     ("idle", idle::run),

@@ -4,6 +4,8 @@
 mod demo;
 #[cfg(feature = "record")]
 mod export;
+#[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
+mod film;
 mod history;
 #[cfg(feature = "ros")]
 mod idl;

@@ -37,6 +37,18 @@ pub struct ReplayArgs {
     /// Publish /clock, so that nodes with use_sim_time live in recorded time [Hz]
     #[arg(long, value_name = "HZ", num_args = 0..=1, default_missing_value = CLOCK_HZ, value_parser = hertz)]
     clock: Option<f64>,
+    /// Publish nothing: write what the Rerun viewer shows into this file
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "FILE", conflicts_with = "serve")]
+    rrd: Option<PathBuf>,
+    /// Publish nothing: serve it to Rerun viewers on this machine, until Ctrl-C
+    #[cfg(feature = "viewer")]
+    #[arg(long)]
+    serve: bool,
+    /// Parameter file of the column, for --rrd and --serve of a recording without a journal
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
     /// Wait this long until every topic has a reader, and then begin [s]
     #[arg(long, value_name = "S", default_value_t = 0)]
     wait_for_readers: u16,
@@ -48,9 +60,10 @@ right arrow gives the next message while it is paused, up and down change the ra
 Ctrl-C ends. The journal, which nobody has sent, is left out. Remap with --ros-args, as in every
 ROS 2 program.
 
-Examples: ten times slower; the events alone, into a twin that follows simulated time
+Examples: ten times slower; the events alone, into a twin that follows simulated time; as a film
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --rate 0.1
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
+  column-twin replay impact --rrd impact.rrd && rerun impact.rrd
 
 Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 messages could not be sent.";
 
@@ -78,6 +91,10 @@ fn number_in(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, St
 
 /// Replays the recording.
 pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
+    #[cfg(feature = "viewer")]
+    if arguments.serve || arguments.rrd.is_some() {
+        return show(arguments);
+    }
     let options = ReplayOptions {
         bag: arguments.bag.clone(),
         rate: arguments.rate,
@@ -116,6 +133,24 @@ pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
             ),
         )),
     }
+}
+
+/// Gives the recording to the viewer instead of DDS.
+#[cfg(feature = "viewer")]
+fn show(arguments: &ReplayArgs) -> Result<(), Failure> {
+    let failed = |error| Failure::plain(Exit::Failed, error);
+    let film = super::film::of_recording(&arguments.bag, arguments.config.as_ref())?;
+    if let Some(path) = &arguments.rrd {
+        crate::viewer::write_rrd(path, &film.parameters, film.items, false).map_err(failed)?;
+        println!("rerun {}", path.display());
+        return Ok(());
+    }
+    let mut signals =
+        crate::ros::StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let served = crate::viewer::serve(&film.parameters, film.items).map_err(failed)?;
+    println!("serving until Ctrl-C; look with: rerun {}", served.url());
+    signals.wait();
+    Ok(())
 }
 
 /// Progress and keys, where there is a terminal.

@@ -26,7 +26,7 @@ impl Outputs for Counted {
             Output::Refused(_) => self.refused += 1,
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
-            Output::ParametersChanged(_) | Output::Notice(_) => {}
+            Output::ParametersChanged(_) | Output::Notice(_) | Output::Journal(_) => {}
         }
     }
 }
