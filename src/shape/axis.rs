@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::{Joints, PlanePoint};
 
-/// How much of a bar is bent next to a joint, as a part of the shorter bar; at most [`LONGEST_BEND`].
+/// How much of a bar is bent next to a joint, as a part of the shorter bar; at most 0.25 m.
 pub const BEND_LENGTH: f64 = 0.2;
 
 /// Most of a bar that is bent next to a joint \[m\].
