@@ -8,6 +8,7 @@ use column_twin::messages::column_twin::{
     ColumnParameters, ColumnState, HingeForces, ImpactReport, ParameterEntry, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
+use column_twin::messages::rcl_interfaces::Log;
 use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
 use column_twin::messages::{INTERFACES, Message, find, std_msgs, std_srvs};
 use re_ros_msg::MessageSchema;
@@ -126,6 +127,7 @@ fn every_constant_has_the_value_of_its_definition() {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
+        Log { DEBUG, INFO, WARN, ERROR, FATAL }
         Marker {
             ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT_VIEW_FACING,
             MESH_RESOURCE, TRIANGLE_LIST, ARROW_STRIP, ADD, MODIFY, DELETE, DELETEALL,
@@ -135,7 +137,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 6, "a type with constants is missing above");
+    assert_eq!(with_constants, 7, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.
