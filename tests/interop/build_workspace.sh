@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A ROS 2 workspace that holds the repository, built by colcon with the ament and rosidl of the environment's wheels.
+# A ROS 2 workspace with the repository as its package, built by colcon with the ament and rosidl of the environment's wheels.
 #
 #   tests/interop/build_workspace.sh ENVIRONMENT FOLDER
 #
@@ -11,14 +11,14 @@ set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 environment=$1
 workspace=$2
-mkdir -p "$workspace/src"
-ln -sfn "$repository" "$workspace/src/column_twin"
+mkdir -p "$workspace"
 cd "$workspace"
 
 export AMENT_PREFIX_PATH=$environment PATH=$environment/bin:$PATH PYTHONDONTWRITEBYTECODE=1
 LD_LIBRARY_PATH=$environment/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
-colcon --log-level error build --packages-select column_twin --event-handlers console_stderr- --cmake-args \
+# The repository where it stands, so that cargo compiles nothing anew.
+colcon --log-level error build --base-paths "$repository" --event-handlers console_direct- --cmake-args \
   -DCMAKE_PREFIX_PATH="$environment" -DPython3_EXECUTABLE="$environment/bin/python" -DBUILD_TESTING=OFF -G Ninja
 
 installed=$workspace/install/column_twin
