@@ -34,12 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Wrong parameters, a vehicle that does not reach the column, or a folder that cannot be written to.
 pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let parameters = Arc::new(Parameters::load(&[config.to_owned()], &[])?);
-    let given = parameters.impact();
     let car = Impact {
-        mass: given.mass,
-        velocity: given.velocity,
         gap: GAP,
-        restitution: given.restitution,
+        ..parameters.impact()
     };
     let mut samples = Vec::new();
     let duration = parameters.response_duration();

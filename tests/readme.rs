@@ -9,17 +9,10 @@ use column_twin::parameters::{Parameters, parse_override};
 fn example() -> Result<(), Box<dyn std::error::Error>> {
     let files = ["config/heb220_s355.yaml".into()];
     let parameters = Parameters::load(&files, &[parse_override("impact.velocity:=5.0")])?;
-    let event = parameters.impact();
-    let impact = column_twin::column::Impact {
-        mass: event.mass,
-        velocity: event.velocity,
-        gap: event.gap,
-        restitution: event.restitution,
-    };
     let mut peak_moment: f64 = 0.0;
     let report = simulate(
         &parameters.column_properties(),
-        &impact,
+        &parameters.impact(),
         parameters.response_duration(),
         &mut |sample| peak_moment = peak_moment.max(sample.hinges[3].moment.abs()),
     )?;

@@ -6,6 +6,7 @@
 //! | `forecast` | from an event to its forecast on the wire, against a bare echo |
 //! | `idle` | processor time of the node at rest |
 //! | `stop` | from SIGTERM during a response to the end |
+//! | `viewer` | what pictures cost, and whether anything is later for them, wherever they go |
 //! | `load` | the solver while other programs take all processors |
 //!
 //! Without parts all of them run. The node is `column-twin run` as a user starts it; the peers are processes of their own.
@@ -18,15 +19,19 @@ mod forecast;
 mod idle;
 mod load;
 mod peers;
+mod processor;
 mod stop;
 mod stream;
 mod table;
+mod viewer;
 
 #[path = "../../tests/ros/domain.rs"]
 mod domain;
 #[allow(dead_code)] // the tests use more of it
 #[path = "../../tests/ros/program.rs"]
 mod program;
+#[path = "../../tests/viewer/wheel.rs"]
+mod wheel;
 
 use std::time::Duration;
 
@@ -39,11 +44,12 @@ struct Wishes {
 /// A part, with the time that it may take.
 type Part = (&'static str, fn(Duration));
 
-const PARTS: [Part; 5] = [
+const PARTS: [Part; 6] = [
     ("stream", stream::run),
     ("forecast", forecast::run),
     ("idle", idle::run),
     ("stop", stop::run),
+    ("viewer", viewer::run),
     ("load", load::run),
 ];
 

@@ -8,12 +8,13 @@ use serde::de::DeserializeOwned;
 
 use super::{Exit, Failure};
 use crate::evidence::{Line, LineEntry};
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::messages::{Message, cdr};
 use crate::parameters::Parameters;
 use crate::recording::{self, Reader};
 use crate::twin::Journal;
-use crate::viewer::{self, Item};
+use crate::viewer::{self, Item, Told};
 
 /// The column of a recording, and what happened to it.
 pub(super) struct Film {
@@ -41,20 +42,16 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
             })?,
         )),
     };
-    let mut states: Vec<ColumnState> = Vec::new();
-    let mut forces = HashMap::new();
-    let mut reports: Vec<ImpactReport> = Vec::new();
+    let mut gathered = Gathered::default();
     for message in reader.messages() {
         let message = message.map_err(|error| Failure::plain(Exit::BadInput, error))?;
-        if parameters.is_none() && message.topic.ends_with("/journal") {
-            parameters = starting_column(&message.data);
-        }
-        if let Some(state) = read(&message) {
-            states.push(state);
-        } else if let Some(read) = read::<HingeForces>(&message) {
-            forces.insert(instant(&read.header.stamp, &read.event_id), read);
-        } else if let Some(report) = read(&message) {
-            reports.push(report);
+        if config.is_none() && message.topic.ends_with("/journal") {
+            if let Some(column) = starting_column(&message.data) {
+                parameters.get_or_insert_with(|| Arc::clone(&column));
+                gathered.told.push(Told::Column(column));
+            }
+        } else {
+            gathered.take(&message);
         }
     }
     let parameters = parameters.ok_or_else(|| {
@@ -66,50 +63,98 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
             ),
         )
     })?;
-    let count = states.len();
-    let pairs: Vec<_> = states
-        .into_iter()
-        .filter_map(|state| {
-            let forces = forces.remove(&instant(&state.header.stamp, &state.event_id))?;
-            Some((state, forces))
-        })
-        .collect();
-    if pairs.is_empty() {
+    gathered.say_what_is_not_shown();
+    if gathered.shown == 0 {
         return Err(Failure::plain(
             Exit::BadInput,
             format!(
-                "{} has nothing to show: expected messages of {} with {} of the same stamp, found {count} of the first",
+                "{} has nothing to show: expected messages of {} with {} of the same stamp, found {} and {}",
                 bag.display(),
                 ColumnState::INTERFACE.ros_name(),
                 HingeForces::INTERFACE.ros_name(),
+                gathered.states.len(),
+                gathered.forces.len(),
             ),
         ));
     }
-    if pairs.len() < count {
-        eprintln!(
-            "{} of {count} states have no hinge forces of the same stamp and are not shown",
-            count - pairs.len()
-        );
-    }
     Ok(Film {
+        items: viewer::from_messages(&parameters, gathered.told),
         parameters,
-        items: viewer::from_messages(pairs, reports),
     })
 }
 
-/// A message of this type; `None` if it is of another one, or cannot be read.
-fn read<M: Message + DeserializeOwned>(message: &recording::Message) -> Option<M> {
-    if *message.type_name != *M::INTERFACE.ros_name() {
-        return None;
-    }
-    cdr::decode(&message.data).ok()
+/// Stamp and event of a state or of its hinges.
+type Instant = (Time, String);
+
+/// What was found in a recording so far.
+#[derive(Default)]
+struct Gathered {
+    told: Vec<Told>,
+    /// How many states with their hinges are in it.
+    shown: usize,
+    /// States whose hinges have not come.
+    states: HashMap<Instant, ColumnState>,
+    /// Hinges whose states have not come.
+    forces: HashMap<Instant, HingeForces>,
+    /// Messages that are not what their type says: how many, and what is wrong with the first.
+    unreadable: usize,
+    first_fault: Option<String>,
 }
 
-fn instant(
-    stamp: &crate::messages::builtin_interfaces::Time,
-    event_id: &str,
-) -> (i32, u32, String) {
-    (stamp.sec, stamp.nanosec, event_id.to_owned())
+impl Gathered {
+    fn take(&mut self, message: &recording::Message) {
+        if let Some(state) = self.read::<ColumnState>(message) {
+            let instant = (state.header.stamp, state.event_id.clone());
+            match self.forces.remove(&instant) {
+                Some(forces) => self.pair(state, forces),
+                None => drop(self.states.insert(instant, state)),
+            }
+        } else if let Some(forces) = self.read::<HingeForces>(message) {
+            let instant = (forces.header.stamp, forces.event_id.clone());
+            match self.states.remove(&instant) {
+                Some(state) => self.pair(state, forces),
+                None => drop(self.forces.insert(instant, forces)),
+            }
+        } else if let Some(report) = self.read::<ImpactReport>(message) {
+            self.told.push(Told::Report(Box::new(report)));
+        } else if let Some(event) = self.read::<ImpactEvent>(message) {
+            self.told.push(Told::Event(Box::new(event)));
+        }
+    }
+
+    fn pair(&mut self, state: ColumnState, forces: HingeForces) {
+        self.shown += 1;
+        self.told.push(Told::State(state, forces));
+    }
+
+    /// A message of this type; `None` if it is of another one, or cannot be read.
+    fn read<M: Message + DeserializeOwned>(&mut self, message: &recording::Message) -> Option<M> {
+        if *message.type_name != *M::INTERFACE.ros_name() {
+            return None;
+        }
+        let read = cdr::decode(&message.data);
+        if let Err(error) = &read {
+            self.unreadable += 1;
+            self.first_fault
+                .get_or_insert_with(|| format!("{}: {error}", message.topic));
+        }
+        read.ok()
+    }
+
+    fn say_what_is_not_shown(&self) {
+        if let Some(fault) = &self.first_fault {
+            eprintln!(
+                "{} messages cannot be read and are not shown; the first one, of {fault}",
+                self.unreadable
+            );
+        }
+        let alone = self.states.len() + self.forces.len();
+        if self.shown > 0 && alone > 0 {
+            eprintln!(
+                "{alone} states or hinge forces have no partner of the same stamp and are not shown"
+            );
+        }
+    }
 }
 
 fn starting_column(bytes: &[u8]) -> Option<Arc<Parameters>> {

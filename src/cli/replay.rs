@@ -39,11 +39,11 @@ pub struct ReplayArgs {
     clock: Option<f64>,
     /// Publish nothing: write what the Rerun viewer shows into this file
     #[cfg(feature = "viewer")]
-    #[arg(long, value_name = "FILE", conflicts_with = "serve")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["serve", "repeat", "topics", "clock", "wait_for_readers"])]
     rrd: Option<PathBuf>,
     /// Publish nothing: serve it to Rerun viewers on this machine, until Ctrl-C
     #[cfg(feature = "viewer")]
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["repeat", "topics", "clock", "wait_for_readers"])]
     serve: bool,
     /// Parameter file of the column, for --rrd and --serve of a recording without a journal
     #[cfg(feature = "viewer")]

@@ -273,13 +273,7 @@ impl Case {
             parameters = load(&arguments.config, &overrides)?;
         }
         let properties = parameters.column_properties();
-        let given = parameters.impact().clone();
-        let impact = Impact {
-            mass: given.mass,
-            velocity: given.velocity,
-            gap: given.gap,
-            restitution: given.restitution,
-        };
+        let impact = parameters.impact();
         let title = format!(
             "{}: {} kg at {} m/s ({} km/h), {} m above the base",
             column_name(&parameters),

@@ -15,6 +15,7 @@ pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
 /// What an impact event says: a rigid mass `m_c` that flies towards the impact point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Impact {
     /// `m_c` \[kg\], > 0.
     pub mass: f64,

@@ -8,7 +8,6 @@ use super::entries::Entries;
 use super::journal_line::{Line, LineEntry};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
-use crate::live::WhenFull;
 use crate::messages::cdr;
 use crate::messages::column_twin::TwinStatus;
 use crate::parameters::{Record, RecordMode};
@@ -195,18 +194,7 @@ impl Recording for NodeRecording {
             ("recordings finished", finished.to_string()),
         ];
         RecordingHealth {
-            queue: QueueHealth {
-                name: queue.name,
-                capacity: queue.capacity,
-                len: queue.len,
-                policy: match queue.when_full {
-                    WhenFull::Refuse => "refused and said so",
-                    WhenFull::DropOldest => "oldest dropped",
-                    WhenFull::DropNewest => "newest dropped",
-                },
-                pushed: queue.pushed,
-                dropped: queue.dropped,
-            },
+            queue: queue.into(),
             lost: lost + self.unencoded.load(Ordering::Relaxed),
             problem: failing.map(|reason| reason.to_string()),
             values: values

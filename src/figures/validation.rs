@@ -10,7 +10,7 @@ use super::page::{self, Drawn, Key, Stroke, colour};
 use super::raster::Raster;
 use super::reference::Reference;
 use super::units::Unit;
-use crate::column::{Impact, Report, Sample, simulate};
+use crate::column::{Report, Sample, simulate};
 use crate::parameters::{Parameters, parse_override};
 
 /// Exponents of a reference response.
@@ -36,13 +36,7 @@ fn response(scheme: &str, dt: &str, exponents: Exponents) -> (Report, Vec<Sample
     let overrides = overrides.map(|text| parse_override(&text));
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_paper.yaml");
     let parameters = Parameters::load(&[file], &overrides).unwrap();
-    let event = parameters.impact();
-    let impact = Impact {
-        mass: event.mass,
-        velocity: event.velocity,
-        gap: event.gap,
-        restitution: event.restitution,
-    };
+    let impact = parameters.impact();
     let mut samples = Vec::new();
     let properties = parameters.column_properties();
     let mut observe = |sample: &Sample| samples.push(*sample);

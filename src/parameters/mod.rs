@@ -49,7 +49,7 @@ pub use overrides::{Override, parse_override};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, Damping, Event, Geometry, Hinge, Impact, RealTime, Record, RecordMode, Resistance,
+    Compression, Damping, Event, Geometry, Hinge, RealTime, Record, RecordMode, Resistance,
     Response, Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer,
     ViewerMode, YieldSurface,
 };
@@ -57,7 +57,7 @@ pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
 pub use value::{Kind, Value};
 
-use crate::column::{ColumnProperties, Support, YieldExponents};
+use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
 use draft::Draft;
 use file::Assignment;
 
@@ -220,8 +220,8 @@ impl Parameters {
 
     /// What an impact event leaves open.
     #[must_use]
-    pub fn impact(&self) -> &Impact {
-        &self.settings.impact
+    pub fn impact(&self) -> Impact {
+        self.settings.impact
     }
 
     /// Longest response that is computed \[s\].

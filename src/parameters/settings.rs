@@ -5,7 +5,7 @@ use serde_json::{Map, Value as Json};
 
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
-use crate::column::{ElasticLaw, Scheme};
+use crate::column::{ElasticLaw, Impact, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,7 @@ pub struct Settings {
     pub hinge: Hinge,
     pub support: Supports,
     pub top: Top,
+    /// What an impact event leaves open.
     pub impact: Impact,
     pub event: Event,
     pub solver: Solver,
@@ -62,8 +63,6 @@ groups! {
     Supports { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
     /// What stands on the column.
     Top { spring_stiffness: f64, mass: f64, load: f64 }
-    /// What an impact event leaves open.
-    Impact { mass: f64, velocity: f64, gap: f64, restitution: f64 }
     /// Which stamps of impact events are taken.
     Event { max_age: f64, max_ahead: f64 }
     /// Time stepping.

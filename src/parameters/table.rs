@@ -767,7 +767,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 64_000_000_000,
         },
         applies: Applies::Restart,
-        meaning: "memory for late viewers while serving; the oldest data go first",
+        meaning: "memory for viewers that come late or come back (serve, connect, spawn); the oldest data go first",
     },
     Parameter {
         name: "viewer.magnification",

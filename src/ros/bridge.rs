@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use crate::endpoints::Endpoint;
+use crate::live::{QueueStats, WhenFull};
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use crate::parameters::{Parameters, Value};
 use crate::twin::{Journal, Output};
@@ -116,6 +117,23 @@ pub struct QueueHealth {
     pub pushed: u64,
     /// Entries lost since the start.
     pub dropped: u64,
+}
+
+impl From<QueueStats> for QueueHealth {
+    fn from(queue: QueueStats) -> Self {
+        Self {
+            name: queue.name,
+            capacity: queue.capacity,
+            len: queue.len,
+            policy: match queue.when_full {
+                WhenFull::Refuse => "refused and said so",
+                WhenFull::DropOldest => "oldest dropped",
+                WhenFull::DropNewest => "newest dropped",
+            },
+            pushed: queue.pushed,
+            dropped: queue.dropped,
+        }
+    }
 }
 
 /// Takes a copy of everything that the node receives and sends. Called from the node's threads: nothing of it waits.

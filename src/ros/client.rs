@@ -139,57 +139,24 @@ pub fn send_impact(
     options: &ImpactOptions,
     say: &mut dyn FnMut(&str),
 ) -> Result<ImpactOutcome, ClientError> {
-    let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_impact", rules)?;
     let mut node = Node::new(environment, names)?;
-    let publisher = node.publisher(&qos::IMPACT_EVENT)?;
-    let answers = Sight {
+    let sight = Sight {
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
         ..Sight::default()
     };
-    let (sender, seen) = sync_channel(SHOWN_QUEUE);
-    let (events, matches) = (node.participant_events(), node.matches());
-    let task = Task::start("column_twin/see", move || async move {
-        join!(events, answers.show(sender));
-    })?;
-    let outcome = (|| {
-        let topic = node
-            .names()
-            .resolve(qos::IMPACT_EVENT.kind(), qos::IMPACT_EVENT.name)?;
-        say(&format!(
-            "waiting for a twin on {topic} in domain {}",
-            environment.domain_id
-        ));
-        wait_until(&signals, options.match_timeout, |until| {
-            matches.wait_for(publisher.guid(), 1, until).then_some(())
-        })?
-        .ok_or(ClientError::NoTwin {
-            topic,
-            domain_id: environment.domain_id,
-            waited: options.match_timeout,
-        })?;
-        // Its counter tells this refusal from one of the same event before.
-        let before = wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
-            Some(Seen::Status(status)) => Some(status.events_refused),
-            _ => None,
-        })?;
-        let event = event(options);
-        let event_id = event.event_id.clone();
-        say(&format!("sending {event_id}"));
-        publisher
-            .publish(event)
-            .map_err(|error| ClientError::NotSent(error.to_string()))?;
-        wait_until(&signals, options.answer_timeout, |until| {
-            answer(&next(&seen, until)?, &event_id, before)
-        })?
-        .ok_or(ClientError::NoAnswer {
-            event_id,
-            waited: options.answer_timeout,
-        })
-    })();
-    task.stop();
-    outcome
+    converse(
+        node,
+        environment,
+        sight,
+        options,
+        say,
+        &mut |word, sent| match answer(word, sent.event_id, sent.refused_before) {
+            Some(outcome) => Heard::Last(outcome),
+            None => Heard::Other,
+        },
+    )
 }
 
 /// Shows state, forecasts, reports and refusals, one line each, until the program is asked to stop.
@@ -246,10 +213,8 @@ pub fn follow_impact(
     say: &mut dyn FnMut(&str),
     hear: &mut dyn FnMut(&Seen, Duration),
 ) -> Result<(), ClientError> {
-    let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_demo", &[])?;
     let mut node = Node::new(environment, names)?;
-    let publisher = node.publisher(&qos::IMPACT_EVENT)?;
     let sight = Sight {
         state: Some(node.subscription(&qos::COLUMN_STATE)?),
         forces: Some(node.subscription(&qos::HINGE_FORCES)?),
@@ -257,6 +222,49 @@ pub fn follow_impact(
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
     };
+    let ended = converse(node, environment, sight, options, say, &mut |word, sent| {
+        hear(word, sent.ago);
+        match (word, answer(word, sent.event_id, sent.refused_before)) {
+            (Seen::Report(report), _) if report.event_id == sent.event_id => Heard::Last(Ok(())),
+            (_, Some(ImpactOutcome::Refused(reason))) => {
+                Heard::Last(Err(ClientError::Refused(reason)))
+            }
+            _ => Heard::Ours,
+        }
+    });
+    ended?
+}
+
+/// The event that a client has sent.
+struct Sent<'a> {
+    event_id: &'a str,
+    /// Refusals that the twin had counted before; `None` where it did not say.
+    refused_before: Option<u64>,
+    ago: Duration,
+}
+
+/// What a client makes of a word of the twin.
+enum Heard<T> {
+    /// It does not belong to what is waited for.
+    Other,
+    /// It does, and there is more to come.
+    Ours,
+    /// It ends the conversation.
+    Last(T),
+}
+
+/// Waits until twin and client have found each other, sends the event, and hands over what is seen until it is the last word.
+fn converse<T>(
+    mut node: Node,
+    environment: &Environment,
+    sight: Sight,
+    options: &ImpactOptions,
+    say: &mut dyn FnMut(&str),
+    hear: &mut dyn FnMut(&Seen, &Sent<'_>) -> Heard<T>,
+) -> Result<T, ClientError> {
+    let signals = StopSignals::listen()?;
+    let publisher = node.publisher(&qos::IMPACT_EVENT)?;
+    // What the twin says first is lost on a reader that it has not found yet.
     let mut endpoints = sight.guids();
     endpoints.push(publisher.guid());
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
@@ -264,11 +272,14 @@ pub fn follow_impact(
     let task = Task::start("column_twin/see", move || async move {
         join!(events, sight.show(sender));
     })?;
-    let ended = (|| {
+    let outcome = (|| {
         let topic = node
             .names()
             .resolve(qos::IMPACT_EVENT.kind(), qos::IMPACT_EVENT.name)?;
-        // The first samples are lost on a reader that the twin has not found yet.
+        say(&format!(
+            "waiting for a twin on {topic} in domain {}",
+            environment.domain_id
+        ));
         wait_until(&signals, options.match_timeout, |until| {
             let found = |guid: &_| matches.wait_for(*guid, 1, until);
             endpoints.iter().all(found).then_some(())
@@ -278,36 +289,45 @@ pub fn follow_impact(
             domain_id: environment.domain_id,
             waited: options.match_timeout,
         })?;
+        // Its counter tells this refusal from one of the same event before.
+        let refused_before = wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
+            Some(Seen::Status(status)) => Some(status.events_refused),
+            _ => None,
+        })?;
         let event = event(options);
         let event_id = event.event_id.clone();
         say(&format!(
             "sending impact {event_id:?}: {} kg at {} m/s",
             event.mass, event.velocity
         ));
-        let sent = Instant::now();
+        let begun = Instant::now();
         publisher
             .publish(event)
             .map_err(|error| ClientError::NotSent(error.to_string()))?;
+        let mut given_up = begun + options.answer_timeout;
         loop {
-            let word = wait_until(&signals, options.answer_timeout, |until| next(&seen, until))?;
+            let left = given_up.saturating_duration_since(Instant::now());
+            let word = wait_until(&signals, left, |until| next(&seen, until))?;
             let Some(word) = word else {
                 return Err(ClientError::NoAnswer {
                     event_id,
                     waited: options.answer_timeout,
                 });
             };
-            hear(&word, sent.elapsed());
-            match &word {
-                Seen::Report(report) if report.event_id == event_id => return Ok(()),
-                Seen::Status(status) if status.last_refusal_event_id == event_id => {
-                    return Err(ClientError::Refused(status.last_refusal_reason.clone()));
-                }
-                _ => {}
+            let sent = Sent {
+                event_id: &event_id,
+                refused_before,
+                ago: begun.elapsed(),
+            };
+            match hear(&word, &sent) {
+                Heard::Other => {}
+                Heard::Ours => given_up = Instant::now() + options.answer_timeout,
+                Heard::Last(outcome) => return Ok(outcome),
             }
         }
     })();
     task.stop();
-    ended
+    outcome
 }
 
 /// The subscriptions of a client.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::column::ModelError;
 use crate::live::{
     AskError, Clock, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver, SimClock,
-    SystemClock, WhenFull, monotonic_nanos,
+    SystemClock, monotonic_nanos,
 };
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
@@ -244,7 +244,11 @@ impl Twin for LiveTwin {
 
 fn health(handle: &LiveHandle) -> Health {
     let statistics = handle.statistics();
-    let queues: Vec<_> = statistics.queues.into_iter().map(queue_health).collect();
+    let queues: Vec<_> = statistics
+        .queues
+        .into_iter()
+        .map(QueueHealth::from)
+        .collect();
     let dropped = |name: &str| {
         let queue = queues.iter().find(|queue| queue.name == name);
         queue.map_or(0, |queue| queue.dropped)
@@ -268,21 +272,6 @@ fn health(handle: &LiveHandle) -> Health {
         hints: statistics.real_time.warnings().collect(),
         queues,
         ..Health::default()
-    }
-}
-
-fn queue_health(queue: crate::live::QueueStats) -> QueueHealth {
-    QueueHealth {
-        name: queue.name,
-        capacity: queue.capacity,
-        len: queue.len,
-        policy: match queue.when_full {
-            WhenFull::Refuse => "refused and said so",
-            WhenFull::DropOldest => "oldest dropped",
-            WhenFull::DropNewest => "newest dropped",
-        },
-        pushed: queue.pushed,
-        dropped: queue.dropped,
     }
 }
 

@@ -1,6 +1,5 @@
-//! A file for the viewer, from a simulation or a recording.
+//! A file for the viewer, of a simulation or of what a recording has told.
 
-use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,7 +13,6 @@ use super::film::{Film, FilmOptions};
 use super::item::{Announcement, Item};
 use super::plots::Ranges;
 use crate::column::{Outcome, Phase, Report, Sample};
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
 
@@ -29,39 +27,6 @@ const APPROACH_PERIOD: f64 = 1e-3;
 
 /// Longest wait for the disk.
 const WRITTEN_WITHIN: Duration = Duration::from_secs(60);
-
-/// What the messages of a recording show, in the order of the states. A report stands before the first state of its impact
-/// if it is a forecast, and after the last one if it is a result; a report without states is left out.
-pub fn from_messages(
-    states: impl IntoIterator<Item = (ColumnState, HingeForces)>,
-    reports: impl IntoIterator<Item = ImpactReport>,
-) -> Vec<Item> {
-    let mut forecasts = HashMap::new();
-    let mut results = HashMap::new();
-    for report in reports {
-        let of_kind = match report.kind {
-            ImpactReport::FORECAST => &mut forecasts,
-            ImpactReport::RESULT => &mut results,
-            _ => continue,
-        };
-        of_kind.insert(report.event_id.clone(), report);
-    }
-    let mut items = Vec::new();
-    let mut going: Option<String> = None;
-    for (state, forces) in states {
-        if going.as_ref() != Some(&state.event_id) {
-            let ended = going.replace(state.event_id.clone());
-            let result = ended.and_then(|event_id| results.remove(&event_id));
-            items.extend(result.map(|it| Item::Result(announcement(it))));
-            let forecast = forecasts.remove(&state.event_id);
-            items.extend(forecast.map(|it| Item::Forecast(announcement(it))));
-        }
-        items.push(Item::of_messages(&state, &forces));
-    }
-    let result = going.and_then(|event_id| results.remove(&event_id));
-    items.extend(result.map(|it| Item::Result(announcement(it))));
-    items
-}
 
 /// A simulation takes an approach to a column at rest in one stride: the vehicle moves on evenly, and so it is shown.
 fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
@@ -122,15 +87,6 @@ pub fn from_samples(
     items
 }
 
-fn announcement(report: ImpactReport) -> Announcement {
-    let stamp = report.header.stamp;
-    Announcement {
-        stamp: i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec),
-        event_id: report.event_id.as_str().into(),
-        report: Box::new(report),
-    }
-}
-
 /// How a whole film is made: its axes hold all of it from the start.
 pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
     let mut ranges = Ranges::default();
@@ -149,6 +105,7 @@ pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
     FilmOptions {
         picture_period: PICTURE_PERIOD.max(spaced),
         budget: None,
+        curves_period: 0,
         follows,
         ranges,
     }

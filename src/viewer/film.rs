@@ -21,7 +21,7 @@ use super::scene::{Drawing, Scene, VEHICLE};
 use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
-use crate::shape::Solid;
+use crate::shape::{Lengths, Solid};
 use crate::twin::{Severity, StateOutput};
 
 /// Most states that are written at once.
@@ -76,6 +76,8 @@ pub struct FilmOptions {
     pub picture_period: i64,
     /// How many pictures there may be in the long run; `None`: any number.
     pub budget: Option<Budget>,
+    /// How long curves may wait for more of them, so that fewer and longer pieces leave \[ns\]; 0: for nothing.
+    pub curves_period: i64,
     /// Whether the viewer follows what comes, or stands at the beginning.
     pub follows: bool,
     /// How far the axes reach from the start.
@@ -87,8 +89,10 @@ pub struct FilmOptions {
 struct Going {
     /// First state of the present impact.
     first: Option<Sample>,
-    /// The last state.
+    /// The last state of which a picture was made or left out.
     last: Option<Sample>,
+    /// The last state up to which the curves go.
+    traced: Option<Sample>,
     /// Time of the last picture of the scene \[s\].
     pictured: Option<f64>,
     happenings: Happenings,
@@ -112,7 +116,10 @@ pub struct Film {
     drawn: bool,
     /// A forecast whose states have not come yet.
     forecast: Option<Announcement>,
+    /// States whose curves wait.
     batch: Vec<(Moment, StateOutput)>,
+    /// How many of them have had their pictures.
+    seen: usize,
 }
 
 /// A line of the log.
@@ -145,6 +152,7 @@ impl Film {
             drawn: false,
             forecast: None,
             batch: Vec::new(),
+            seen: 0,
         };
         film.send_blueprint()?;
         film.statics()?;
@@ -153,21 +161,36 @@ impl Film {
         Ok(film)
     }
 
-    /// Shows some items in their order.
+    /// Shows some items in their order. Pictures are made at once, curves with the next call in which no state comes, if not
+    /// before.
     ///
     /// # Errors
     /// The stream takes nothing.
     pub fn show(&mut self, items: impl IntoIterator<Item = Item>) -> RecordingStreamResult<()> {
+        let mut states = 0;
         for item in items {
             match item {
-                Item::State(state) => self.state(state)?,
-                other => {
+                Item::State(state) => {
+                    states += 1;
+                    self.state(state)?;
+                }
+                // They have their own times and wait for no state.
+                Item::Forecast(_) | Item::Line { .. } => self.other(item)?,
+                Item::Result(_) | Item::Rest { .. } | Item::Parameters(_) => {
                     self.flush()?;
-                    self.other(other)?;
+                    self.other(item)?;
                 }
             }
         }
-        self.flush()
+        let waited = match &self.batch[..] {
+            [(first, _), .., (last, _)] => last.wall_clock.saturating_sub(first.wall_clock),
+            _ => 0,
+        };
+        if states == 0 || waited >= self.options.curves_period {
+            self.flush()
+        } else {
+            self.draw()
+        }
     }
 
     /// The stream.
@@ -304,6 +327,7 @@ impl Film {
             ..self.drawing.at_rest
         };
         self.going.last = Some(sample);
+        self.going.traced = Some(sample);
         self.pictures(&[(moment, self.drawing.scene(&sample, None))])
     }
 
@@ -320,8 +344,19 @@ impl Film {
         blueprint::send(&self.stream, &self.drawing, &axes, self.options.follows)
     }
 
-    /// Writes the states that wait.
+    /// Makes pictures of the states that have had none.
+    fn draw(&mut self) -> RecordingStreamResult<()> {
+        let batch = std::mem::take(&mut self.batch);
+        let drawn = self.scenes(&batch[self.seen..]);
+        self.seen = batch.len();
+        self.batch = batch;
+        drawn
+    }
+
+    /// Writes everything of the states that wait.
     fn flush(&mut self) -> RecordingStreamResult<()> {
+        self.draw()?;
+        self.seen = 0;
         let batch = std::mem::take(&mut self.batch);
         if batch.is_empty() {
             return Ok(());
@@ -329,7 +364,6 @@ impl Film {
         self.curves(&batch)?;
         self.percussions(&batch)?;
         self.stresses(&batch)?;
-        self.scenes(&batch)?;
         for (moment, state) in &batch {
             for Happening { time, text } in self.going.happenings.until(&state.sample) {
                 let moment = if time == state.sample.time {
@@ -344,7 +378,7 @@ impl Film {
                 })?;
             }
         }
-        self.going.last = batch.last().map(|(_, state)| state.sample);
+        self.going.traced = batch.last().map(|(_, state)| state.sample);
         Ok(())
     }
 
@@ -383,7 +417,7 @@ impl Film {
             self.drawing.resistance_axial,
         ];
         for hinge in 0..HINGES {
-            let mut last = self.going.last.unwrap_or(batch[0].1.sample);
+            let mut last = self.going.traced.unwrap_or(batch[0].1.sample);
             let mut strips = Vec::with_capacity(batch.len());
             let mut points = Vec::with_capacity(batch.len());
             for (_, state) in batch {
@@ -416,6 +450,10 @@ impl Film {
         let mut pictures = Vec::new();
         let first = self.going.first.unwrap_or_default();
         let mut before = self.going.last.unwrap_or(first);
+        self.going.last = batch
+            .last()
+            .map(|(_, state)| state.sample)
+            .or(self.going.last);
         for (moment, state) in batch {
             let sample = &state.sample;
             let period = self.options.picture_period;
@@ -432,6 +470,10 @@ impl Film {
                 continue;
             }
             self.going.pictured = Some(sample.time);
+            // The impact may be at another height than the last one.
+            self.drawing.lengths = state
+                .lengths
+                .unwrap_or_else(|| Lengths::from(&*self.parameters));
             let mass = plots::mass_of(&first, sample, self.drawing.struck_mass);
             pictures.push((*moment, self.drawing.scene(sample, mass)));
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::column::{HingeSample, HingeState, Phase, Report, Sample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
+use crate::shape::Lengths;
 use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
 
 /// One thing that a viewer is shown. Stamps are nanoseconds since the epoch.
@@ -105,22 +106,21 @@ impl Item {
     }
 
     /// The column at one instant, as two messages of the same stamp tell it. Where they do not tell the course of the
-    /// impact, it is taken for a column that moves freely.
+    /// impact, it is taken for a column that moves freely; `lengths` are those of its bars, `None`: as the parameters say.
     #[must_use]
-    pub fn of_messages(state: &ColumnState, forces: &HingeForces) -> Self {
+    pub fn of_messages(
+        state: &ColumnState,
+        forces: &HingeForces,
+        lengths: Option<Lengths>,
+    ) -> Self {
         Self::State(StateOutput {
-            stamp: nanos(state),
+            stamp: state.header.stamp.to_nanos().unwrap_or_default(),
             event_id: state.event_id.as_str().into(),
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
-            lengths: None,
+            lengths,
         })
     }
-}
-
-fn nanos(state: &ColumnState) -> i64 {
-    let stamp = state.header.stamp;
-    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
 }
 
 fn twin_phase(code: u8) -> TwinPhase {
@@ -201,7 +201,7 @@ mod tests {
         simulate(&column, &impact, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
         for sample in &samples {
             let (state, forces) = (ColumnState::from(sample), HingeForces::from(sample));
-            let Item::State(told) = Item::of_messages(&state, &forces) else {
+            let Item::State(told) = Item::of_messages(&state, &forces, None) else {
                 panic!("no state");
             };
             assert_eq!(told.sample, *sample);

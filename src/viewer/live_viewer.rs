@@ -149,6 +149,10 @@ fn run(
             return;
         }
         if last {
+            // Curves may wait for more.
+            if let Err(error) = destination.show(Vec::new()) {
+                telling(Severity::Error, without(&error));
+            }
             return;
         }
         if idle {

@@ -166,7 +166,7 @@ impl Ranges {
             mass: mass.unwrap_or(given.mass),
             velocity: velocity.unwrap_or(given.velocity),
             gap: 0.0,
-            restitution: given.restitution,
+            ..given
         };
         let column = parameters.column_properties();
         let longest = FORESEEN_STEPS * 1e-9 * column.step_nanos as f64;

@@ -92,3 +92,65 @@ fn what_is_no_recording_ends_with_code_2() {
         assert_eq!(typed(folder.path(), line).0, 2, "{line}");
     }
 }
+
+/// What was recorded can be looked at, from the recording alone.
+#[cfg(feature = "viewer")]
+#[test]
+fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {
+    use std::io::{BufRead, BufReader};
+    use std::net::{Ipv4Addr, TcpListener, TcpStream};
+    use std::process::Stdio;
+
+    let folder = TempDir::new().unwrap();
+    let (code, ..) = typed(folder.path(), "simulate --height 1.3 --record bag");
+    assert_eq!(code, 0);
+    let (code, said, fault) = typed(folder.path(), "replay bag --rrd impact.rrd");
+    assert_eq!((code, fault.as_str()), (0, ""), "{said}");
+    assert_eq!(said, "rerun impact.rrd\n");
+    let film = std::fs::read(folder.path().join("impact.rrd")).unwrap();
+    assert_eq!(&film[..4], b"RRF2");
+    for line in [
+        "replay bag --rrd impact.rrd --topics /column_state",
+        "replay bag --rrd impact.rrd --loop",
+        "replay bag --serve --clock",
+        "replay nothing --rrd impact.rrd",
+        "replay bag --rrd impact.rrd --config nothing.yaml",
+    ] {
+        let (code, _, fault) = typed(folder.path(), line);
+        assert_eq!(code, 2, "{line}: {fault}");
+    }
+    let (code, _, fault) = typed(folder.path(), "replay bag --rrd nowhere/impact.rrd");
+    assert_eq!(code, 1, "{fault}");
+    assert!(fault.contains("cannot write nowhere/impact.rrd"), "{fault}");
+
+    let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let port = free.local_addr().unwrap().port();
+    drop(free);
+    let config = folder.path().join("port.yaml");
+    let text = format!("/**:\n  ros__parameters:\n    viewer:\n      port: {port}\n");
+    std::fs::write(&config, text).unwrap();
+    let mut serving = std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"))
+        .current_dir(folder.path())
+        .args(["replay", "bag", "--serve", "--config"])
+        .arg(&config)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    let mut lines = BufReader::new(serving.stdout.take().unwrap());
+    lines.read_line(&mut line).unwrap();
+    assert!(
+        line.contains(&format!("rerun rerun+http://127.0.0.1:{port}/proxy")),
+        "{line}"
+    );
+    TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+    let (code, _, fault) = typed(
+        folder.path(),
+        &format!("replay bag --serve --config {}", config.display()),
+    );
+    assert_eq!(code, 1, "{fault}");
+    assert!(fault.contains("another program listens"), "{fault}");
+    let pid = rustix::process::Pid::from_raw(i32::try_from(serving.id()).unwrap()).unwrap();
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
+    assert!(serving.wait().unwrap().success());
+}

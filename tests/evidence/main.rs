@@ -9,6 +9,13 @@ mod courses;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod forgeries;
+mod full_disk;
+#[allow(dead_code)] // the tests of the node use more of it
+#[path = "../ros/incoming.rs"]
+mod incoming;
+mod killed;
 mod node;
 mod recorded_twin;
 mod replayed;
+#[path = "../recording/small_disk.rs"]
+mod small_disk;

@@ -4,9 +4,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
-use std::thread::JoinHandle;
-use std::time::Instant;
 
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
@@ -15,66 +12,38 @@ use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::bridge::ParameterChange;
-use column_twin::ros::qos::{self, Endpoint};
+use column_twin::ros::qos;
 use column_twin::ros::{
     ImpactOptions, ImpactOutcome, Names, Node, Raw, StartedTwin, TwinNode, send_impact,
     start_live_twin,
 };
-use futures::StreamExt;
-use futures::future::{AbortHandle, Abortable};
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::Incoming;
 use super::recorded_twin::the_one_recording;
 
-/// Reads the bytes of one topic in a thread of its own until it is dropped.
-pub struct Bytes {
-    pub messages: Receiver<Raw>,
-    abort: AbortHandle,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Bytes {
-    /// Subscribes, and waits until there is a publisher where `wait` says so.
-    pub fn start(node: &mut Node, endpoint: &Endpoint, wait: bool) -> Self {
-        let subscription = node.subscription::<Raw>(endpoint).unwrap();
-        let guid = subscription.guid();
-        let (sender, messages) = channel();
-        let events = node.participant_events();
-        let (abort, registration) = AbortHandle::new_pair();
-        let read = move || {
-            let each = subscription.async_stream().for_each(|message| {
-                let _ = sender.send(message.unwrap().0);
-                futures::future::ready(())
-            });
-            let all = async { futures::join!(events, each) };
-            let _ = futures::executor::block_on(Abortable::new(all, registration));
-        };
-        let thread = Some(std::thread::spawn(read));
-        let deadline = Instant::now() + PATIENCE;
-        assert!(!wait || node.matches().wait_for(guid, 1, deadline));
-        Self {
-            messages,
-            abort,
-            thread,
-        }
-    }
-}
-
-impl Drop for Bytes {
-    fn drop(&mut self) {
-        self.abort.abort();
-        if let Some(thread) = self.thread.take() {
-            thread.join().unwrap();
-        }
-    }
-}
+/// The bytes of one topic.
+pub type Bytes = Incoming<Raw>;
 
 pub fn impact(domain: &Domain, id: &str, velocity: f64) -> Result<ImpactOutcome, String> {
+    impact_of(domain, id, 1500.0, velocity)
+}
+
+/// Heavy and slow: the column moves for a third of a second, and stays elastic.
+pub fn slow_impact(domain: &Domain, id: &str) {
+    let outcome = impact_of(domain, id, 1e6, 0.04);
+    assert!(
+        matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
+        "{outcome:?}"
+    );
+}
+
+fn impact_of(domain: &Domain, id: &str, mass: f64, velocity: f64) -> Result<ImpactOutcome, String> {
     let options = ImpactOptions {
         column_id: "column".to_owned(),
         event_id: Some(id.to_owned()),
-        mass: 1500.0,
+        mass,
         velocity,
         gap: None,
         restitution: None,
@@ -132,9 +101,9 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
     .unwrap();
     let mut reader =
         Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
-    let states = Bytes::start(&mut reader, &qos::COLUMN_STATE, true);
-    let forces = Bytes::start(&mut reader, &qos::HINGE_FORCES, true);
-    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT, true);
+    let states = Bytes::start(&mut reader, &qos::COLUMN_STATE);
+    let forces = Bytes::start(&mut reader, &qos::HINGE_FORCES);
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
     for (id, velocity) in [("a", 3.0), ("b", 8.0)] {
         let outcome = impact(&domain, id, velocity);
         assert!(
@@ -227,7 +196,7 @@ fn losses_are_counted_and_accounted_for() {
 }
 
 /// The program as a user starts it.
-fn program(domain: &Domain, directory: &Path) -> Child {
+pub fn program(domain: &Domain, directory: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_column-twin"))
         .args([
             "run",
@@ -248,7 +217,7 @@ fn program(domain: &Domain, directory: &Path) -> Child {
         .unwrap()
 }
 
-fn stopped(child: Child) -> (Option<i32>, String) {
+pub fn stopped(child: Child) -> (Option<i32>, String) {
     let pid = i32::try_from(child.id()).unwrap();
     let pid = rustix::process::Pid::from_raw(pid).unwrap();
     rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
@@ -259,7 +228,7 @@ fn stopped(child: Child) -> (Option<i32>, String) {
     )
 }
 
-fn recordings(directory: &Path) -> Vec<PathBuf> {
+pub fn recordings(directory: &Path) -> Vec<PathBuf> {
     let mut found: Vec<_> = std::fs::read_dir(directory)
         .unwrap()
         .map(|entry| entry.unwrap().path())
@@ -276,7 +245,7 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
     let mut node = program(&first, directory.path());
     let names = Names::new("/", "reader", &[]).unwrap();
     let mut reader = Node::new(&first.environment, names).unwrap();
-    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT, true);
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
     let outcome = impact(&first, "before", 6.0);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
@@ -297,7 +266,7 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
     let node = program(&second, directory.path());
     let names = Names::new("/", "reader", &[]).unwrap();
     let mut reader = Node::new(&second.environment, names).unwrap();
-    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT, true);
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
     let outcome = impact(&second, "b", 6.0);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),

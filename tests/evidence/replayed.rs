@@ -88,8 +88,8 @@ fn received(
         Names::new("/again", "reader", &[]).unwrap(),
     )
     .unwrap();
-    let states = Bytes::start(&mut node, &qos::COLUMN_STATE, false);
-    let reports = Bytes::start(&mut node, &qos::IMPACT_REPORT, false);
+    let states = Bytes::early(&mut node, &qos::COLUMN_STATE);
+    let reports = Bytes::early(&mut node, &qos::IMPACT_REPORT);
     let options = ReplayOptions {
         rate,
         ..options(bag)
@@ -151,8 +151,8 @@ fn it_tells_the_recorded_time_and_begins_again() {
         Reader::open(&bag.path()).unwrap().span().unwrap(),
     );
     let mut node = Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
-    let clock = Bytes::start(&mut node, &qos::CLOCK, false);
-    let states = Bytes::start(&mut node, &qos::COLUMN_STATE, false);
+    let clock = Bytes::early(&mut node, &qos::CLOCK);
+    let states = Bytes::early(&mut node, &qos::COLUMN_STATE);
     let options = ReplayOptions {
         clock: Some(1000.0),
         repeat: true,
@@ -280,4 +280,59 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
         assert!(output.status.success(), "{}", output.status);
         assert_eq!((replayed.sent, replayed.lost), (count as u64, 0));
     }
+}
+
+/// Written by somebody else: our states and a text, in a directory of rosbag2.
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn a_recording_of_another_program_is_replayed() {
+    let output = Command::new(interop("environment.sh")).output().unwrap();
+    assert!(output.status.success(), "environment.sh: {}", output.status);
+    let python = String::from_utf8(output.stdout).unwrap();
+    let directory = TempDir::new().unwrap();
+    let bag = directory.path().join("foreign");
+    let written = Command::new(Path::new(python.trim()).join("bin/python"))
+        .arg(interop("write_recording.py"))
+        .arg(&bag)
+        .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+        .output()
+        .unwrap();
+    let fault = String::from_utf8_lossy(&written.stderr);
+    assert!(written.status.success(), "{fault}");
+    let domain = Domain::fresh();
+    let mut node = Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
+    let states = Bytes::early(&mut node, &qos::COLUMN_STATE);
+    let options = ReplayOptions {
+        bag: bag.clone(),
+        rate: 1.0,
+        repeat: false,
+        topics: Vec::new(),
+        clock: None,
+        // Nobody reads the texts: after this it begins without.
+        wait_for_readers: Duration::from_secs(2),
+    };
+    let mut script = Script::default();
+    let environment = domain.environment.clone();
+    let player = thread::spawn(move || replay(&environment, &[], &options, &mut script));
+    let replayed = player.join().unwrap().unwrap();
+    assert_eq!((replayed.sent, replayed.lost), (600, 0));
+    // The first ones may be gone before the reader was found.
+    let received: Vec<ColumnState> = states
+        .messages
+        .try_iter()
+        .map(|it| cdr::decode(it.bytes()).unwrap())
+        .collect();
+    assert!(received.len() > 100, "{}", received.len());
+    let reader = Reader::open(&bag).unwrap();
+    let written: Vec<_> = reader
+        .messages()
+        .map(Result::unwrap)
+        .filter(|it| *it.topic == *"/column_state")
+        .map(|it| cdr::decode::<ColumnState>(&it.data).unwrap())
+        .collect();
+    assert_eq!(written.len(), 500);
+    assert_eq!(
+        format!("{:?}", &written[500 - received.len()..]),
+        format!("{received:?}")
+    );
 }

@@ -10,12 +10,5 @@ pub fn example(overrides: &[&str]) -> (ColumnProperties, Impact) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_paper.yaml");
     let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
     let parameters = Parameters::load(&[file], &overrides).expect("admissible parameters");
-    let given = parameters.impact();
-    let impact = Impact {
-        mass: given.mass,
-        velocity: given.velocity,
-        gap: given.gap,
-        restitution: given.restitution,
-    };
-    (parameters.column_properties(), impact)
+    (parameters.column_properties(), parameters.impact())
 }

@@ -12,3 +12,4 @@ mod mutations;
 mod other_readers;
 mod recorder;
 mod sample;
+mod small_disk;

@@ -1,6 +1,5 @@
 //! Node and reader in Rust, on loopback.
 
-use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -9,14 +8,13 @@ use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{ImpactOptions, ImpactOutcome, Names, Node, send_impact};
-use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use ros2_client::Publisher;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::domain::Domain;
 pub use super::domain::PATIENCE;
+pub use super::incoming::Incoming;
 use super::live_twin::RunningTwin;
 
 /// The time of day \[ns\].
@@ -46,75 +44,6 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
 pub fn reader(domain: &Domain) -> Node {
     let names = Names::new("/", "reader", &[]).unwrap();
     Node::new(&domain.environment, names).unwrap()
-}
-
-/// Reads one topic in a thread of its own until it is dropped.
-pub struct Incoming<M> {
-    messages: Receiver<M>,
-    abort: AbortHandle,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
-    /// Subscribes, and waits until there is a publisher.
-    pub fn start(node: &mut Node, endpoint: &Endpoint) -> Self {
-        let subscription = node.subscription::<M>(endpoint).unwrap();
-        let guid = subscription.guid();
-        let (sender, messages) = channel();
-        let events = node.participant_events();
-        let (abort, registration) = AbortHandle::new_pair();
-        let read = move || {
-            let each = subscription.async_stream().for_each(|message| {
-                let _ = sender.send(message.unwrap().0);
-                futures::future::ready(())
-            });
-            let all = async { futures::join!(events, each) };
-            let _ = futures::executor::block_on(Abortable::new(all, registration));
-        };
-        let thread = Some(std::thread::spawn(read));
-        let deadline = Instant::now() + PATIENCE;
-        assert!(
-            node.matches().wait_for(guid, 1, deadline),
-            "no {} found",
-            endpoint.name
-        );
-        Self {
-            messages,
-            abort,
-            thread,
-        }
-    }
-
-    /// The first message from now on that `is_it` says yes to.
-    pub fn find(&self, what: &str, mut is_it: impl FnMut(&M) -> bool) -> M {
-        let deadline = Instant::now() + PATIENCE;
-        while Instant::now() < deadline {
-            let message = self.messages.recv_timeout(PATIENCE);
-            if let Some(it) = message.ok().filter(&mut is_it) {
-                return it;
-            }
-        }
-        panic!("waited in vain for {what}");
-    }
-
-    /// The last of the messages that are here already.
-    pub fn newest(&self) -> Option<M> {
-        self.messages.try_iter().last()
-    }
-
-    /// The next message.
-    pub fn next(&self) -> M {
-        self.messages.recv_timeout(PATIENCE).expect("a message")
-    }
-}
-
-impl<M> Drop for Incoming<M> {
-    fn drop(&mut self) {
-        self.abort.abort();
-        if let Some(thread) = self.thread.take() {
-            thread.join().unwrap();
-        }
-    }
 }
 
 /// Sends on one topic from a node of its own.

@@ -5,6 +5,8 @@
 
 mod bad_input;
 mod domain;
+#[allow(dead_code)] // the tests of recordings use more of it
+mod incoming;
 mod live_twin;
 mod loopback;
 mod program;

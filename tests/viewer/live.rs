@@ -3,12 +3,8 @@
 use std::net::{Ipv4Addr, TcpListener};
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
-use column_twin::live::{Clock, Live, LiveOptions, RealTime, SystemClock};
 use column_twin::parameters::Value;
-use column_twin::twin::{ImpactEvent, Input, Twin};
-use column_twin::viewer::{LiveViewer, Telling, VIEWER_QUEUE, output_queue};
 
 use super::twin::{LiveColumn, bits, parameters, without_viewer};
 
@@ -124,77 +120,4 @@ fn a_peer_that_is_no_viewer_holds_up_nobody() {
         ("mode", Value::from("connect")),
         ("port", Value::from(i64::from(port))),
     ]);
-}
-
-/// Processor time of this process so far \[s\].
-fn processor_time() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("readable");
-    let after_name = stat.rsplit(')').next().expect("a name");
-    let fields: Vec<_> = after_name.split_whitespace().collect();
-    let ticks: f64 = fields[11..13]
-        .iter()
-        .map(|it| it.parse::<f64>().expect("a number"))
-        .sum();
-    ticks / 100.0
-}
-
-/// In real time, with an impact every 40 ms, so that the column never comes to rest: 1000 states a second. Prints what the
-/// viewer's side costs; the target is 5 % of a core.
-#[test]
-#[ignore = "slow: 30 s of real time"]
-fn what_pictures_in_real_time_cost() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().to_str().expect("a name").to_owned();
-    for mode in ["off", "serve", "save"] {
-        let parameters = parameters(&[
-            ("mode", Value::from(mode)),
-            ("port", Value::from(free_port())),
-            ("directory", Value::from(path.as_str())),
-        ]);
-        let clock = SystemClock::new();
-        let now = clock.now();
-        let twin = Twin::new((*parameters).clone(), None, Box::new(|| 0), now).expect("stands");
-        let mut options = LiveOptions {
-            real_time: RealTime::none(),
-            ..LiveOptions::default()
-        };
-        options.outputs.push(output_queue());
-        let live = Live::start(twin, clock, options).expect("starts");
-        let outputs = live.outputs(VIEWER_QUEUE).expect("there");
-        let telling: Telling = Arc::new(|_, _| ());
-        let viewer = LiveViewer::start(&parameters, outputs, now, telling).expect("a thread");
-        let clock = SystemClock::new();
-        let (began, before) = (Instant::now(), processor_time());
-        for impact in 0..250 {
-            let event = ImpactEvent {
-                event_id: format!("impact-{impact}"),
-                column_id: "column".to_owned(),
-                stamp: clock.now(),
-                impact_mass: 200.0,
-                velocity: 0.3,
-                gap: None,
-                restitution: None,
-                height: None,
-            };
-            live.submit(Input::Impact(event)).expect("room");
-            let next = Duration::from_millis(40) * (impact + 1);
-            std::thread::sleep(next.saturating_sub(began.elapsed()));
-        }
-        let (elapsed, cost) = (began.elapsed().as_secs_f64(), processor_time() - before);
-        let queues = live.statistics().queues;
-        let states = queues
-            .iter()
-            .find(|it| it.name == "states to viewer")
-            .expect("there");
-        println!(
-            "{mode}: {:.1} % of a core, {:.0} states a second, {} lost",
-            100.0 * cost / elapsed,
-            states.pushed as f64 / elapsed,
-            if mode == "off" { 0 } else { states.dropped },
-        );
-        if let Some(viewer) = viewer {
-            viewer.stop();
-        }
-        live.stop().expect("no panic");
-    }
 }

@@ -9,3 +9,4 @@ mod moments;
 mod real_viewer;
 mod recordings;
 mod twin;
+mod wheel;

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use column_twin::column::{Impact, Report, Sample, simulate};
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
-use column_twin::parameters::Parameters;
-use column_twin::viewer::{Item, Timeline, ViewerError, from_messages, from_samples, write_rrd};
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::parameters::{Parameters, Value};
+use column_twin::viewer::{
+    Drawing, Item, Timeline, Told, ViewerError, from_messages, from_samples, write_rrd,
+};
 
 fn impact() -> (Vec<Sample>, Report) {
     let car = Impact {
@@ -22,21 +24,30 @@ fn impact() -> (Vec<Sample>, Report) {
     (samples, report.expect("simulated"))
 }
 
-/// The messages of one impact, a state each millisecond, and both of its reports.
-fn recorded(event_id: &str) -> (Vec<(ColumnState, HingeForces)>, [ImpactReport; 2]) {
+/// What the messages of one impact tell, a state each millisecond, and both of its reports.
+fn recorded(event_id: &str) -> (Vec<Told>, [Told; 2]) {
     let (samples, report) = impact();
     let states = samples.iter().step_by(50).map(|sample| {
         let mut state = ColumnState::from(sample);
         state.event_id = event_id.to_owned();
-        (state, HingeForces::from(sample))
+        Told::State(state, HingeForces::from(sample))
     });
-    let report = |kind| ImpactReport {
-        kind,
-        event_id: event_id.to_owned(),
-        ..ImpactReport::from(&report)
+    let report = |kind| {
+        Told::Report(Box::new(ImpactReport {
+            kind,
+            event_id: event_id.to_owned(),
+            ..ImpactReport::from(&report)
+        }))
     };
     let reports = [ImpactReport::FORECAST, ImpactReport::RESULT].map(report);
     (states.collect(), reports)
+}
+
+/// One impact as a recording has it, which is of a column with the default parameters.
+fn items(event_id: &str) -> Vec<Item> {
+    let (states, reports) = recorded(event_id);
+    let told = states.into_iter().chain(reports).collect();
+    from_messages(&Arc::default(), told)
 }
 
 #[test]
@@ -45,9 +56,9 @@ fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
     let (other, of_other) = recorded("b");
     let (_, unheard) = recorded("c");
     let count = one.len();
-    let states = one.into_iter().chain(other);
     let reports = of_other.into_iter().chain(unheard).chain(of_one);
-    let items = from_messages(states, reports);
+    let told = one.into_iter().chain(other).chain(reports).collect();
+    let items = from_messages(&Arc::default(), told);
     assert_eq!(items.len(), 2 * count + 4);
     assert!(matches!(&items[0], Item::Forecast(it) if &*it.event_id == "a"));
     assert!(matches!(&items[count + 1], Item::Result(it) if &*it.event_id == "a"));
@@ -62,13 +73,49 @@ fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
     assert!(times.is_sorted());
 }
 
+/// The second impact is at another height, after the column has been exchanged for a taller one.
+#[test]
+fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
+    let taller = Parameters::from_values([("geometry.length_above", Value::from(3.0))]);
+    let taller = Arc::new(taller.expect("admissible"));
+    let event = ImpactEvent {
+        event_id: "b".to_owned(),
+        height: 1.25,
+        ..ImpactEvent::default()
+    };
+    let told = [
+        Told::Column(Arc::default()),
+        recorded("a").0[0].clone(),
+        Told::Column(Arc::clone(&taller)),
+        Told::Event(Box::new(event)),
+        recorded("b").0[0].clone(),
+    ];
+    let items = from_messages(&Arc::default(), told.to_vec());
+    let [Item::State(a), Item::Parameters(column), Item::State(b)] = &items[..] else {
+        panic!("{items:?}");
+    };
+    assert_eq!(*column, taller);
+    assert_eq!(a.lengths, None);
+    let lengths = b.lengths.expect("the event says where");
+    let drawing = Drawing::new(&taller);
+    assert_eq!(lengths.below, 1.25);
+    assert_eq!(lengths.total(), drawing.lengths.total());
+    let moved = Drawing { lengths, ..drawing };
+    let scene = moved.scene(&b.sample, None);
+    let apart = 2.0 * moved.half_depth();
+    let heights = [0, 1].map(|hinge| f64::from(scene.hinges[hinge].place[2]));
+    assert!(
+        heights.iter().all(|it| (it - 1.25).abs() < apart),
+        "{heights:?}"
+    );
+}
+
 #[test]
 fn a_recording_becomes_a_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("impact.rrd");
-    let (states, reports) = recorded("a");
     let before = Instant::now();
-    let items = from_messages(states, reports);
+    let items = items("a");
     write_rrd(&path, &Arc::new(Parameters::default()), items, false).expect("written");
     println!(
         "a recording of 57 ms at 1 kHz became a file within {:?}",
@@ -94,11 +141,9 @@ fn every_step_of_a_simulation_becomes_a_file() {
 
 #[test]
 fn a_file_that_cannot_be_written_is_said_and_leaves_nothing() {
-    let (states, reports) = recorded("a");
-    let items = || from_messages(states.clone(), reports.clone());
     let parameters = Arc::new(Parameters::default());
     for path in ["/nowhere/at/all/impact.rrd", "/"] {
-        let error = write_rrd(Path::new(path), &parameters, items(), false).expect_err(path);
+        let error = write_rrd(Path::new(path), &parameters, items("a"), false).expect_err(path);
         assert!(matches!(error, ViewerError::File { .. }), "{error:?}");
         assert!(error.to_string().starts_with("cannot write /"), "{error}");
     }

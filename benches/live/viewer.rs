@@ -1,0 +1,133 @@
+//! What pictures cost while the column moves without a pause, and whether anything is published later for them.
+
+use std::net::{Ipv4Addr, TcpListener};
+use std::process::Child;
+use std::time::Duration;
+
+use column_twin::messages::column_twin::ColumnState;
+use column_twin::ros::qos;
+
+use super::domain::Domain;
+use super::peers::{Arrival, Peer};
+use super::processor::share_during;
+use super::program::Program;
+use super::stream::Impacts;
+use super::table::{Ranked, number, row};
+use super::wheel;
+
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// The target beyond a node without viewer \[s of processor time per s\].
+const TARGET: f64 = 0.05;
+
+fn free_port() -> u16 {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    listener.local_addr().expect("its address").port()
+}
+
+/// The real viewer without a screen, until it is dropped.
+struct Viewer(Child);
+
+impl Viewer {
+    fn start(port: u16) -> Self {
+        let child = wheel::viewer(&wheel::program())
+            .args(["--headless", "--bind", "127.0.0.1", "--port"])
+            .arg(port.to_string())
+            .spawn();
+        Self(child.expect("a viewer"))
+    }
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The node's share of a processor, and how late its states are published \[ms\].
+fn measure(span: Duration, mode: &str, port: u16, ready: &str) -> (f64, Ranked) {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = [
+        format!("viewer.mode:={mode}"),
+        format!("viewer.port:={port}"),
+    ];
+    let arguments: Vec<&str> = arguments.iter().flat_map(|it| ["-p", it]).collect();
+    let mut program = Program::ready(&domain, folder.path(), &arguments);
+    let mut peer = Peer::new(&domain);
+    let states = peer.reader(
+        &qos::COLUMN_STATE,
+        |_: ColumnState, it| it,
+        |it| it.header.stamp,
+    );
+    let mut impacts = Impacts::new(&mut peer);
+    impacts.for_a_while(Duration::from_secs(1));
+    if !program.seen.iter().any(|line| line.contains(ready)) {
+        program.wait_for(ready);
+    }
+    states.arrivals.try_iter().for_each(drop);
+    let share = share_during(program.id(), || impacts.for_a_while(span));
+    let late = states
+        .arrivals
+        .try_iter()
+        .map(|Arrival { stamp, source, .. }| 1e-6 * (source - stamp) as f64);
+    (share, Ranked::new(late))
+}
+
+pub fn run(span: Duration) {
+    let span = span.min(LONGEST);
+    println!(
+        "one slow impact after the other for {} s, 1000 states and 60 pictures a second",
+        span.as_secs()
+    );
+    row(
+        "",
+        [
+            "% of a core",
+            "beyond off",
+            "/ target",
+            "late p50 ms",
+            "late p99 ms",
+        ]
+        .map(str::to_owned),
+    );
+    let silent = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    let silent_port = silent.local_addr().expect("its address").port();
+    let viewer_port = free_port();
+    let _viewer = Viewer::start(viewer_port);
+    let cases = [
+        ("off", "off", free_port(), "is ready"),
+        ("save", "save", free_port(), "pictures go into"),
+        ("serve, nobody looks", "serve", free_port(), "to look"),
+        (
+            "connect, takes nothing",
+            "connect",
+            silent_port,
+            "connected with",
+        ),
+        (
+            "connect, the real viewer",
+            "connect",
+            viewer_port,
+            "connected with",
+        ),
+    ];
+    let mut off = 0.0;
+    for (name, mode, port, ready) in cases {
+        let (share, late) = measure(span, mode, port, ready);
+        if mode == "off" {
+            off = share;
+        }
+        row(
+            name,
+            [
+                number(100.0 * share),
+                number(100.0 * (share - off)),
+                number((share - off) / TARGET),
+                number(late.percentile(50.0)),
+                number(late.percentile(99.0)),
+            ],
+        );
+    }
+}

@@ -1,0 +1,356 @@
+//! Every command that README.md and launch_notes.md print is run here as it stands there, or another check runs it, or it
+//! says here why it cannot be run. A command that is none of these fails the test.
+#![cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
+// A test may start an unnamed thread and listen without a bound: it ends with the test.
+#![allow(clippy::disallowed_methods)]
+
+#[path = "ros/domain.rs"]
+mod domain;
+#[allow(dead_code)] // the tests of the node use more of it
+#[path = "ros/program.rs"]
+mod program;
+
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use domain::Domain;
+use program::Program;
+use tempfile::TempDir;
+
+/// What becomes of a command here.
+#[derive(Debug, Clone, Copy)]
+enum How {
+    /// It is run and ends with code 0.
+    Ends,
+    /// It is run, says this, goes on during the rest of its block, and ends with code 0 when it is asked to.
+    Stays(&'static str),
+    /// Another check runs it: the file, and what stands in it.
+    Elsewhere(&'static str, &'static str),
+    /// It cannot be run, for this reason.
+    Cannot(&'static str),
+    /// No command: the name of one in a sentence.
+    Name,
+}
+use How::{Cannot, Elsewhere, Ends, Name, Stays};
+
+const NEEDS_ROS: &str = "needs an installed ROS 2; tests/interop does the same with rclpy";
+const NEEDS_WORKSPACE: &str = "needs an installed ROS 2; tests/interop/build_workspace.sh and launch_files.py do the same with its packages from PyPI";
+const COMPILES: &str = "compiles everything anew";
+const NEEDS_SCREEN: &str =
+    "needs a screen; tests/viewer opens such files with the same viewer without one";
+
+/// The commands by how they begin.
+const COMMANDS: &[(&str, How)] = &[
+    // What others run.
+    (
+        "cargo run --release -- demo",
+        Elsewhere(".ci/run", "demonstrate_in"),
+    ),
+    (
+        "cargo test --release",
+        Elsewhere(".ci/run", "cargo test --release\n"),
+    ),
+    ("cargo build --release --no-default", Cannot(COMPILES)),
+    (
+        "cargo build --release",
+        Elsewhere(".ci/run", "cargo build --release"),
+    ),
+    (
+        "cargo run --release --no-default-features",
+        Cannot(COMPILES),
+    ),
+    (
+        "cargo install --path .",
+        Cannot("writes into the home directory"),
+    ),
+    (
+        "cargo bench",
+        Cannot("measures, for minutes; its programs compile with the tests"),
+    ),
+    (
+        "colcon build",
+        Elsewhere("tests/interop/build_workspace.sh", "colcon"),
+    ),
+    (
+        "venv=$(tests/interop/environment.sh)",
+        Elsewhere(".ci/run", "tests/interop/environment.sh"),
+    ),
+    (
+        "\"$venv/bin/python\" tests/interop/check_messages.py",
+        Elsewhere(".ci/run", "tests/interop/check_messages.py"),
+    ),
+    ("idlc -l c", Elsewhere("tests/interop/check_idl.sh", "idlc")),
+    (
+        "rerun analytics disable",
+        Elsewhere("tests/interop/viewer.sh", "analytics disable"),
+    ),
+    (
+        "docs/pictures.sh",
+        Elsewhere("tests/viewer/real_viewer.rs", "pictures_of_four_moments"),
+    ),
+    (".ci/run", Elsewhere(".ci/run", "passed, 0 failed")),
+    // What cannot be run.
+    ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
+    ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
+    ("ros2 launch", Cannot(NEEDS_WORKSPACE)),
+    ("ros2 run tf2_ros", Cannot(NEEDS_ROS)),
+    ("ros2 bag", Cannot(NEEDS_ROS)),
+    ("ros2 topic", Cannot(NEEDS_ROS)),
+    ("ros2 service", Cannot(NEEDS_ROS)),
+    ("ros2 param", Cannot(NEEDS_ROS)),
+    ("ros2 node", Cannot(NEEDS_ROS)),
+    ("rviz2", Cannot(NEEDS_ROS)),
+    ("pip install rerun-sdk", Cannot(NEEDS_SCREEN)),
+    ("ssh -L", Cannot("needs another machine")),
+    (
+        "cpupower",
+        Cannot("needs a kernel's own tool, and its rights"),
+    ),
+    // What is run here.
+    ("export ROS_AUTOMATIC_DISCOVERY_RANGE", Ends),
+    (
+        "column-twin run --config config/heb220_paper.yaml --ros-args -p viewer.mode:=serve",
+        Stays("to look: rerun"),
+    ),
+    ("column-twin run", Stays("is ready in domain")),
+    ("column-twin watch", Stays("watching")),
+    ("column-twin impact", Ends),
+    ("column-twin simulate", Ends),
+    ("cargo run --release -- simulate", Ends),
+    ("column-twin replay BAG --clock", Ends),
+    ("column-twin replay", Ends),
+    ("column-twin verify", Ends),
+    ("column-twin info", Ends),
+    ("column-twin repair", Ends),
+    ("column-twin export", Ends),
+    ("column-twin idl", Ends),
+    (
+        "column-twin SUBCOMMAND --help",
+        Elsewhere(
+            "tests/documented_commands.rs",
+            "every_help_shows_an_example",
+        ),
+    ),
+];
+
+fn how(command: &str) -> How {
+    // `column-twin verify` in a sentence is a name.
+    if command.split(' ').count() < 3
+        && ["column-twin", "rerun", "ros2 bag"]
+            .iter()
+            .any(|it| command.starts_with(it))
+    {
+        let is_whole =
+            ["column-twin run", "column-twin watch", "column-twin idl"].contains(&command);
+        if !is_whole {
+            return Name;
+        }
+    }
+    let found = COMMANDS
+        .iter()
+        .filter(|(begins, _)| command.starts_with(begins));
+    let longest = found.max_by_key(|(begins, _)| begins.len());
+    let Some((_, how)) = longest else {
+        panic!("`{command}` is documented and not run: add it to tests/documented_commands.rs");
+    };
+    *how
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The commands of a document: those of each block in their order, then those in sentences, each for itself.
+fn blocks(document: &str) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(root().join(document)).expect("a document");
+    let mut blocks = Vec::new();
+    let mut sentences = String::new();
+    for (index, part) in text.split("```").enumerate() {
+        match (index % 2, part.strip_prefix("sh\n")) {
+            (0, _) => sentences.push_str(part),
+            (_, Some(block)) => {
+                let lines = block.replace("\\\n", "");
+                let commands = lines.lines().map(|line| {
+                    let command = line.split_once("  #").map_or(line, |(command, _)| command);
+                    command.split_whitespace().collect::<Vec<_>>().join(" ")
+                });
+                blocks.push(commands.filter(|it| !it.is_empty()).collect());
+            }
+            _ => {}
+        }
+    }
+    const PROGRAMS: [&str; 10] = [
+        "column-twin ",
+        "cargo ",
+        "ros2 ",
+        "rviz2 ",
+        "rerun ",
+        "pip ",
+        "ssh ",
+        "idlc ",
+        "cpupower ",
+        "docs/pictures.sh",
+    ];
+    let quoted = sentences.split('`').skip(1).step_by(2);
+    let commands = quoted.filter(|it| PROGRAMS.iter().any(|program| it.starts_with(program)));
+    blocks.extend(commands.map(|it| vec![it.split_whitespace().collect::<Vec<_>>().join(" ")]));
+    blocks
+}
+
+/// A folder in which a reader of the documents could be: their files, and programs by their names.
+struct Place {
+    folder: TempDir,
+    viewer_port: u16,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let link =
+            |to: PathBuf, name: &str| std::os::unix::fs::symlink(to, at(name)).expect("a link");
+        link(root().join("config"), "config");
+        let column = std::fs::read_to_string(at("config/heb220_s355.yaml")).expect("there");
+        for name in ["a1", "a2"] {
+            let column = column.replace("column_id: heb220_s355", &format!("column_id: {name}"));
+            std::fs::write(at(&format!("{name}.yaml")), column).expect("written");
+        }
+        std::fs::create_dir(at("bin")).expect("a folder");
+        link(env!("CARGO_BIN_EXE_column-twin").into(), "bin/column-twin");
+        // The viewer opens a window: here it is enough that the file is there. tests/viewer opens it.
+        std::fs::write(at("bin/rerun"), "#!/bin/sh\ntest -s \"$1\"\n").expect("written");
+        let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+        std::fs::set_permissions(at("bin/rerun"), executable).expect("executable");
+        let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+        let viewer_port = free.local_addr().expect("its address").port();
+        let place = Self {
+            folder,
+            viewer_port,
+        };
+        for name in ["RECORDING", "BAG"] {
+            let domain = Domain::fresh();
+            let made = place.shell(&domain, &format!("column-twin simulate --record {name}"));
+            assert!(made.status().expect("runs").success());
+        }
+        place
+    }
+
+    /// A command as it stands in the document, where it may write.
+    fn shell(&self, domain: &Domain, command: &str) -> Command {
+        let command = command
+            // What `cargo run` would run.
+            .replace("cargo run --release --", "column-twin")
+            .replace("DIR", "recorded")
+            .replace("/var/lib/column_twin", "var")
+            .replace(
+                "viewer.mode:=serve",
+                &format!("viewer.mode:=serve -p viewer.port:={}", self.viewer_port),
+            );
+        let path = std::env::var("PATH").unwrap_or_default();
+        let mut shell = Command::new("sh");
+        shell
+            .args([
+                "-c",
+                &format!(
+                    "{}{command}",
+                    if command.contains("&&") { "" } else { "exec " }
+                ),
+            ])
+            .current_dir(self.folder.path())
+            .env(
+                "PATH",
+                format!("{}:{path}", self.folder.path().join("bin").display()),
+            )
+            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env_remove("ROS_NAMESPACE");
+        shell
+    }
+}
+
+fn run_all_of(document: &str) {
+    let place = Place::new();
+    for block in blocks(document) {
+        let domain = Domain::fresh();
+        let mut staying = Vec::new();
+        for command in block {
+            let how = how(&command);
+            println!("{document}: {command}: {how:?}");
+            match how {
+                Ends if command.starts_with("export ") => {} // as all that runs here
+                Ends => {
+                    let output = place.shell(&domain, &command).output().expect("runs");
+                    let said = String::from_utf8_lossy(&output.stderr);
+                    assert!(
+                        output.status.success(),
+                        "`{command}` ends with {}: {said}",
+                        output.status
+                    );
+                }
+                Stays(says) => {
+                    let shell = place.shell(&domain, &format!("{command} 1>&2"));
+                    let mut program = Program::spawn(&domain, place.folder.path(), shell);
+                    program.wait_for(says);
+                    staying.push((command, program));
+                }
+                Elsewhere(file, text) => {
+                    let content = std::fs::read_to_string(root().join(file)).expect(file);
+                    assert!(
+                        content.contains(text),
+                        "`{command}`: {file} has no {text:?}"
+                    );
+                }
+                Cannot(why) => assert!(!why.is_empty()),
+                Name => {}
+            }
+        }
+        for (command, program) in staying.into_iter().rev() {
+            let (status, _, log) = program.terminate();
+            assert!(status.success(), "`{command}` ends with {status}: {log:#?}");
+        }
+    }
+}
+
+#[test]
+fn every_command_of_the_readme_is_run() {
+    run_all_of("README.md");
+}
+
+#[test]
+fn every_command_of_the_launch_notes_is_run() {
+    run_all_of("launch_notes.md");
+}
+
+#[test]
+fn every_help_shows_an_example() {
+    let help = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+            .args(arguments)
+            .output();
+        String::from_utf8(output.expect("runs").stdout).expect("text")
+    };
+    let all = help(&["--help"]);
+    let commands = all
+        .split_once("Commands:")
+        .expect("a list")
+        .1
+        .split("\n\n")
+        .next()
+        .expect("a list");
+    let names: Vec<_> = commands
+        .lines()
+        .filter(|line| line.starts_with("  ") && !line.starts_with("    "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .collect();
+    assert!(names.len() >= 11, "{names:?}");
+    for name in names {
+        let text = help(&[name, "--help"]);
+        assert!(text.contains("Example"), "{name}: {text}");
+        assert!(
+            text.contains(&format!("column-twin {name}")),
+            "{name}: {text}"
+        );
+    }
+}

@@ -1,0 +1,108 @@
+//! A disk that fills up while a node records.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use column_twin::evidence::verify;
+use column_twin::messages::cdr;
+use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::recording::Reader;
+use column_twin::ros::qos;
+use column_twin::ros::{Names, Node};
+
+use super::domain::{Domain, PATIENCE};
+use super::node::{Bytes, program, recordings, slow_impact, stopped};
+use super::small_disk::SmallDisk;
+
+/// What the node says of its recording next.
+fn said_of_recording(diagnostics: &Bytes) -> DiagnosticStatus {
+    let message = diagnostics
+        .messages
+        .recv_timeout(PATIENCE)
+        .expect("diagnostics");
+    let said: DiagnosticArray = cdr::decode(message.bytes()).unwrap();
+    let of_recording = |it: &DiagnosticStatus| it.name.ends_with(": recording");
+    said.status.into_iter().find(of_recording).expect("said")
+}
+
+/// Takes all the room that there is.
+fn fill(path: &Path) {
+    let mut file = File::create(path).unwrap();
+    for size in [65_536, 1] {
+        while file.write_all(&vec![1; size]).is_ok() {}
+    }
+}
+
+/// The twin lives on, its diagnostics are an ERROR with the count, the file up to there is whole and proven, and when room
+/// comes back there is another one. The program's end says what is missing.
+#[test]
+fn a_node_outlives_a_full_disk_and_says_what_is_missing() {
+    let Some(disk) = SmallDisk::mount() else {
+        return;
+    };
+    let domain = Domain::fresh();
+    let node = program(&domain, disk.path());
+    let names = Names::new("/", "reader", &[]).unwrap();
+    let mut reader = Node::new(&domain.environment, names).unwrap();
+    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
+    let diagnostics = Bytes::start(&mut reader, &qos::DIAGNOSTICS);
+    slow_impact(&domain, "before");
+    reports.messages.recv_timeout(PATIENCE).expect("a report");
+    let said = said_of_recording(&diagnostics);
+    assert_eq!(said.level, DiagnosticStatus::OK, "{said:?}");
+
+    let ballast = disk.path().join("ballast");
+    fill(&ballast);
+    // Until the room is used up that was set aside before.
+    let said = (0..)
+        .map(|number| {
+            slow_impact(&domain, &format!("without room {number}"));
+            reports.messages.recv_timeout(PATIENCE).expect("a report");
+            diagnostics.messages.try_iter().for_each(drop);
+            said_of_recording(&diagnostics)
+        })
+        .take(60)
+        .find(|said| said.level == DiagnosticStatus::ERROR)
+        .expect("an ERROR");
+    let lost = said.values.iter().find(|it| it.key == "messages lost");
+    let lost: u64 = lost.expect("a count").value.parse().expect("a number");
+    assert!(lost > 0, "{said:?}");
+
+    std::fs::remove_file(&ballast).unwrap();
+    let given_up = Instant::now() + PATIENCE;
+    while recordings(disk.path()).len() < 2 {
+        assert!(Instant::now() < given_up, "no second recording");
+        std::thread::park_timeout(Duration::from_millis(20));
+    }
+    slow_impact(&domain, "after");
+    reports.messages.recv_timeout(PATIENCE).expect("a report");
+    drop((reports, diagnostics));
+    let (code, log) = stopped(node);
+    assert_eq!(code, Some(3), "{log}");
+    assert!(
+        log.contains("messages are missing in the recordings"),
+        "{log}"
+    );
+    assert!(log.contains("ERROR"), "{log}");
+
+    let found = recordings(disk.path());
+    assert_eq!(found.len(), 2, "{found:?}");
+    for (path, event) in found.iter().zip(["before", "after"]) {
+        let reader = Reader::open(path).unwrap();
+        assert!(reader.wholeness().is_whole(), "{}", reader.wholeness());
+        let whole: Vec<_> = reader.messages().map(Result::unwrap).collect();
+        let told = whole.iter().any(|it| {
+            *it.topic == *"/impact_report"
+                && it
+                    .data
+                    .windows(event.len())
+                    .any(|it| it == event.as_bytes())
+        });
+        assert!(told, "no report of {event:?} in {}", path.display());
+        let found = verify(path).unwrap();
+        assert!(found.is_equal(), "{found}");
+        assert!(found.compared() > 40, "{found}");
+    }
+}
