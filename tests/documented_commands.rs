@@ -230,7 +230,7 @@ impl Place {
         };
         for name in ["RECORDING", "BAG"] {
             let domain = Domain::fresh();
-            let made = place.shell(&domain, &format!("column-twin simulate --record {name}"));
+            let mut made = place.shell(&domain, &format!("column-twin simulate --record {name}"));
             assert!(made.status().expect("runs").success());
         }
         place
