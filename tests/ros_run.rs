@@ -8,6 +8,7 @@
 mod domain;
 
 use std::ffi::OsString;
+use std::ops::ControlFlow;
 use std::sync::mpsc::channel;
 use std::thread;
 
@@ -46,6 +47,7 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     let watcher = thread::spawn(move || {
         watch(&watched, &watch_rules, &mut |line| {
             let _ = sender.send(line.to_owned());
+            ControlFlow::Continue(())
         })
     });
     let impact = ImpactOptions {

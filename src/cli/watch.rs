@@ -1,5 +1,8 @@
 //! `column-twin watch`: what a running twin publishes, in the terminal.
 
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+
 use clap::Args;
 
 use super::{Exit, Failure, run::environment};
@@ -16,10 +19,15 @@ Example: a twin in the namespace /garage, on this machine only
 
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
-/// Prints until SIGINT or SIGTERM.
+/// Prints until SIGINT or SIGTERM, or until nobody reads it any more (`| head`).
 pub fn run(_: &WatchArgs, ros: &RosArguments) -> Result<(), Failure> {
-    watch(&environment()?, &ros.remap_rules, &mut |line| {
-        println!("{line}")
-    })
+    watch(
+        &environment()?,
+        &ros.remap_rules,
+        &mut |line| match writeln!(io::stdout(), "{line}") {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        },
+    )
     .map_err(|error| Failure::plain(Exit::Failed, error))
 }

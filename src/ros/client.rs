@@ -1,5 +1,6 @@
 //! The twin's terminal: send an impact, watch what comes of it, without any ROS installed.
 
+use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -7,7 +8,6 @@ use futures::{StreamExt, join, pin_mut};
 use ros2_client::Subscription;
 use rustdds::GUID;
 
-use crate::column::HINGE_NAMES;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
@@ -15,6 +15,7 @@ use crate::messages::column_twin::{
 use crate::messages::std_msgs::Header;
 
 use super::environment::Environment;
+use super::lines::Lines;
 use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
@@ -29,9 +30,6 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// How long to wait for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
-
-/// Shortest time between two lines of state.
-const STATE_LINES: Duration = Duration::from_millis(100);
 
 /// One impact to send.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,13 +104,13 @@ pub enum ClientError {
     /// The twin refuses it.
     #[error("the twin refuses the event: {0}")]
     Refused(String),
+    /// The model has failed.
+    #[error("the twin has a fault: {0}; ~/reset makes the column virgin again")]
+    Faulted(String),
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
 }
-
-/// Why watching ended before it was asked to.
-pub type WatchError = ClientError;
 
 /// What a twin says.
 #[derive(Debug, Clone)]
@@ -159,15 +157,16 @@ pub fn send_impact(
     )
 }
 
-/// Shows state, forecasts, reports and refusals, one line each, until the program is asked to stop.
+/// Shows state, forecasts, reports and refusals, one line each, until the program is asked to stop or `show` says that nobody
+/// looks any more.
 ///
 /// # Errors
 /// When there is no node to be had.
 pub fn watch(
     environment: &Environment,
     rules: &[RemapRule],
-    show: &mut dyn FnMut(&str),
-) -> Result<(), WatchError> {
+    show: &mut dyn FnMut(&str) -> ControlFlow<()>,
+) -> Result<(), ClientError> {
     let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_watch", rules)?;
     let mut node = Node::new(environment, names)?;
@@ -181,7 +180,7 @@ pub fn watch(
     let topic = node
         .names()
         .resolve(qos::COLUMN_STATE.kind(), qos::COLUMN_STATE.name)?;
-    show(&format!(
+    let mut shown = show(&format!(
         "watching {topic} in domain {}; stop with Ctrl-C",
         environment.domain_id
     ));
@@ -191,11 +190,11 @@ pub fn watch(
         join!(events, sight.show(sender));
     })?;
     let mut lines = Lines::default();
-    while !signals.asked() {
+    while !signals.asked() && shown.is_continue() {
         if let Some(seen) = next(&seen, Instant::now() + LOOK)
             && let Some(line) = lines.line(&seen, Instant::now())
         {
-            show(&line);
+            shown = show(&line);
         }
     }
     task.stop();
@@ -206,7 +205,8 @@ pub fn watch(
 /// `hear` is given each word with the time since the event was sent; `say` is told what is going on.
 ///
 /// # Errors
-/// When there is no twin, it refuses, nothing comes for `options.answer_timeout`, or the program is asked to stop.
+/// When there is no twin, it refuses or fails, nothing but its status comes for `options.answer_timeout`, or the program is
+/// asked to stop.
 pub fn follow_impact(
     environment: &Environment,
     options: &ImpactOptions,
@@ -229,6 +229,11 @@ pub fn follow_impact(
             (_, Some(ImpactOutcome::Refused(reason))) => {
                 Heard::Last(Err(ClientError::Refused(reason)))
             }
+            (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
+                Heard::Last(Err(ClientError::Faulted(status.fault.clone())))
+            }
+            // It comes every second, whatever becomes of the impact.
+            (Seen::Status(_), _) => Heard::Other,
             _ => Heard::Ours,
         }
     });
@@ -447,115 +452,6 @@ fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutc
     }
 }
 
-/// Turns what is seen into lines; remembers what was said already.
-#[derive(Debug, Default)]
-struct Lines {
-    last_state: Option<(Instant, u8)>,
-    last_status: Option<(u8, u64, u64)>,
-}
-
-impl Lines {
-    fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
-        match seen {
-            Seen::State(state) => {
-                let last = self.last_state;
-                let spaced = last.is_none_or(|(at, phase)| {
-                    phase != state.phase || now.saturating_duration_since(at) >= STATE_LINES
-                });
-                spaced.then(|| {
-                    self.last_state = Some((now, state.phase));
-                    state_line(state)
-                })
-            }
-            Seen::Forecast(report) => Some(report_line("forecast", report)),
-            Seen::Report(report) => Some(report_line("result", report)),
-            Seen::Forces(_) => None,
-            Seen::Status(status) => {
-                let state = (
-                    status.phase,
-                    status.events_refused,
-                    status.parameters_refused,
-                );
-                let before = self.last_status.replace(state);
-                (before != Some(state)).then(|| status_line(status, before))
-            }
-        }
-    }
-}
-
-fn state_line(state: &ColumnState) -> String {
-    format!(
-        "{:9} t {:7.4} s  v1 {:8.2} mm  u2 {:7.2} mm  contact {:8.1} kN",
-        phase_word(state.phase),
-        state.time,
-        1e3 * state.v1,
-        1e3 * state.u2,
-        1e-3 * state.contact_force
-    )
-}
-
-/// One line for a person about a forecast or a result; `kind` says which.
-pub fn report_line(kind: &str, report: &ImpactReport) -> String {
-    let outcome = match report.outcome {
-        ImpactReport::ELASTIC => "elastic",
-        ImpactReport::PLASTIC => "plastic",
-        ImpactReport::COLLAPSED => "COLLAPSED",
-        _ => "unknown",
-    };
-    let hinges: Vec<_> = HINGE_NAMES
-        .iter()
-        .zip(report.plastic_rotation)
-        .filter(|(_, rotation)| *rotation != 0.0)
-        .map(|(name, rotation)| format!("{name} {:.2}", 1e3 * rotation))
-        .collect();
-    let hinges = if hinges.is_empty() {
-        String::new()
-    } else {
-        format!(", plastic rotations [mrad] {}", hinges.join(" "))
-    };
-    format!(
-        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, {:.2} mm remain{hinges} (computed in {:.2} ms)",
-        report.event_id,
-        1e3 * report.max_v1,
-        report.max_v1_time,
-        1e3 * report.residual_v1,
-        1e3 * report.compute_time
-    )
-}
-
-fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
-    let refused_since = before.is_some_and(|(_, events, parameters)| {
-        status.events_refused > events || status.parameters_refused > parameters
-    });
-    if refused_since {
-        return format!("refused: {}", status.last_refusal_reason);
-    }
-    let fault = match status.fault.as_str() {
-        "" => String::new(),
-        fault => format!(": {fault}"),
-    };
-    format!(
-        "{} {}{fault}; {} impacts since the last reset, {:.2} mm remain",
-        status.column_id,
-        phase_word(status.phase),
-        status.impacts_since_reset,
-        1e3 * status.residual_v1
-    )
-}
-
-fn phase_word(phase: u8) -> &'static str {
-    match phase {
-        ColumnState::IDLE => "idle",
-        ColumnState::APPROACH => "approach",
-        ColumnState::CONTACT => "contact",
-        ColumnState::FREE => "free",
-        ColumnState::REST => "rest",
-        ColumnState::COLLAPSED => "COLLAPSED",
-        ColumnState::FAULTED => "FAULTED",
-        _ => "unknown",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -603,39 +499,5 @@ mod tests {
         let event = event(&options);
         assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);
         assert!(event.event_id.starts_with("impact-1"));
-    }
-
-    #[test]
-    fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {
-        let mut lines = Lines::default();
-        let start = Instant::now();
-        let mut shown = |phase, millis| {
-            let state = Seen::State(ColumnState {
-                phase,
-                ..ColumnState::default()
-            });
-            lines
-                .line(&state, start + Duration::from_millis(millis))
-                .is_some()
-        };
-        let steps = [(2, 0), (2, 50), (3, 60), (3, 100), (3, 160)];
-        let seen = steps.map(|(phase, millis)| shown(phase, millis));
-        assert_eq!(seen, [true, false, true, false, true]);
-    }
-
-    #[test]
-    fn a_status_is_a_line_only_when_it_says_something_new() {
-        let mut lines = Lines::default();
-        let now = Instant::now();
-        assert!(
-            lines
-                .line(&refused("a", 1), now)
-                .is_some_and(|line| line.contains("idle"))
-        );
-        assert!(lines.line(&refused("a", 1), now).is_none());
-        assert_eq!(
-            lines.line(&refused("b", 2), now),
-            Some("refused: too fast".to_owned())
-        );
     }
 }

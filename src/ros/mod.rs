@@ -14,6 +14,7 @@ mod diagnostics;
 mod environment;
 mod fresh_domain;
 mod inputs;
+mod lines;
 mod live_twin;
 mod matches;
 mod missed;
@@ -35,11 +36,11 @@ mod twin_node;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, Seen, WatchError, follow_impact, report_line,
-    send_impact, watch,
+    ClientError, ImpactOptions, ImpactOutcome, Seen, follow_impact, send_impact, watch,
 };
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use fresh_domain::FreshDomain;
+pub use lines::report_line;
 pub use live_twin::{LiveTwinError, start_live_twin};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};

@@ -185,19 +185,10 @@ impl Blueprint {
                 drawing.section, drawing.magnification
             )
         };
-        let contents = [
-            "column",
-            "top",
-            "top_spring",
-            "supports",
-            "ghost",
-            "vehicle",
-            "legend",
-        ]
-        .iter()
-        .map(|it| format!("+ /{it}/**"))
-        .chain(["+ /contact_force".to_owned()])
-        .collect::<Vec<_>>();
+        let contents = ["column", "top", "supports", "ghost", "vehicle", "legend"]
+            .iter()
+            .map(|it| format!("+ /{it}/**"))
+            .collect::<Vec<_>>();
         self.view(SCENE, "3D", &title, "/", &contents)?;
         let height = drawing.lengths.total() as f32;
         let middle = [0.01 * height, 0.0, 0.53 * height];

@@ -14,7 +14,7 @@ use super::blueprint::APPLICATION;
 use super::film::{Film, FilmOptions};
 use super::item::Item;
 use super::server::url;
-use super::{Telling, ViewerError};
+use super::{RERUN_VERSION, Telling, ViewerError};
 use crate::parameters::Parameters;
 use crate::twin::Severity;
 
@@ -62,7 +62,7 @@ impl LogSink for SharedSink {
 /// What goes to a viewer that runs, with all that it has to be shown again after it was gone.
 pub struct Connection {
     address: SocketAddr,
-    /// As the address was given.
+    /// Those of the column where the history begins.
     parameters: Arc<Parameters>,
     options: FilmOptions,
     /// The same recording for a viewer that was gone.
@@ -70,6 +70,10 @@ pub struct Connection {
     history: VecDeque<Item>,
     longest_history: usize,
     film: Option<(Film, Arc<GrpcSink>)>,
+    /// When there was a connection last.
+    connected: Instant,
+    /// The last connection did not last.
+    hangs_up: bool,
     next_try: Instant,
     told_of_absence: bool,
     telling: Telling,
@@ -107,6 +111,8 @@ impl Connection {
             history: VecDeque::new(),
             longest_history: usize::try_from(limit).unwrap_or(usize::MAX).max(1),
             film: None,
+            connected: Instant::now(),
+            hangs_up: false,
             next_try: Instant::now(),
             told_of_absence: false,
             telling,
@@ -135,20 +141,52 @@ impl Connection {
         let Some((_, sink)) = &self.film else {
             return;
         };
-        if let GrpcSinkConnectionState::Disconnected(_) = sink.status() {
-            let text = format!(
-                "the viewer at {} has gone; everything is shown again when it is back",
-                self.address
-            );
-            (self.telling)(Severity::Warning, text);
-            self.part();
+        let lasts = self.connected.elapsed() >= RETRY_PERIOD;
+        let gone = matches!(sink.status(), GrpcSinkConnectionState::Disconnected(_));
+        match (gone, lasts) {
+            (false, true) if self.hangs_up => {
+                self.hangs_up = false;
+                self.say_connected();
+            }
+            (false, _) => {}
+            (true, true) => {
+                let text = format!(
+                    "the viewer at {} has gone; everything is shown again when it is back",
+                    self.address
+                );
+                self.say_absent(text);
+                self.part();
+            }
+            // Another program that listens there does so every time: said once.
+            (true, false) => {
+                let text = format!(
+                    "what listens at {} has gone as soon as it was there; is it a viewer of Rerun {RERUN_VERSION}? It is \
+                     tried again every second",
+                    self.address
+                );
+                if !self.hangs_up {
+                    self.say_absent(text);
+                }
+                self.hangs_up = true;
+                self.part();
+            }
         }
+    }
+
+    fn say_absent(&mut self, text: String) {
+        self.told_of_absence = true;
+        (self.telling)(Severity::Warning, text);
+    }
+
+    fn say_connected(&mut self) {
+        self.told_of_absence = false;
+        let text = format!("connected with the viewer at {}", self.address);
+        (self.telling)(Severity::Info, text);
     }
 
     /// Lets go of a stream without waiting for its end.
     fn part(&mut self) {
         self.next_try = Instant::now() + RETRY_PERIOD;
-        self.told_of_absence = true;
         if let Some(film) = self.film.take() {
             let waiting = thread::Builder::new().name(FAREWELL_THREAD.to_owned());
             // Without a thread it is dropped here, which may take a while.
@@ -179,24 +217,22 @@ impl Connection {
         // Rerun's own client waits for a viewer for ever, and keeps everything until then.
         if TcpStream::connect_timeout(&self.address, ANSWERS_WITHIN).is_err() {
             if !self.told_of_absence {
-                self.told_of_absence = true;
                 let text = format!(
                     "no viewer answers at {}; start one (rerun --port {}), it is looked for every second",
                     self.address,
                     self.address.port()
                 );
-                (self.telling)(Severity::Warning, text);
+                self.say_absent(text);
             }
             return;
         }
         match self.open() {
             Ok(film) => {
-                self.told_of_absence = false;
-                (self.telling)(
-                    Severity::Info,
-                    format!("connected with the viewer at {}", self.address),
-                );
                 self.film = Some(film);
+                self.connected = Instant::now();
+                if !self.hangs_up {
+                    self.say_connected();
+                }
             }
             Err(error) => (self.telling)(Severity::Error, error.to_string()),
         }

@@ -4,24 +4,22 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rerun::{
-    Arrows3D, Boxes3D, Color, FillMode, LineStrip2D, LineStrip3D, LineStrips2D, LineStrips3D,
-    Mesh3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult, Scalars,
-    SeriesLines, SeriesPoints, TextLog, TextLogLevel, TimeColumn, Transform3D,
+    Color, LineStrip2D, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult,
+    Scalars, SeriesLines, SeriesPoints, TextLog, TextLogLevel, TimeColumn,
 };
-
-use rerun::components::Translation3D;
 
 use super::blueprint;
 use super::colour::{self, Rgb};
 use super::fixtures;
 use super::happenings::{Happening, Happenings, summary};
 use super::item::{Announcement, Item};
+use super::pictures;
 use super::plots::{self, Ranges};
-use super::scene::{Drawing, Scene, VEHICLE};
+use super::scene::{Drawing, Scene};
 use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
-use crate::shape::{Lengths, Solid};
+use crate::shape::Lengths;
 use crate::twin::{Severity, StateOutput};
 
 /// Most states that are written at once.
@@ -109,6 +107,8 @@ pub struct Film {
     drawing: Drawing,
     timeline: Timeline,
     ranges: Ranges,
+    /// Mass and velocity of the vehicle whose impact the axes were last made for.
+    foreseen: Option<[f64; 2]>,
     going: Going,
     /// The last displacements that were shown at rest.
     at_rest: Option<[f64; 2]>,
@@ -147,6 +147,7 @@ impl Film {
             options,
             parameters,
             timeline,
+            foreseen: None,
             going: Going::default(),
             at_rest: None,
             drawn: false,
@@ -268,9 +269,11 @@ impl Film {
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
             self.going.happenings.announce(&forecast.report);
         }
-        if let Some(mass) = plots::mass_of(&first, &first, self.drawing.struck_mass) {
-            let velocity = Some(first.impactor_velocity);
-            let foreseen = Ranges::foreseen(&self.parameters, Some(mass), velocity);
+        let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
+        let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
+        if let Some([mass, velocity]) = vehicle.filter(|it| self.foreseen != Some(*it)) {
+            self.foreseen = vehicle;
+            let foreseen = Ranges::foreseen(&self.parameters, Some(mass), Some(velocity));
             self.cover(&foreseen)?;
         }
         Ok(())
@@ -333,7 +336,10 @@ impl Film {
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
         self.drawing = Drawing::new(&parameters);
+        self.timeline
+            .change_step(parameters.column_properties().step_nanos);
         self.parameters = parameters;
+        self.foreseen = None;
         self.at_rest = None;
         self.send_blueprint()?;
         self.statics()
@@ -481,76 +487,8 @@ impl Film {
     }
 
     fn pictures(&mut self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
-        if pictures.is_empty() {
-            return Ok(());
-        }
-        self.drawn = true;
-        let times = columns(pictures.iter().map(|(moment, _)| *moment));
-        let scenes = || pictures.iter().map(|(_, scene)| scene);
-        let ones = || vec![1; pictures.len()];
-        let send = |entity: &str, columns_of_data| {
-            self.stream
-                .send_columns(entity, times.clone(), columns_of_data)
-        };
-
-        let corners: Vec<_> = scenes().map(|it| it.solid.positions.len()).collect();
-        let positions = scenes().flat_map(|it| it.solid.positions.iter().copied());
-        let normals = scenes().flat_map(|it| it.solid.normals.iter().copied());
-        let colours = scenes().flat_map(|it| it.colours.iter().map(|it| color(*it)));
-        let mesh = Mesh3D::update_fields()
-            .with_vertex_positions(positions)
-            .with_vertex_normals(normals)
-            .with_vertex_colors(colours);
-        send("column/steel", mesh.columns(corners)?.collect::<Vec<_>>())?;
-
-        let hinges = || scenes().flat_map(|it| it.hinges.iter());
-        let four = || vec![HINGES; pictures.len()];
-        let marks = Points3D::update_fields()
-            .with_positions(hinges().map(|it| it.place))
-            .with_colors(hinges().map(|it| color(it.colour)));
-        send("column/hinges", marks.columns(four())?.collect())?;
-        let labels = Points3D::update_fields()
-            .with_positions(hinges().map(|it| it.label_place))
-            .with_colors(hinges().map(|it| color(it.colour)))
-            .with_labels(hinges().map(|it| it.label.as_str()));
-        send("column/hinge_labels", labels.columns(four())?.collect())?;
-        let arcs = LineStrips3D::update_fields()
-            .with_strips(hinges().map(|it| LineStrip3D::from_iter(it.arc.iter().copied())));
-        send("column/moments", arcs.columns(four())?.collect())?;
-        let heads = || hinges().map(|it| fixtures::arc_head(&it.arc));
-        let heads = Arrows3D::update_fields()
-            .with_origins(heads().map(|(origin, _)| origin))
-            .with_vectors(heads().map(|(_, vector)| vector));
-        send("column/moment_heads", heads.columns(four())?.collect())?;
-
-        let tops = scenes().map(|it| Translation3D::from(it.top));
-        let top = Transform3D::update_fields().with_many_translation(tops);
-        send("top", top.columns(ones())?.collect())?;
-        let springs = scenes().map(|it| LineStrip3D::from_iter(it.spring.iter().copied()));
-        let spring = LineStrips3D::update_fields().with_strips(springs);
-        send("top_spring", spring.columns(ones())?.collect())?;
-
-        let there: Vec<_> = scenes()
-            .map(|it| usize::from(it.vehicle.is_some()))
-            .collect();
-        let bodies = || scenes().filter_map(|it| it.vehicle.as_ref());
-        let vehicle = Boxes3D::update_fields()
-            .with_centers(bodies().map(|it| it.centre))
-            .with_half_sizes(bodies().map(|_| VEHICLE.map(|it| 0.5 * it as f32)));
-        send("vehicle/body", vehicle.columns(there.clone())?.collect())?;
-        let label = Points3D::update_fields()
-            .with_positions(bodies().map(|it| it.label_place))
-            .with_labels(bodies().map(|it| it.label.as_str()));
-        send("vehicle/label", label.columns(there)?.collect())?;
-        let there: Vec<_> = scenes()
-            .map(|it| usize::from(it.contact.is_some()))
-            .collect();
-        let forces = || scenes().filter_map(|it| it.contact.as_ref());
-        let contact = Arrows3D::update_fields()
-            .with_origins(forces().map(|it| it.origin))
-            .with_vectors(forces().map(|it| it.vector))
-            .with_labels(forces().map(|it| it.label.as_str()));
-        send("contact_force", contact.columns(there)?.collect())
+        self.drawn |= !pictures.is_empty();
+        pictures::send(&self.stream, pictures)
     }
 
     fn line(&self, line: Line) -> RecordingStreamResult<()> {
@@ -567,48 +505,9 @@ impl Film {
 
     /// What does not change while the column is the same.
     fn statics(&self) -> RecordingStreamResult<()> {
-        let drawing = &self.drawing;
         let exponents = self.parameters.column_properties().yield_surface;
-        fixtures::send(&self.stream, drawing, exponents)?;
-        let (_, axis) = drawing.axis(&drawing.at_rest);
-        let triangles = Solid::swept(&drawing.outline, &axis).triangles;
-        let stream = &self.stream;
-        let mesh = Mesh3D::update_fields().with_triangle_indices(triangles);
-        stream.log_static("column/steel", &mesh)?;
-        let radius = |metres: f64| Radius::new_scene_units(metres as f32);
-        let of_hinges = Points3D::update_fields().with_radii([radius(0.5 * drawing.half_depth())]);
-        stream.log_static("column/hinges", &of_hinges)?;
-        let of_labels = Points3D::update_fields()
-            .with_radii([radius(0.0)])
-            .with_show_labels(true);
-        stream.log_static("column/hinge_labels", &of_labels)?;
-        let thin = radius(0.004 * drawing.lengths.total());
-        let arcs = LineStrips3D::update_fields()
-            .with_colors([color(colour::MOMENT)])
-            .with_radii([thin]);
-        stream.log_static("column/moments", &arcs)?;
-        let heads = Arrows3D::update_fields()
-            .with_colors([color(colour::MOMENT)])
-            .with_radii([radius(0.008 * drawing.lengths.total())]);
-        stream.log_static("column/moment_heads", &heads)?;
-        let spring = LineStrips3D::update_fields()
-            .with_colors([color(colour::SUPPORT)])
-            .with_radii([radius(0.003 * drawing.lengths.total())]);
-        stream.log_static("top_spring", &spring)?;
-        let vehicle = Boxes3D::update_fields()
-            .with_colors([color(colour::IMPACTOR)])
-            .with_fill_mode(FillMode::TransparentFillMajorWireframe);
-        stream.log_static("vehicle/body", &vehicle)?;
-        let label = Points3D::update_fields()
-            .with_colors([color(colour::IMPACTOR)])
-            .with_radii([radius(0.0)])
-            .with_show_labels(true);
-        stream.log_static("vehicle/label", &label)?;
-        let contact = Arrows3D::update_fields()
-            .with_colors([color(colour::CONTACT)])
-            .with_radii([radius(0.006 * drawing.lengths.total())])
-            .with_show_labels(true);
-        stream.log_static("contact_force", &contact)?;
+        fixtures::send(&self.stream, &self.drawing, exponents)?;
+        pictures::send_statics(&self.stream, &self.drawing)?;
         self.styles()
     }
 
@@ -648,7 +547,7 @@ pub(super) fn color([red, green, blue]: Rgb) -> Color {
 }
 
 /// The times of some rows on all timelines.
-fn columns(moments: impl IntoIterator<Item = Moment>) -> Vec<TimeColumn> {
+pub(super) fn columns(moments: impl IntoIterator<Item = Moment>) -> Vec<TimeColumn> {
     let moments: Vec<_> = moments.into_iter().collect();
     let of = |time: fn(&Moment) -> i64| moments.iter().map(time).collect::<Vec<_>>();
     vec![

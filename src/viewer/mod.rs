@@ -21,6 +21,7 @@ mod fixtures;
 mod happenings;
 mod item;
 mod live_viewer;
+mod pictures;
 pub mod plots;
 mod scene;
 mod server;

@@ -113,7 +113,7 @@ pub struct Scene {
     pub hinges: [HingeMark; HINGES],
     /// Where the column's top is.
     pub top: Point,
-    /// The top spring; empty where there is none.
+    /// The top spring, from the column's top; empty where there is none.
     pub spring: Vec<Point>,
     /// The vehicle, where there is one.
     pub vehicle: Option<Body>,
@@ -176,7 +176,7 @@ impl Drawing {
             solid,
             hinges: self.hinges(sample, &joints),
             top: in_space(joints.top, 0.0),
-            spring: self.spring(joints.top),
+            spring: self.spring(joints.top.z),
             vehicle: self.vehicle(sample, &joints, mass),
             contact: self.contact(sample, &joints),
         }
@@ -272,12 +272,12 @@ impl Drawing {
     }
 
     /// A zigzag from the column's top to what it hangs on.
-    fn spring(&self, top: PlanePoint) -> Vec<Point> {
+    fn spring(&self, top: f64) -> Vec<Point> {
         if self.spring_stiffness <= 0.0 {
             return Vec::new();
         }
-        let foot = PlanePoint::new(SPRING_BESIDE, top.z);
-        let length = self.spring_end() - top.z;
+        let foot = PlanePoint::new(SPRING_BESIDE, 0.0);
+        let length = self.spring_end() - top;
         let points = 2 * SPRING_TURNS + 2;
         let mut spring = vec![in_space(foot, 0.0)];
         spring.extend((1..points).map(|point| {
@@ -289,10 +289,7 @@ impl Drawing {
             let up = length * point as f64 / points as f64;
             in_space(foot.plus(1.0, PlanePoint::new(aside, up)), 0.0)
         }));
-        spring.push(in_space(
-            PlanePoint::new(SPRING_BESIDE, self.spring_end()),
-            0.0,
-        ));
+        spring.push(in_space(PlanePoint::new(SPRING_BESIDE, length), 0.0));
         spring
     }
 

@@ -32,6 +32,8 @@ pub struct Moment {
 #[derive(Debug, Clone)]
 pub struct Timeline {
     step_nanos: i64,
+    /// Where steps of this length began to be counted.
+    counted_from: (i64, i64),
     /// The impact that is going on, and when on [`IMPACT_TIME`] it began.
     impact: Option<(Arc<str>, i64)>,
     /// The last that was shown.
@@ -54,6 +56,7 @@ impl Timeline {
         let step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
         Self {
             step_nanos,
+            counted_from: (0, 0),
             impact: None,
             last: Moment {
                 impact_time: -PAUSE,
@@ -61,6 +64,12 @@ impl Timeline {
                 wall_clock: 0,
             },
         }
+    }
+
+    /// Steps have another length after what was shown last; their count goes on.
+    pub fn change_step(&mut self, step_nanos: u64) {
+        self.counted_from = (self.last.impact_time, self.last.step);
+        self.step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
     }
 
     /// A moment before the first impact, whose stamp is given.
@@ -135,8 +144,13 @@ impl Timeline {
     }
 
     fn step_at(&self, impact_time: i64) -> i64 {
-        impact_time.div_euclid(self.step_nanos)
-            + i64::from(2 * impact_time.rem_euclid(self.step_nanos) >= self.step_nanos)
+        let (from, steps) = self.counted_from;
+        let since = impact_time.saturating_sub(from);
+        let (whole, rest) = (
+            since.div_euclid(self.step_nanos),
+            since.rem_euclid(self.step_nanos),
+        );
+        steps + whole + i64::from(rest >= self.step_nanos - rest)
     }
 }
 
@@ -181,6 +195,13 @@ mod tests {
         assert_eq!(at("b", 0.001), (false, 71_000_000, 3550));
         // The same identifier after a reset, or a recording that holds the impact twice.
         assert_eq!(at("b", 0.0), (true, 90_000_000, 4500));
+        // Five times as long from here on.
+        timeline.change_step(100_000);
+        let placed = timeline.place(&state("c", 0.0));
+        assert_eq!(
+            (placed.moment.impact_time, placed.moment.step),
+            (100_000_000, 4600)
+        );
     }
 
     #[test]

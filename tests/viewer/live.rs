@@ -3,6 +3,7 @@
 use std::net::{Ipv4Addr, TcpListener};
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use column_twin::parameters::Value;
 
@@ -109,6 +110,27 @@ fn a_viewer_that_does_not_answer_is_said_once() {
     ]);
     assert_eq!(end.said.len(), 1, "{:?}", end.said);
     assert!(end.said[0].contains("no viewer answers"), "{:?}", end.said);
+}
+
+/// It takes the connection and hangs up: said once, however often it is tried.
+#[test]
+fn a_peer_that_hangs_up_is_said_once() {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    let port = listener.local_addr().expect("its address").port();
+    // Ends with the process.
+    std::thread::spawn(move || listener.incoming().for_each(drop));
+    let mut column = LiveColumn::start(&parameters(&[
+        ("mode", Value::from("connect")),
+        ("port", Value::from(i64::from(port))),
+    ]));
+    column.hit(3.0);
+    column.wait_for("as soon as it was there");
+    // Three more attempts.
+    std::thread::park_timeout(Duration::from_millis(3_500));
+    column.hit(1.0);
+    let said = column.said.lock().expect("no panic").clone();
+    assert_eq!(said.len(), 2, "{said:?}");
+    column.stop();
 }
 
 /// It takes the connection and then not a byte.

@@ -76,7 +76,7 @@ fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
 /// The second impact is at another height, after the column has been exchanged for a taller one.
 #[test]
 fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
-    let taller = Parameters::from_values([("geometry.length_above", Value::from(3.0))]);
+    let taller = Parameters::from_values([("geometry.length_above", Value::from(3.5))]);
     let taller = Arc::new(taller.expect("admissible"));
     let event = ImpactEvent {
         event_id: "b".to_owned(),

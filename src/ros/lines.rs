@@ -1,0 +1,168 @@
+//! What a twin says, as lines for a person.
+
+use std::time::{Duration, Instant};
+
+use super::client::Seen;
+use crate::column::HINGE_NAMES;
+use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
+
+/// Shortest time between two lines of state.
+const STATE_LINES: Duration = Duration::from_millis(100);
+
+/// Turns what is seen into lines; remembers what was said already.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    last_state: Option<(Instant, u8)>,
+    last_status: Option<(u8, u64, u64)>,
+}
+
+impl Lines {
+    /// The line for what was seen; `None` where it says nothing new, or comes too soon.
+    pub(super) fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
+        match seen {
+            Seen::State(state) => {
+                let last = self.last_state;
+                let spaced = last.is_none_or(|(at, phase)| {
+                    phase != state.phase || now.saturating_duration_since(at) >= STATE_LINES
+                });
+                spaced.then(|| {
+                    self.last_state = Some((now, state.phase));
+                    state_line(state)
+                })
+            }
+            Seen::Forecast(report) => Some(report_line("forecast", report)),
+            Seen::Report(report) => Some(report_line("result", report)),
+            Seen::Forces(_) => None,
+            Seen::Status(status) => {
+                let state = (
+                    status.phase,
+                    status.events_refused,
+                    status.parameters_refused,
+                );
+                let before = self.last_status.replace(state);
+                (before != Some(state)).then(|| status_line(status, before))
+            }
+        }
+    }
+}
+
+fn state_line(state: &ColumnState) -> String {
+    format!(
+        "{:9} t {:7.4} s  v1 {:8.2} mm  u2 {:7.2} mm  contact {:8.1} kN",
+        phase_word(state.phase),
+        state.time,
+        1e3 * state.v1,
+        1e3 * state.u2,
+        1e-3 * state.contact_force
+    )
+}
+
+/// One line for a person about a forecast or a result; `kind` says which.
+pub fn report_line(kind: &str, report: &ImpactReport) -> String {
+    let outcome = match report.outcome {
+        ImpactReport::ELASTIC => "elastic",
+        ImpactReport::PLASTIC => "plastic",
+        ImpactReport::COLLAPSED => "COLLAPSED",
+        _ => "unknown",
+    };
+    let hinges: Vec<_> = HINGE_NAMES
+        .iter()
+        .zip(report.plastic_rotation)
+        .filter(|(_, rotation)| *rotation != 0.0)
+        .map(|(name, rotation)| format!("{name} {:.2}", 1e3 * rotation))
+        .collect();
+    let hinges = if hinges.is_empty() {
+        String::new()
+    } else {
+        format!(", plastic rotations [mrad] {}", hinges.join(" "))
+    };
+    format!(
+        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, {:.2} mm remain{hinges} (computed in {:.2} ms)",
+        report.event_id,
+        1e3 * report.max_v1,
+        report.max_v1_time,
+        1e3 * report.residual_v1,
+        1e3 * report.compute_time
+    )
+}
+
+fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
+    let refused_since = before.is_some_and(|(_, events, parameters)| {
+        status.events_refused > events || status.parameters_refused > parameters
+    });
+    if refused_since {
+        return format!("refused: {}", status.last_refusal_reason);
+    }
+    let fault = match status.fault.as_str() {
+        "" => String::new(),
+        fault => format!(": {fault}"),
+    };
+    format!(
+        "{} {}{fault}; {} impacts since the last reset, {:.2} mm remain",
+        status.column_id,
+        phase_word(status.phase),
+        status.impacts_since_reset,
+        1e3 * status.residual_v1
+    )
+}
+
+fn phase_word(phase: u8) -> &'static str {
+    match phase {
+        ColumnState::IDLE => "idle",
+        ColumnState::APPROACH => "approach",
+        ColumnState::CONTACT => "contact",
+        ColumnState::FREE => "free",
+        ColumnState::REST => "rest",
+        ColumnState::COLLAPSED => "COLLAPSED",
+        ColumnState::FAULTED => "FAULTED",
+        _ => "unknown",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(event_id: &str, count: u64) -> Seen {
+        Seen::Status(TwinStatus {
+            last_refusal_event_id: event_id.to_owned(),
+            last_refusal_reason: "too fast".to_owned(),
+            events_refused: count,
+            ..TwinStatus::default()
+        })
+    }
+
+    #[test]
+    fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {
+        let mut lines = Lines::default();
+        let start = Instant::now();
+        let mut shown = |phase, millis| {
+            let state = Seen::State(ColumnState {
+                phase,
+                ..ColumnState::default()
+            });
+            lines
+                .line(&state, start + Duration::from_millis(millis))
+                .is_some()
+        };
+        let steps = [(2, 0), (2, 50), (3, 60), (3, 100), (3, 160)];
+        let seen = steps.map(|(phase, millis)| shown(phase, millis));
+        assert_eq!(seen, [true, false, true, false, true]);
+    }
+
+    #[test]
+    fn a_status_is_a_line_only_when_it_says_something_new() {
+        let mut lines = Lines::default();
+        let now = Instant::now();
+        assert!(
+            lines
+                .line(&refused("a", 1), now)
+                .is_some_and(|line| line.contains("idle"))
+        );
+        assert!(lines.line(&refused("a", 1), now).is_none());
+        assert_eq!(
+            lines.line(&refused("b", 2), now),
+            Some("refused: too fast".to_owned())
+        );
+    }
+}
