@@ -24,6 +24,9 @@ const RETRY_PERIOD: Duration = Duration::from_secs(1);
 /// How long a viewer may take to answer an attempt.
 const ANSWERS_WITHIN: Duration = Duration::from_millis(200);
 
+/// How long a viewer that was started may take until it listens.
+const STARTS_WITHIN: Duration = Duration::from_secs(15);
+
 /// Most bytes on their way to a viewer; more wait in the queue of the twin's outputs.
 const BYTES_IN_FLIGHT: u64 = 8_000_000;
 
@@ -76,6 +79,8 @@ pub struct Connection {
     hangs_up: bool,
     next_try: Instant,
     told_of_absence: bool,
+    /// Until then its absence is no news.
+    expected_by: Instant,
     telling: Telling,
 }
 
@@ -115,8 +120,16 @@ impl Connection {
             hangs_up: false,
             next_try: Instant::now(),
             told_of_absence: false,
+            expected_by: Instant::now(),
             telling,
         }
+    }
+
+    /// The same with a viewer that has just been started.
+    #[must_use]
+    pub fn to_started_viewer(mut self) -> Self {
+        self.expected_by += STARTS_WITHIN;
+        self
     }
 
     /// Shows some items, now or when there is a viewer again. May wait for a viewer that takes nothing.
@@ -216,7 +229,7 @@ impl Connection {
         self.next_try = Instant::now() + RETRY_PERIOD;
         // Rerun's own client waits for a viewer for ever, and keeps everything until then.
         if TcpStream::connect_timeout(&self.address, ANSWERS_WITHIN).is_err() {
-            if !self.told_of_absence {
+            if !self.told_of_absence && Instant::now() >= self.expected_by {
                 let text = format!(
                     "no viewer answers at {}; start one (rerun --port {}), it is looked for every second",
                     self.address,

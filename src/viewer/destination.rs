@@ -61,12 +61,7 @@ impl Destination {
         let film = |stream| Film::new(stream, Arc::clone(parameters), options.clone());
         let connection = |address| {
             let parameters = Arc::clone(parameters);
-            Box::new(Connection::new(
-                address,
-                parameters,
-                options.clone(),
-                Arc::clone(telling),
-            ))
+            Connection::new(address, parameters, options.clone(), Arc::clone(telling))
         };
         Ok(Some(match viewer.mode {
             ViewerMode::Off => return Ok(None),
@@ -88,13 +83,14 @@ impl Destination {
             }
             ViewerMode::Connect => {
                 let address = connection::resolve(&viewer.address, viewer.port)?;
-                Self::Connection(connection(address))
+                Self::Connection(Box::new(connection(address)))
             }
             ViewerMode::Spawn => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
                 let telling = Arc::clone(telling);
                 let spawned = Spawned::start(address, viewer.memory_limit, telling)?;
-                Self::Spawned(spawned, connection(address))
+                let connection = connection(address).to_started_viewer();
+                Self::Spawned(spawned, Box::new(connection))
             }
         }))
     }

@@ -36,7 +36,9 @@ impl Spawned {
             .arg("--expect-data-soon")
             .arg("--hide-welcome-screen")
             .stdin(Stdio::null())
-            .stdout(Stdio::null());
+            .stdout(Stdio::null())
+            // It outlives this program: who reads this program's output would wait for its end.
+            .stderr(Stdio::null());
         // Ctrl-C in the terminal is for the twin alone.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -54,12 +56,15 @@ impl Spawned {
         };
         if let Ok(Some(status)) = child.try_wait() {
             self.child = None;
-            let severity = if status.success() {
-                Severity::Info
+            let (severity, text) = if status.success() {
+                let text = "the viewer that was started has ended".to_owned();
+                (Severity::Info, text)
             } else {
-                Severity::Warning
+                let text = format!(
+                    "the viewer that was started has ended ({status}); start it by hand to see why: {PROGRAM}"
+                );
+                (Severity::Warning, text)
             };
-            let text = format!("the viewer that was started has ended ({status})");
             (self.telling)(severity, text);
         }
     }

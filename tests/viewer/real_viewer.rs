@@ -239,6 +239,113 @@ fn printed(program: &Path, recording: &Path) -> String {
     String::from_utf8_lossy(&print.stdout).into_owned()
 }
 
+/// What is kept for viewers that come late is no more than the limit, however much is shown.
+#[test]
+#[ignore = "slow: serves as much as it can"]
+fn what_is_served_takes_no_more_memory_than_the_limit() {
+    const LIMIT: u64 = 5_000_000;
+    // What the allocator, the channels and the column itself take on top of it.
+    const BESIDES: u64 = 20_000_000;
+    let grown = |limit: u64| {
+        let mut column = LiveColumn::start(&parameters(&[
+            ("mode", Value::from("serve")),
+            ("port", Value::from(i64::from(free_port()))),
+            (
+                "memory_limit",
+                Value::from(i64::try_from(limit).expect("fits")),
+            ),
+        ]));
+        column.wait_for("to look");
+        column.hit(1.0);
+        let before = resident(std::process::id());
+        for _ in 0..150 {
+            column.hit(1.0);
+            // So that it is shown, not dropped.
+            while column.waiting() > 0 {
+                std::thread::park_timeout(Duration::from_millis(1));
+            }
+        }
+        let grown = resident(std::process::id()).saturating_sub(before);
+        println!("limit {limit} B: {grown} B more after 150 impacts");
+        column.stop();
+        grown
+    };
+    let small = grown(LIMIT);
+    assert!(small < LIMIT + BESIDES, "{small}");
+    // Without the limit it is more: there is something to bound.
+    let large = grown(1_000_000_000);
+    assert!(large > LIMIT + BESIDES, "{large}");
+}
+
+/// The node starts a viewer, shows it everything, ends within a second, and leaves it to be looked at.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+#[cfg(all(feature = "cli", feature = "ros"))]
+fn a_viewer_is_started_and_stays_when_the_node_ends() {
+    use super::domain::Domain;
+    use super::program::Program;
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let (real, wheel) = (program(), viewer(&program()));
+    let pid = folder.path().join("pid");
+    // There is no screen here.
+    let script = format!(
+        "#!/bin/sh\n[ \"$1\" = --version ] && exec {0} --version\necho $$ >{1}\nexec {0} --headless \"$@\"\n",
+        real.display(),
+        pid.display()
+    );
+    let wrapper = folder.path().join("rerun");
+    std::fs::write(&wrapper, script).expect("written");
+    std::fs::set_permissions(&wrapper, PermissionsExt::from_mode(0o755)).expect("executable");
+    let domain = Domain::fresh();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command
+        .args(["run", "--ros-args", "-p", "viewer.mode:=spawn", "-p"])
+        .arg(format!("viewer.port:={}", free_port()))
+        .env(
+            "PATH",
+            format!(
+                "{}:{}",
+                folder.path().display(),
+                std::env::var("PATH").unwrap_or_default()
+            ),
+        )
+        .envs(
+            wheel
+                .get_envs()
+                .filter_map(|(name, value)| Some((name, value?))),
+        )
+        // It is the node's, too.
+        .env_remove("RUST_LOG");
+    let _ended = KilledByFile(&pid);
+    let mut node = Program::spawn(&domain, folder.path(), command);
+    node.wait_for("is ready in domain");
+    node.wait_for("connected with the viewer");
+    let (status, took, log) = node.terminate();
+    println!("ended within {took:?} with the viewer that it had started");
+    assert!(status.success(), "{status}: {log:#?}");
+    let warned = |line: &String| line.contains("WARN") && line.contains("viewer");
+    assert!(!log.iter().any(warned), "{log:#?}");
+    let is_there = kill("-0", &pid).expect("it was started").success();
+    assert!(is_there, "the viewer has ended with the node");
+}
+
+/// Sends a signal to the process whose number is in a file.
+fn kill(signal: &str, file: &Path) -> std::io::Result<std::process::ExitStatus> {
+    let pid = std::fs::read_to_string(file)?;
+    Command::new("kill").args([signal, pid.trim()]).status()
+}
+
+/// Ends the process whose number is in a file when the test ends.
+struct KilledByFile<'a>(&'a Path);
+
+impl Drop for KilledByFile<'_> {
+    fn drop(&mut self) {
+        let _ = kill("-KILL", self.0); // it may have ended
+    }
+}
+
 /// Makes a picture of a file with the real viewer.
 fn photograph(program: &Path, recording: &Path, picture: &Path) {
     let status = viewer(program)
