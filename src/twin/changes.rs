@@ -166,6 +166,10 @@ impl Twin {
         }
         self.forbid_resuming();
         self.ahead = None;
+        if let Some(forgotten) = self.named_impacts_ahead() {
+            let text = format!("forgotten with a reset: {forgotten}");
+            self.notice(Severity::Warning, text, now, out);
+        }
         self.impacts_ahead.clear();
         self.condition = Condition::Standing;
         // The parameters stood the check when they came; were they to fail now the old model is still a column.

@@ -235,6 +235,33 @@ impl Twin {
         self.ahead.is_some()
     }
 
+    /// What a program that ends now takes along although it was accepted, in words: damage that is not kept, impacts that
+    /// have not begun.
+    #[must_use]
+    pub fn lost_by_a_stop(&self) -> Vec<String> {
+        let unkept = self.run.as_ref().filter(|run| !run.is_kept).map(|run| {
+            format!(
+                "the damage by impact \"{}\", which the column responds to and whose forecast is not complete",
+                run.event_id
+            )
+        });
+        unkept
+            .into_iter()
+            .chain(self.named_impacts_ahead())
+            .collect()
+    }
+
+    /// The impacts that have not begun; `None` if there are none.
+    fn named_impacts_ahead(&self) -> Option<String> {
+        let names: Vec<_> = self
+            .impacts_ahead
+            .iter()
+            .map(|arriving| format!("\"{}\"", arriving.event_id))
+            .collect();
+        (!names.is_empty())
+            .then(|| format!("accepted impacts that lie ahead: {}", names.join(", ")))
+    }
+
     /// The column as it is now.
     pub fn present(&self) -> Present {
         let (model, state) = match &self.run {
@@ -324,7 +351,7 @@ impl Twin {
 
     /// Carries the forecast on by `most_steps` at the most, and gives it out when it is complete.
     pub fn run_ahead(&mut self, most_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let (Some(run), Some(ahead)) = (&self.run, &mut self.ahead) else {
+        let (Some(run), Some(ahead)) = (&mut self.run, &mut self.ahead) else {
             return;
         };
         let outlook = ahead.run(most_steps, &self.stopwatch);
@@ -339,6 +366,7 @@ impl Twin {
                     report,
                     compute_time,
                 }));
+                run.is_kept = true;
                 // Kept now: a machine that stops before the response is over has the damage all the same.
                 self.save_forecast(&report, residual, now, out);
             }

@@ -38,6 +38,8 @@ pub(super) struct Run {
     percussion: f64,
     /// What the steps have taken \[ns\].
     pub nanos: u64,
+    /// The damage that it will leave has been kept, as it is forecast.
+    pub is_kept: bool,
     history: History,
 }
 
@@ -74,6 +76,7 @@ impl Run {
             next_sample: 0,
             percussion: state.percussion,
             nanos: 0,
+            is_kept: false,
             history,
         }
     }

@@ -1,7 +1,7 @@
 //! Impacts on a column that still moves.
 
 use column_twin::column::{Impact, Model, Progress, Response, Sample, State};
-use column_twin::twin::{MAX_IMPACTS_AHEAD, Output, StateOutput};
+use column_twin::twin::{MAX_IMPACTS_AHEAD, Output, Severity, StateOutput};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
@@ -170,6 +170,11 @@ fn a_reset_ends_the_response_and_what_lies_ahead() {
     bench.hit(event("b", START + 50 * MS));
     bench.go_on(10 * MS);
     bench.reset();
+    let forgotten = |it: &Output| {
+        matches!(it, Output::Notice(notice) if notice.severity == Severity::Warning
+            && notice.text.contains("lie ahead: \"b\""))
+    };
+    assert!(bench.out.iter().any(forgotten));
     bench.go_on(200 * MS);
     assert!(!bench.twin.is_responding());
     assert_eq!((bench.reports().len(), bench.states().len()), (0, 11));
