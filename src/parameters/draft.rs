@@ -10,6 +10,9 @@ use super::table::{PARAMETERS, Parameter};
 use super::value::Value;
 use super::{Parameters, values_of};
 
+/// Faults after which none comes with a suggestion: a list of many wrong names must not hold up who reads it.
+const MOST_SUGGESTIONS: usize = 16;
+
 /// Values with where they came from, and the faults so far.
 pub(super) struct Draft {
     /// One per entry of the table, in its order, as are the next two.
@@ -69,7 +72,7 @@ impl Draft {
         } = assignment;
         let Some(index) = Parameter::index_of(&name) else {
             return Some(Fault {
-                problem: unknown(&name),
+                problem: unknown(&name, self.faults.len() < MOST_SUGGESTIONS),
                 name: Some(name),
                 value: None,
                 place,
@@ -184,15 +187,18 @@ impl Draft {
     }
 }
 
-fn unknown(name: &str) -> Problem {
+/// `suggest`: look for what may have been meant.
+fn unknown(name: &str, suggest: bool) -> Problem {
     let members: Vec<_> = Parameter::in_group(name)
         .map(|parameter| parameter.name.to_owned())
         .collect();
     if members.is_empty() {
-        let nearest = Parameter::nearest(name)
-            .into_iter()
-            .map(str::to_owned)
-            .collect();
+        let nearest = if suggest {
+            Parameter::nearest(name)
+        } else {
+            Vec::new()
+        };
+        let nearest = nearest.into_iter().map(str::to_owned).collect();
         Problem::UnknownName { nearest }
     } else {
         Problem::Group { members }

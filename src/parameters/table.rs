@@ -114,6 +114,9 @@ impl Parameter {
     /// A name without its group (`velocity`) is taken for what it most likely is (`impact.velocity`).
     #[must_use]
     pub fn nearest(name: &str) -> Vec<&'static str> {
+        if !super::may_be_misspelt(name) {
+            return Vec::new();
+        }
         let wanted = name.to_ascii_lowercase().replace('/', ".");
         let mut ranked: Vec<_> = PARAMETERS
             .iter()

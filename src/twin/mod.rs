@@ -14,9 +14,13 @@
 //! - A sample's stamp is the event's plus a whole number of steps; the period of `publish_rate` is rounded to whole
 //!   steps.
 //! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. Where it
-//!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. An
-//!   impact that lies before the one that the column responds to is refused.
-//!   That holds for a response that is over, too, until the next one begins or a parameter of the column changes.
+//!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. A
+//!   response that is over is taken up again in the same way, until the next one begins or a parameter of the column
+//!   changes.
+//! - An impact that lies before the one that the column responds to is refused. Once that response is over it meets the
+//!   column as the response left it: a starting point does not know when the last impact was.
+//! - An impact that lies ahead is accepted, and refused all the same if the column cannot take it when it comes (it has
+//!   collapsed by then): it then counts as refused only.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no
 //!   longer holds, which is said.
 //! - Of the parameters, those that say so wait for the end of a response, and with them all others of the same request.
@@ -147,6 +151,7 @@ struct Arriving {
     event_id: Arc<str>,
     stamp: Nanos,
     impact: Impact,
+    height: Option<f64>,
 }
 
 /// What the solver has done since the start.
