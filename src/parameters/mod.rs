@@ -265,7 +265,7 @@ impl Parameters {
         }
     }
 
-    /// `M^p` \[N m\]: as given, or `W_pl f_y`.
+    /// `M^p` \[N m\]: as given, or `W_pl f_y` (EN 1993-1-1, 6.2.5).
     #[must_use]
     pub fn resistance_moment(&self) -> f64 {
         match self.settings.resistance.moment {
@@ -274,7 +274,7 @@ impl Parameters {
         }
     }
 
-    /// `N^p` \[N\]: as given, or `A f_y`.
+    /// `N^p` \[N\]: as given, or `A f_y` (EN 1993-1-1, 6.2.3).
     #[must_use]
     pub fn resistance_axial(&self) -> f64 {
         match self.settings.resistance.axial {
