@@ -247,7 +247,8 @@ mod tests {
     use crate::parameters::Parameters;
 
     fn run() -> Run {
-        let parameters = Parameters::default();
+        let fine = [("solver.dt", 5e-6.into())];
+        let parameters = Parameters::from_values(fine).expect("admissible");
         let model = Model::new(&parameters.column_properties()).expect("stands");
         let mut state = State::at_rest(&model);
         let impact = Impact {
