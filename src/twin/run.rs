@@ -247,7 +247,7 @@ mod tests {
     use crate::parameters::Parameters;
 
     fn run() -> Run {
-        let fine = [("solver.dt", 5e-6.into())];
+        let fine = [("solver.dt", 1e-6.into())];
         let parameters = Parameters::from_values(fine).expect("admissible");
         let model = Model::new(&parameters.column_properties()).expect("stands");
         let mut state = State::at_rest(&model);
@@ -271,7 +271,8 @@ mod tests {
             if run.state.step >= run.next_sample {
                 run.sample();
             }
-            assert!(matches!(run.advance(step), Advanced::Running));
+            let advanced = run.advance(step);
+            assert!(matches!(advanced, Advanced::Running), "{advanced:?}");
         }
     }
 
