@@ -116,7 +116,8 @@ endpoints! {
     TWIN_STATUS = "twin_status" "column_twin/msg/TwinStatus" Out Qos::latched(1);
     /// The hinges as joints.
     JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
-    /// The column to look at; latched, so that a viewer that comes late sees the column at rest.
+    /// The column to look at; latched, so that a viewer that comes late sees it as the last response left it. Nothing is
+    /// sent before the first response.
     MARKERS = "markers" "visualization_msgs/msg/MarkerArray" Out Qos::latched(1);
     /// Health.
     DIAGNOSTICS = "/diagnostics" "diagnostic_msgs/msg/DiagnosticArray" Out Qos::reliable(10);

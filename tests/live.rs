@@ -325,6 +325,39 @@ fn a_stop_during_a_response_keeps_its_damage() {
     assert_eq!(saved.impacts_since_reset, 1);
 }
 
+/// A forecast of minutes under a clock that stands still: the twin listens all the same, and what a stop loses is said.
+#[test]
+fn a_long_forecast_hears_questions_and_a_stop() {
+    let fine = [
+        ("solver.dt", Value::from(1e-7)),
+        ("response.duration", Value::from(600.0)),
+    ];
+    let parameters = Parameters::from_values(fine).expect("admissible");
+    let twin = Twin::new(parameters, None, Box::new(|| 0), START).expect("the column stands");
+    let live = Live::start(twin, SimClock::new(START), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("there");
+    live.submit(Input::Impact(event("a", START))).expect("room");
+    live.submit(Input::Impact(event("b", START + 500 * MS)))
+        .expect("room");
+    assert!(live.look().is_ok());
+    assert!(live.look().is_ok());
+    live.stop().expect("no panic");
+    let received = receive(
+        &mut receiver,
+        |it| matches!(it, Output::Notice(notice) if notice.text.contains("lost by the stop")),
+    );
+    let Some(Output::Notice(notice)) = received.last() else {
+        panic!("no notice");
+    };
+    assert_eq!(notice.severity, Severity::Error);
+    let text = &notice.text;
+    assert!(
+        text.contains("the damage by impact \"a\"") && text.contains("lie ahead: \"b\""),
+        "{text}"
+    );
+    assert!(!received.iter().any(|it| matches!(it, Output::Forecast(_))));
+}
+
 #[test]
 fn a_state_file_that_cannot_be_written_is_said() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -190,6 +190,22 @@ const WRONG_LISTED: &str = r#"17 faults in the parameters
   wrong.yaml:24:18: viewer.port: `98765` is out of range; allowed: a whole number from 1 to 65535 (TCP port to serve on or to connect to)"#;
 
 /// The same faults in the text of the file.
+/// A list of many wrong names costs no more than its length: only the first are compared with all that there are.
+#[test]
+fn many_wrong_names_are_all_listed_and_the_first_explained() {
+    let wrong = (0..100).map(|k| (format!("impact.velocty{k}"), Value::from(1.0)));
+    let faults = Parameters::from_values(wrong).expect_err("wrong");
+    let explained: Vec<_> = faults
+        .faults()
+        .iter()
+        .map(|fault| match &fault.problem {
+            Problem::UnknownName { nearest } => !nearest.is_empty(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(explained, [[true; 16].as_slice(), &[false; 84]].concat());
+}
+
 #[test]
 fn a_report_shows_the_lines() {
     let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");

@@ -19,7 +19,8 @@ pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 pub struct Impact {
     /// `m_c` \[kg\], > 0.
     pub mass: f64,
-    /// Closing speed \[m/s\], > 0.
+    /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
+    /// \[m/s\], > 0.
     pub velocity: f64,
     /// Distance to the impact point at time 0 \[m\], >= 0.
     pub gap: f64,

@@ -216,8 +216,8 @@ fn open_part(
     Some(strike(model, state, offset_secs, secs, events))
 }
 
-/// Newton's impact law at the end of a part.
-fn strike(
+/// Newton's impact law at the end of a part, and the contact force that it leaves.
+pub(crate) fn strike(
     model: &Model,
     mut state: State,
     offset_secs: f64,

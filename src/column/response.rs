@@ -13,7 +13,7 @@ use super::motion::StepError;
 use super::properties::ColumnProperties;
 use super::report::{End, HingeReport, Outcome, Report};
 use super::sample::{HINGES, Sample};
-use super::state::State;
+use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
 
@@ -24,6 +24,10 @@ const REST_FRACTION: f64 = 1e-9;
 /// but a column swings in two modes, and in the paper's example with Duan-Chen's exponents it yields again at every
 /// second crest: after one quiet period 3.4e-5 of the plastic work is still to come, after two and a quarter 1e-6.
 const QUIET_PERIODS: f64 = 2.25;
+
+/// Longest approach to a column that moves which does not count as part of its response \[s\]: unlike one to a column at
+/// rest, every step of it is computed.
+pub const LONGEST_APPROACH_TO_MOVING: f64 = 60.0;
 
 /// Whether a response goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,8 +43,11 @@ pub enum Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Response {
     max_duration: f64,
-    /// From when `max_duration` counts: the end of an approach to a column at rest \[s\].
+    /// From when `max_duration` counts: the end of the approach \[s\].
     counted_from: f64,
+    /// Until when an approach to a column that moved at the event does not count: when the impactor would touch it if it
+    /// stayed where it was then. 0 for a column at rest \[s\].
+    approach_until: f64,
     max_v1: f64,
     max_v1_time: f64,
     max_u2: f64,
@@ -83,9 +90,14 @@ impl Response {
         max_duration: f64,
     ) -> Result<Self, ImpactError> {
         state.begin_impact(model, impact)?;
+        let moves = state.velocity != Velocity::default();
         let mut response = Self {
             max_duration,
             counted_from: 0.0,
+            approach_until: match moves {
+                true => (impact.gap / impact.velocity).min(LONGEST_APPROACH_TO_MOVING),
+                false => 0.0,
+            },
             max_v1: state.displacement.v1,
             max_v1_time: 0.0,
             max_u2: state.displacement.u2,
@@ -129,6 +141,10 @@ impl Response {
 
     fn progress(&mut self, model: &Model, state: &State) -> Progress {
         let now = model.time_of_step(state.step);
+        let approaches = state.impactor.is_some_and(|it| it.touched_at.is_none());
+        if approaches && now <= self.approach_until {
+            self.counted_from = now;
+        }
         if self.is_settled(model, state, now) {
             Progress::Over(End::AtRest)
         } else if now - self.counted_from >= self.max_duration {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::assembly::{self, PerBar};
 use super::bar::{Bar, BarForces, BarStrain, PlasticFlow};
 use super::contact::{Impact, ImpactError, Impactor, percussion};
+use super::energy;
 use super::geometry::Displacement;
 use super::ledger::{self, Ledger};
 use super::model::Model;
@@ -195,7 +196,8 @@ impl State {
         };
         self.ledger = Ledger::open(&ledger::energies(model, self), impact.energy());
         if model.scheme() == Scheme::Energy && impact.gap == 0.0 {
-            self.strike(model, 0.0, true);
+            // On a bent column contact begins with a force.
+            *self = energy::strike(model, *self, 0.0, 0.0, &mut energy::Events::default()).state;
         }
         Ok(())
     }
@@ -274,8 +276,9 @@ impl State {
         below[0] || below[1] || above[0] || above[1]
     }
 
-    /// A hash over the bits of everything that the mechanics depends on: equal states have equal hashes on every
-    /// machine.
+    /// A hash over the bits of what can be seen of the motion: equal states have equal hashes on every machine. What
+    /// else the next steps depend on (flow and contact flags, times of touch and flight, the predictor) is not in it; a
+    /// difference there shows in the hash a step later.
     pub fn hash(&self) -> u64 {
         // FNV-1a: a digest for comparing runs, not for security.
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;

@@ -77,8 +77,11 @@ pub enum AskError {
     /// The queue of inputs is full.
     #[error(transparent)]
     QueueFull(#[from] QueueFull),
-    /// The solver does not answer.
-    #[error("the solver did not answer within {} s", ANSWER_WITHIN.as_secs())]
+    /// The solver does not answer in time, or has stopped.
+    #[error(
+        "the solver did not answer within {} s; what was asked may still be done, look at twin_status",
+        ANSWER_WITHIN.as_secs()
+    )]
     NoAnswer,
     /// What was asked for is refused.
     #[error("{0}")]
@@ -331,8 +334,8 @@ impl LiveHandle {
             .is_some_and(|thread| !thread.is_finished())
     }
 
-    /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What has left the
-    /// twin can still be received.
+    /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What is lost all the
+    /// same is said in one [`Notice`](crate::twin::Notice). What has left the twin can still be received.
     ///
     /// # Errors
     /// A thread had ended by a panic.

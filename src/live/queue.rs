@@ -180,7 +180,7 @@ impl OutputQueues {
     }
 }
 
-/// The reader's end: everything in the order in which it left the twin.
+/// The reader's end: everything that one thread gave out in the order in which it did.
 #[derive(Debug)]
 pub struct Receiver {
     queues: Arc<OutputQueues>,
@@ -202,14 +202,24 @@ impl Receiver {
 
     /// The next output, if there is one.
     pub fn try_next(&mut self) -> Option<Output> {
+        self.look_into_ways();
+        if self.heads.iter().all(Option::is_none) {
+            return None;
+        }
+        // A way that was empty when it was looked into may have got an entry before another way got the one that was
+        // found there. What has a smaller number than one that was found was put in before it: a second look sees it.
+        self.look_into_ways();
+        let number_of = |head: &Option<Numbered>| head.as_ref().map_or(u64::MAX, |it| it.number);
+        let first = self.heads.iter_mut().min_by_key(|head| number_of(head))?;
+        first.take().map(|it| it.output)
+    }
+
+    fn look_into_ways(&mut self) {
         for (head, way) in self.heads.iter_mut().zip(&self.queues.ways) {
             if head.is_none() {
                 *head = way.pop();
             }
         }
-        let number_of = |head: &Option<Numbered>| head.as_ref().map_or(u64::MAX, |it| it.number);
-        let first = self.heads.iter_mut().min_by_key(|head| number_of(head))?;
-        first.take().map(|it| it.output)
     }
 
     /// Waits until there may be an output, for `most` at the longest. To be called by one thread.
@@ -223,7 +233,7 @@ impl Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::twin::{Notice, Severity};
+    use crate::twin::{Journal, Notice, Position, Severity, StatusTaken};
 
     #[test]
     fn a_full_queue_follows_its_policy_and_counts() {
@@ -249,6 +259,55 @@ mod tests {
         let bell = Bell::default();
         bell.ring();
         bell.wait(Duration::MAX);
+    }
+
+    /// A reader that looks while the outputs come: each goes another way than the one before, the earlier one first.
+    #[test]
+    fn outputs_of_different_ways_keep_their_order() {
+        const OUTPUTS: i64 = 200_000;
+        let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
+        let mut receiver = Receiver::new(Arc::clone(&queues));
+        let full =
+            |queues: &OutputQueues| queues.stats().iter().any(|it| it.len + 1 >= it.capacity);
+        let status = |stamp| StatusTaken {
+            next_number: 0,
+            stamp,
+            position: Position {
+                response: 0,
+                step: None,
+            },
+        };
+        let notice = |stamp| Notice {
+            stamp,
+            severity: Severity::Info,
+            text: "".into(),
+        };
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for stamp in 0..OUTPUTS {
+                    while full(&queues) {
+                        std::thread::yield_now();
+                    }
+                    queues.push(match stamp % 2 {
+                        0 => Output::Notice(notice(stamp)),
+                        _ => Output::Journal(Journal::Status(status(stamp))),
+                    });
+                }
+            });
+            for expected in 0..OUTPUTS {
+                let output = loop {
+                    if let Some(output) = receiver.try_next() {
+                        break output;
+                    }
+                };
+                let stamp = match output {
+                    Output::Notice(notice) => notice.stamp,
+                    Output::Journal(Journal::Status(status)) => status.stamp,
+                    other => panic!("{other:?}"),
+                };
+                assert_eq!(stamp, expected);
+            }
+        });
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
+use super::MAX_INPUTS;
 use super::bell::Bell;
 use super::clock::Clock;
 use super::keeper::Keeper;
 use super::lateness::lateness;
 use super::queue::{OutputQueues, Queue};
 use crate::parameters::Parameters;
-use crate::twin::{Input, Nanos, Output, Outputs, Twin};
+use crate::twin::{Input, Nanos, Notice, Output, Outputs, Severity, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -108,8 +109,17 @@ impl Solver {
             let now = self.clock.now();
             slice_nanos = now.saturating_sub(before).max(0);
             before = now;
+            // A clock that stands still has no deadline that would end this.
+            if self.is_called() {
+                break;
+            }
         }
         self.sink.ring();
+    }
+
+    /// Whether somebody wants something of the solver.
+    fn is_called(&self) -> bool {
+        !self.shared.inputs.is_empty() || self.shared.stop.load(Ordering::SeqCst)
     }
 
     /// A deadline in the past counts only where the response was on time before: one that catches up with a late event
@@ -153,15 +163,44 @@ impl Solver {
             .store(statistics.corrections, Ordering::Relaxed);
     }
 
-    /// A response that a stop breaks off has its damage kept as it is forecast.
+    /// A response that a stop breaks off has its damage kept as it is forecast. What is lost all the same is said.
     fn finish(mut self) {
-        self.twin
-            .run_ahead(MAX_STEPS_AT_STOP, self.clock.now(), &mut self.sink);
+        let now = self.clock.now();
+        self.twin.run_ahead(MAX_STEPS_AT_STOP, now, &mut self.sink);
         if !self.twin.is_responding() {
-            let saved = self.twin.saved_state(self.clock.now());
+            let saved = self.twin.saved_state(now);
             self.sink.put(Output::Save(Arc::new(saved)));
         }
+        let mut lost = self.twin.lost_by_a_stop();
+        lost.extend(self.inputs_left());
+        if !lost.is_empty() {
+            self.sink.put(Output::Notice(Notice {
+                stamp: now,
+                severity: Severity::Error,
+                text: format!("lost by the stop: {}", lost.join("; ")).into(),
+            }));
+        }
         self.sink.ring();
+    }
+
+    /// What was accepted for the solver and never came to the twin, in words. Who only looked has lost nothing.
+    fn inputs_left(&self) -> Option<String> {
+        let left = std::iter::from_fn(|| self.shared.inputs.pop()).take(MAX_INPUTS);
+        let (mut impacts, mut others) = (0, 0);
+        for input in left {
+            match input {
+                Input::Impact(_) => impacts += 1,
+                Input::Look { .. } => {}
+                Input::Parameters { .. } | Input::RefusedChange { .. } | Input::Reset { .. } => {
+                    others += 1;
+                }
+            }
+        }
+        (impacts + others > 0).then(|| {
+            format!(
+                "{impacts} impact events and {others} other inputs that still waited for the solver"
+            )
+        })
     }
 }
 
@@ -207,9 +246,76 @@ impl Outputs for Sink {
 
 #[cfg(test)]
 mod tests {
-    use super::super::queue::{OutputQueue, WhenFull};
+    use super::super::clock::SimClock;
+    use super::super::queue::{OutputQueue, Receiver, WhenFull};
     use super::*;
     use crate::twin::ImpactEvent;
+
+    fn event(event_id: &str) -> ImpactEvent {
+        ImpactEvent {
+            event_id: event_id.to_owned(),
+            column_id: "column".to_owned(),
+            stamp: 0,
+            impact_mass: 1500.0,
+            velocity: 10.0,
+            gap: Some(0.1),
+            restitution: None,
+            height: None,
+        }
+    }
+
+    /// An input that was accepted for the solver is not lost without a word.
+    #[test]
+    fn a_stop_says_how_many_inputs_it_loses() {
+        let twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
+        let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
+        let shared = Arc::new(Shared {
+            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
+            bell: Arc::default(),
+            stop: AtomicBool::new(true),
+            turns: AtomicU64::new(0),
+            overruns: AtomicU64::new(0),
+            skipped_periods: AtomicU64::new(0),
+            worst_lateness: AtomicU64::new(0),
+            steps: AtomicU64::new(0),
+            corrections: AtomicU64::new(0),
+        });
+        let (reply, _answer) = std::sync::mpsc::sync_channel(1);
+        let reset = Input::Reset {
+            source: "test".into(),
+            reply: None,
+        };
+        for input in [
+            Input::Impact(event("a")),
+            Input::Look { reply },
+            reset,
+            Input::Impact(event("b")),
+        ] {
+            assert!(shared.inputs.push(input));
+        }
+        let solver = Solver {
+            twin,
+            clock: Arc::new(SimClock::new(0)),
+            shared,
+            sink: Sink {
+                queues: vec![Arc::clone(&queues)],
+                keeper: None,
+                parameters: Arc::default(),
+                unheard: false,
+            },
+        };
+        solver.run();
+        let mut receiver = Receiver::new(queues);
+        let Some(Output::Notice(notice)) = receiver.try_next() else {
+            panic!("no notice");
+        };
+        assert_eq!(notice.severity, Severity::Error);
+        assert!(
+            notice.text.contains("2 impact events and 1 other inputs"),
+            "{}",
+            notice.text
+        );
+    }
 
     /// From the step to the queues, a full one among them.
     #[test]
@@ -230,17 +336,7 @@ mod tests {
             unheard: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
-        let event = ImpactEvent {
-            event_id: "a".to_owned(),
-            column_id: "column".to_owned(),
-            stamp: 0,
-            impact_mass: 1500.0,
-            velocity: 10.0,
-            gap: Some(0.1),
-            restitution: None,
-            height: None,
-        };
-        twin.handle(Input::Impact(event), 0, &mut sink);
+        twin.handle(Input::Impact(event("a")), 0, &mut sink);
         let memory = allocation_counter::measure(|| {
             for now in 1..40 {
                 twin.advance_to(now * 1_000_000, &mut sink);

@@ -76,17 +76,7 @@ pub enum CdrError {
 /// # Errors
 /// When memory or a length of 32 bits does not suffice.
 pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
-    let mut bytes = Vec::new();
-    encode_into(&mut bytes, message)?;
-    Ok(bytes)
-}
-
-/// As [`encode`], into a buffer whose former content goes and whose capacity is used again.
-///
-/// # Errors
-/// As [`encode`]; the buffer then holds a part of the message.
-pub fn encode_into<M: Message>(bytes: &mut Vec<u8>, message: &M) -> Result<(), CdrError> {
-    write::<M, M>(bytes, message)
+    encode_as::<M, M>(message)
 }
 
 /// The bytes of a message of type `M` that another library's struct of the same fields holds.

@@ -1,7 +1,6 @@
 //! What the column computes, as messages.
 //!
-//! A header, a column and an event are not the column's to know: the conversions leave them as they are, or empty.
-//! Nothing is allocated, so that a message that is kept can be filled a thousand times a second.
+//! A header, a column and an event are not the column's to know: the conversions leave them empty. Nothing is allocated.
 
 use crate::column::{
     End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
@@ -9,64 +8,52 @@ use crate::column::{
 
 use super::column_twin::{ColumnState, HingeForces, ImpactReport};
 
-impl ColumnState {
-    /// Takes all values from `sample`; header, column and event stay.
-    pub fn set_sample(&mut self, sample: &Sample) {
-        self.phase = phase_code(sample.phase);
-        self.time = sample.time;
-        self.v1 = sample.v1;
-        self.u1 = sample.u1;
-        self.beta1 = sample.beta1;
-        self.u2 = sample.u2;
-        self.v1_rate = sample.v1_rate;
-        self.u1_rate = sample.u1_rate;
-        self.u2_rate = sample.u2_rate;
-        self.impactor_position = sample.impactor_position;
-        self.impactor_velocity = sample.impactor_velocity;
-        self.gap = sample.gap;
-        self.contact_force = sample.contact_force;
-        self.percussion = sample.percussion;
-        self.impulse = sample.impulse;
-        self.kinetic_energy = sample.kinetic_energy;
-        self.elastic_energy = sample.elastic_energy;
-        self.plastic_work = sample.plastic_work;
-        self.impact_loss = sample.impact_loss;
-        self.damping_work = sample.damping_work;
-        self.load_work = sample.load_work;
-        self.ledger_residual = sample.ledger_residual;
-    }
-}
-
-impl HingeForces {
-    /// Takes all values from `sample`; header, column and event stay.
-    pub fn set_sample(&mut self, sample: &Sample) {
-        let of = |value: fn(&HingeSample) -> f64| each_hinge(&sample.hinges, value);
-        self.moment = of(|hinge| hinge.moment);
-        self.normal_force = of(|hinge| hinge.normal_force);
-        self.rotation = of(|hinge| hinge.rotation);
-        self.elongation = of(|hinge| hinge.elongation);
-        self.plastic_rotation = of(|hinge| hinge.plastic_rotation);
-        self.plastic_elongation = of(|hinge| hinge.plastic_elongation);
-        self.utilisation = of(|hinge| hinge.utilisation);
-        self.state = each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state));
-    }
-}
-
 impl From<&Sample> for ColumnState {
     /// With an empty header, column and event.
     fn from(sample: &Sample) -> Self {
-        let mut message = Self::default();
-        message.set_sample(sample);
-        message
+        Self {
+            phase: phase_code(sample.phase),
+            time: sample.time,
+            v1: sample.v1,
+            u1: sample.u1,
+            beta1: sample.beta1,
+            u2: sample.u2,
+            v1_rate: sample.v1_rate,
+            u1_rate: sample.u1_rate,
+            u2_rate: sample.u2_rate,
+            impactor_position: sample.impactor_position,
+            impactor_velocity: sample.impactor_velocity,
+            gap: sample.gap,
+            contact_force: sample.contact_force,
+            percussion: sample.percussion,
+            impulse: sample.impulse,
+            kinetic_energy: sample.kinetic_energy,
+            elastic_energy: sample.elastic_energy,
+            plastic_work: sample.plastic_work,
+            impact_loss: sample.impact_loss,
+            damping_work: sample.damping_work,
+            load_work: sample.load_work,
+            ledger_residual: sample.ledger_residual,
+            ..Self::default()
+        }
     }
 }
 
 impl From<&Sample> for HingeForces {
     /// With an empty header, column and event.
     fn from(sample: &Sample) -> Self {
-        let mut message = Self::default();
-        message.set_sample(sample);
-        message
+        let of = |value: fn(&HingeSample) -> f64| each_hinge(&sample.hinges, value);
+        Self {
+            moment: of(|hinge| hinge.moment),
+            normal_force: of(|hinge| hinge.normal_force),
+            rotation: of(|hinge| hinge.rotation),
+            elongation: of(|hinge| hinge.elongation),
+            plastic_rotation: of(|hinge| hinge.plastic_rotation),
+            plastic_elongation: of(|hinge| hinge.plastic_elongation),
+            utilisation: of(|hinge| hinge.utilisation),
+            state: each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
+            ..Self::default()
+        }
     }
 }
 
@@ -106,8 +93,8 @@ fn each_hinge<H, T>(hinges: &[H; HINGES], value: impl Fn(&H) -> T) -> [T; HINGES
     hinges.each_ref().map(value)
 }
 
-/// Code of `phase` in [`ColumnState`] and [`super::column_twin::TwinStatus`].
-pub fn phase_code(phase: Phase) -> u8 {
+/// Code of `phase` in [`ColumnState`].
+fn phase_code(phase: Phase) -> u8 {
     match phase {
         Phase::Idle => ColumnState::IDLE,
         Phase::Approach => ColumnState::APPROACH,

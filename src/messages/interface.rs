@@ -77,11 +77,6 @@ impl Interface {
         self.package
     }
 
-    /// What of its file the type is.
-    pub fn part(&self) -> Part {
-        self.part
-    }
-
     /// `column_twin/msg/ColumnState`, `std_srvs/srv/Trigger_Request`.
     pub fn ros_name(&self) -> String {
         format!("{}/{}/{}", self.package, self.folder(), self.type_name())

@@ -35,6 +35,5 @@ pub mod std_msgs;
 pub mod std_srvs;
 pub mod visualization_msgs;
 
-pub use from_column::phase_code;
 pub use interface::{Interface, Message};
 pub use table::{INTERFACES, find};

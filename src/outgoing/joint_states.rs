@@ -4,19 +4,20 @@ use crate::column::{HINGE_NAMES, HINGES, Sample};
 use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 
-/// Turns samples into joint states; knows the sample before, from which the rates come.
+/// Turns samples into joint states; knows stamp and rotations of the sample before, from which the rates come.
 #[derive(Debug, Clone, Default)]
 pub(super) struct JointStates {
-    before: Option<(f64, [f64; HINGES])>,
+    before: Option<(i64, [f64; HINGES])>,
 }
 
 impl JointStates {
-    /// The joint state of `sample`. A rate is the mean since the sample before, 0 where there is none of the same impact.
-    pub fn convert(&mut self, header: Header, sample: &Sample) -> JointState {
+    /// The joint state of `sample` at an instant. A rate is the mean since the sample before, of an earlier impact too
+    /// where the column had not come to rest; 0 where there is none, or it is not earlier.
+    pub fn convert(&mut self, stamp: i64, header: Header, sample: &Sample) -> JointState {
         let rotations = sample.hinges.map(|hinge| hinge.rotation);
-        let rates = match self.before.replace((sample.time, rotations)) {
-            Some((time, before)) if sample.time > time => {
-                let span = sample.time - time;
+        let rates = match self.before.replace((stamp, rotations)) {
+            Some((earlier, before)) if stamp > earlier => {
+                let span = stamp.saturating_sub(earlier) as f64 * 1e-9;
                 std::array::from_fn(|hinge| (rotations[hinge] - before[hinge]) / span)
             }
             _ => [0.0; HINGES],
@@ -36,35 +37,40 @@ mod tests {
     use super::*;
     use crate::column::HingeSample;
 
-    fn sample(time: f64, rotation: f64) -> Sample {
+    fn sample(rotation: f64) -> Sample {
         let hinge = HingeSample {
             rotation,
             moment: 7.0,
             ..HingeSample::default()
         };
         Sample {
-            time,
             hinges: [hinge; HINGES],
             ..Sample::default()
         }
     }
 
     #[test]
-    fn rates_are_differences_and_start_anew_with_each_impact() {
+    fn rates_are_differences_between_stamps() {
         let mut joints = JointStates::default();
-        let mut velocity = |time, rotation| {
-            joints
-                .convert(Header::default(), &sample(time, rotation))
-                .velocity[0]
+        let mut velocity = |stamp, rotation, time| {
+            let sample = Sample {
+                time,
+                ..sample(rotation)
+            };
+            joints.convert(stamp, Header::default(), &sample).velocity[0]
         };
-        assert_eq!(velocity(0.5, 0.25), 0.0);
-        assert_eq!(velocity(1.0, 0.5), 0.5);
-        assert_eq!(velocity(0.0, 0.75), 0.0);
+        assert_eq!(velocity(500_000_000, 0.25, 0.5), 0.0);
+        assert_eq!(velocity(1_000_000_000, 0.5, 1.0), 0.5);
+        // The second impact of a column that still moves: its own time began 10 ms ago, the sample before was 20 ms ago.
+        let rate = velocity(1_020_000_000, 0.75, 0.01);
+        assert!((rate - 12.5).abs() < 1e-9, "{rate}");
+        // A late impact has taken the column back.
+        assert_eq!(velocity(1_010_000_000, 0.75, 0.0), 0.0);
     }
 
     #[test]
     fn a_joint_has_the_name_of_its_hinge() {
-        let state = JointStates::default().convert(Header::default(), &sample(0.0, 0.125));
+        let state = JointStates::default().convert(0, Header::default(), &sample(0.125));
         assert_eq!(state.name, ["hinge_1a", "hinge_1b", "hinge_2", "hinge_3"]);
         assert_eq!(state.position, [0.125; 4]);
         assert_eq!(state.effort, [7.0; 4]);

@@ -209,7 +209,7 @@ impl Outgoing {
             TwinPhase::Approach | TwinPhase::Contact | TwinPhase::Free
         );
         if self.joint_states.passes(*stamp, running) {
-            let message = self.joints.convert(header.clone(), sample);
+            let message = self.joints.convert(*stamp, header.clone(), sample);
             put(Message::JointStates(message));
         }
         if self.markers.passes(*stamp, running) {

@@ -41,6 +41,9 @@ impl CatalogueSection {
     /// The names that are nearest to a misspelt one, nearest first, at most three.
     #[must_use]
     pub fn nearest(name: &str) -> Vec<String> {
+        if !super::may_be_misspelt(name) {
+            return Vec::new();
+        }
         let wanted = normal_form(name);
         let mut ranked: Vec<_> = catalogue()
             .iter()

@@ -2,6 +2,7 @@
 
 use super::catalogue::CatalogueSection;
 use super::fault::Problem;
+use super::may_be_misspelt;
 use super::processors::{MAX_PROCESSOR, processors};
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::table::{Admissible, Parameter};
@@ -205,6 +206,9 @@ fn found(value: &Value) -> String {
 }
 
 fn nearest_word<'a>(wrong: &str, words: impl Iterator<Item = &'a str>) -> Vec<String> {
+    if !may_be_misspelt(wrong) {
+        return Vec::new();
+    }
     let wrong = wrong.to_ascii_lowercase().replace('-', "_");
     let mut ranked: Vec<_> = words
         .map(|word| {

@@ -10,6 +10,10 @@ use super::table::{PARAMETERS, Parameter};
 use super::value::Value;
 use super::{Parameters, values_of};
 
+/// Unknown names that are compared with all that there are; those that follow come without a suggestion: a list of many
+/// wrong names must not hold up who reads it.
+const MOST_COMPARED: usize = 16;
+
 /// Values with where they came from, and the faults so far.
 pub(super) struct Draft {
     /// One per entry of the table, in its order, as are the next two.
@@ -19,6 +23,8 @@ pub(super) struct Draft {
     /// Whether a value was given that is wrong.
     wrong: Vec<bool>,
     faults: Vec<Fault>,
+    /// Unknown names that were compared with all that there are.
+    compared: usize,
     /// Files that were read, in their order.
     files: Vec<PathBuf>,
 }
@@ -30,6 +36,7 @@ impl Draft {
             places: vec![None; PARAMETERS.len()],
             wrong: vec![false; PARAMETERS.len()],
             faults: Vec::new(),
+            compared: 0,
             files: Vec::new(),
         }
     }
@@ -69,7 +76,7 @@ impl Draft {
         } = assignment;
         let Some(index) = Parameter::index_of(&name) else {
             return Some(Fault {
-                problem: unknown(&name),
+                problem: self.unknown(&name),
                 name: Some(name),
                 value: None,
                 place,
@@ -103,6 +110,23 @@ impl Draft {
                 })
             }
         }
+    }
+
+    fn unknown(&mut self, name: &str) -> Problem {
+        let members: Vec<_> = Parameter::in_group(name)
+            .map(|parameter| parameter.name.to_owned())
+            .collect();
+        if !members.is_empty() {
+            return Problem::Group { members };
+        }
+        let nearest = if self.compared < MOST_COMPARED {
+            self.compared += 1;
+            Parameter::nearest(name)
+        } else {
+            Vec::new()
+        };
+        let nearest = nearest.into_iter().map(str::to_owned).collect();
+        Problem::UnknownName { nearest }
     }
 
     /// The parameters, if there is nothing wrong with them and between them.
@@ -181,20 +205,5 @@ impl Draft {
             Place::CommandLine(_) => (Some(files.len()), 1, None),
             Place::Direct => (Some(files.len()), 2, None),
         });
-    }
-}
-
-fn unknown(name: &str) -> Problem {
-    let members: Vec<_> = Parameter::in_group(name)
-        .map(|parameter| parameter.name.to_owned())
-        .collect();
-    if members.is_empty() {
-        let nearest = Parameter::nearest(name)
-            .into_iter()
-            .map(str::to_owned)
-            .collect();
-        Problem::UnknownName { nearest }
-    } else {
-        Problem::Group { members }
     }
 }

@@ -61,6 +61,9 @@ use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
 use draft::Draft;
 use file::Assignment;
 
+/// Longest name for which a similar one is looked for \[characters\].
+const LONGEST_MISSPELT: usize = 64;
+
 /// A complete and consistent set of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Settings", try_from = "Settings")]
@@ -194,9 +197,11 @@ impl Parameters {
     /// The parameters whose values differ.
     #[must_use]
     pub fn changed_from(&self, earlier: &Self) -> Vec<&'static Parameter> {
-        PARAMETERS
-            .iter()
-            .filter(|parameter| self.get(parameter.name) != earlier.get(parameter.name))
+        let before = values_of(&earlier.settings);
+        self.iter()
+            .zip(before)
+            .filter(|((_, value), before)| value != before)
+            .map(|((parameter, _), _)| parameter)
             .collect()
     }
 
@@ -236,18 +241,11 @@ impl Parameters {
         let given = &self.settings.section;
         let named = CatalogueSection::named(&given.name);
         let computed = named.map(CatalogueSection::properties);
-        let or_computed = |number: f64, of_name: Option<f64>| {
-            if number > 0.0 {
-                number
-            } else {
-                of_name.unwrap_or(0.0)
-            }
-        };
         ColumnSection {
             name: named.map(|section| section.name.as_str()),
-            area: or_computed(given.area, computed.map(|it| it.area)),
-            second_moment: or_computed(given.second_moment, computed.map(|it| it.second_moment)),
-            mass_per_length: or_computed(
+            area: or_of_name(given.area, computed.map(|it| it.area)),
+            second_moment: or_of_name(given.second_moment, computed.map(|it| it.second_moment)),
+            mass_per_length: or_of_name(
                 given.mass_per_length,
                 computed.map(|it| it.mass_per_length),
             ),
@@ -260,21 +258,14 @@ impl Parameters {
     pub fn steel(&self) -> ColumnSteel {
         let given = &self.settings.steel;
         let named = SteelGrade::named(&given.grade);
-        let or_nominal = |number: f64, of_name: Option<f64>| {
-            if number > 0.0 {
-                number
-            } else {
-                of_name.unwrap_or(0.0)
-            }
-        };
         ColumnSteel {
             grade: named.map(|grade| grade.name),
-            young_modulus: or_nominal(given.young_modulus, named.map(|it| it.young_modulus)),
-            yield_strength: or_nominal(given.yield_strength, named.map(|it| it.yield_strength)),
+            young_modulus: or_of_name(given.young_modulus, named.map(|it| it.young_modulus)),
+            yield_strength: or_of_name(given.yield_strength, named.map(|it| it.yield_strength)),
         }
     }
 
-    /// `M^p` \[N m\]: as given, or `W_pl f_y`.
+    /// `M^p` \[N m\]: as given, or `W_pl f_y` (EN 1993-1-1, 6.2.5).
     #[must_use]
     pub fn resistance_moment(&self) -> f64 {
         match self.settings.resistance.moment {
@@ -283,7 +274,7 @@ impl Parameters {
         }
     }
 
-    /// `N^p` \[N\]: as given, or `A f_y`.
+    /// `N^p` \[N\]: as given, or `A f_y` (EN 1993-1-1, 6.2.3).
     #[must_use]
     pub fn resistance_axial(&self) -> f64 {
         match self.settings.resistance.axial {
@@ -393,6 +384,20 @@ fn values_of(settings: &Settings) -> Vec<Value> {
     settings
         .values()
         .expect("settings are numbers, words and texts, which JSON can hold")
+}
+
+/// A number as it is given, else that of the named section or grade.
+fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
+    if number > 0.0 {
+        number
+    } else {
+        of_name.unwrap_or(0.0)
+    }
+}
+
+/// Whether a wrong name is short enough to look for what it may have meant: looking costs the product of the lengths.
+fn may_be_misspelt(name: &str) -> bool {
+    name.chars().nth(LONGEST_MISSPELT).is_none()
 }
 
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {

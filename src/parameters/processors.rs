@@ -12,21 +12,21 @@ pub fn processors(list: &str) -> Option<Vec<usize>> {
     let number = |text: &str| {
         let digits = text.trim();
         let all_digits = !digits.is_empty() && digits.bytes().all(|it| it.is_ascii_digit());
-        let number = digits.parse().ok().filter(|it| *it <= MAX_PROCESSOR);
+        let number = digits
+            .parse::<usize>()
+            .ok()
+            .filter(|it| *it <= MAX_PROCESSOR);
         number.filter(|_| all_digits)
     };
     let mut found = Vec::new();
+    let mut is_found = [false; MAX_PROCESSOR + 1];
     for part in list.split(',') {
         let (first, last) = part.split_once('-').unwrap_or((part, part));
         let (first, last) = (number(first)?, number(last)?);
         if first > last {
             return None;
         }
-        found.extend(
-            (first..=last)
-                .filter(|it| !found.contains(it))
-                .collect::<Vec<_>>(),
-        );
+        found.extend((first..=last).filter(|&it| !std::mem::replace(&mut is_found[it], true)));
     }
     Some(found)
 }

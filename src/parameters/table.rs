@@ -114,6 +114,9 @@ impl Parameter {
     /// A name without its group (`velocity`) is taken for what it most likely is (`impact.velocity`).
     #[must_use]
     pub fn nearest(name: &str) -> Vec<&'static str> {
+        if !super::may_be_misspelt(name) {
+            return Vec::new();
+        }
         let wanted = name.to_ascii_lowercase().replace('/', ".");
         let mut ranked: Vec<_> = PARAMETERS
             .iter()
@@ -515,7 +518,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 60.0,
         },
         applies: Applies::AtOnce,
-        meaning: "v_c: closing speed of the impactor, positive towards the column",
+        meaning: "v_c: speed of the impactor over the ground, positive towards the column",
     },
     Parameter {
         name: "impact.gap",
@@ -823,6 +826,8 @@ mod tests {
             ("solver.time_step", ""),
             ("dt", "solver.dt"),
             ("yield_surface.aplha", "yield_surface.alpha"),
+            ("a.a.velocty", "impact.velocity"),
+            (&format!("{}velocty", "a.".repeat(40)), ""), // longer than is looked at
             ("support.base_stifness", "support.base_stiffness"),
         ] {
             assert_eq!(

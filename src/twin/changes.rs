@@ -91,10 +91,18 @@ impl Twin {
         }
         self.fingerprint = saved_state::fingerprint(&self.parameters).into();
         if self.run.is_none() {
-            self.at_rest = column;
-            self.forbid_resuming();
+            self.take_column(column);
         }
         Ok(())
+    }
+
+    /// The column at rest is this one from now on. The last response can be taken up again only if it is that of the
+    /// same column.
+    fn take_column(&mut self, column: AtRest) {
+        if column.model != self.at_rest.model {
+            self.forbid_resuming();
+        }
+        self.at_rest = column;
     }
 
     pub(super) fn forbid_resuming(&mut self) {
@@ -110,8 +118,7 @@ impl Twin {
         let names = parameters.changed_from(&self.parameters);
         match self.column_with(&parameters) {
             Ok(column) => {
-                self.at_rest = column;
-                self.forbid_resuming();
+                self.take_column(column);
                 self.fingerprint = saved_state::fingerprint(&parameters).into();
                 self.parameters = parameters;
             }
@@ -166,6 +173,10 @@ impl Twin {
         }
         self.forbid_resuming();
         self.ahead = None;
+        if let Some(forgotten) = self.named_impacts_ahead() {
+            let text = format!("forgotten with a reset: {forgotten}");
+            self.notice(Severity::Warning, text, now, out);
+        }
         self.impacts_ahead.clear();
         self.condition = Condition::Standing;
         // The parameters stood the check when they came; were they to fail now the old model is still a column.

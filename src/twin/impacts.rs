@@ -32,6 +32,7 @@ impl Twin {
             event_id: event.event_id.as_str().into(),
             stamp: event.stamp,
             impact,
+            height: event.height,
         };
         let event_id = Arc::clone(&arriving.event_id);
         match self
@@ -165,6 +166,11 @@ impl Twin {
             run,
             resumable: None,
         });
+        // It was seen to be meant for these hinges when it was accepted.
+        let arriving = Arriving {
+            height: Some(present.model.properties.length_below),
+            ..arriving
+        };
         self.begin_arriving(&present, arriving, now, out);
     }
 
@@ -179,10 +185,16 @@ impl Twin {
             event_id,
             stamp,
             impact,
+            height,
         } = arriving;
-        match present.meet(impact, Some(present.model.properties.length_below)) {
+        match present.meet(impact, height) {
             Ok(met) => self.begin(event_id, stamp, met, now, out),
-            Err(reason) => self.refuse_impact(&event_id, reason, now, out),
+            Err(reason) => {
+                // It lay ahead and was accepted: no impact is counted twice.
+                self.counts.events_accepted = self.counts.events_accepted.saturating_sub(1);
+                self.life.impacts = self.life.impacts.saturating_sub(1);
+                self.refuse_impact(&event_id, reason, now, out);
+            }
         }
     }
 

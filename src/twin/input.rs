@@ -63,7 +63,8 @@ pub struct ImpactEvent {
     /// Mass of the vehicle \[kg\], > 0.
     #[serde(with = "exact_number")]
     pub impact_mass: f64,
-    /// Closing speed \[m/s\], > 0.
+    /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
+    /// \[m/s\], > 0.
     #[serde(with = "exact_number")]
     pub velocity: f64,
     /// Distance to the column at the stamp \[m\], >= 0; `None`: parameter `impact.gap`.

@@ -14,9 +14,13 @@
 //! - A sample's stamp is the event's plus a whole number of steps; the period of `publish_rate` is rounded to whole
 //!   steps.
 //! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. Where it
-//!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. An
-//!   impact that lies before the one that the column responds to is refused.
-//!   That holds for a response that is over, too, until the next one begins or a parameter of the column changes.
+//!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. A
+//!   response that is over is taken up again in the same way, until the next one begins or a parameter of the column
+//!   changes.
+//! - An impact that lies before the one that the column responds to is refused. Once that response is over it meets the
+//!   column as the response left it: a starting point does not know when the last impact was.
+//! - An impact that lies ahead is accepted, and refused all the same if the column cannot take it when it comes (it has
+//!   collapsed by then): it then counts as refused only.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no
 //!   longer holds, which is said.
 //! - Of the parameters, those that say so wait for the end of a response, and with them all others of the same request.
@@ -147,6 +151,7 @@ struct Arriving {
     event_id: Arc<str>,
     stamp: Nanos,
     impact: Impact,
+    height: Option<f64>,
 }
 
 /// What the solver has done since the start.
@@ -233,6 +238,33 @@ impl Twin {
     /// Whether a forecast is being computed: [`Twin::run_ahead`] carries it on.
     pub fn is_looking_ahead(&self) -> bool {
         self.ahead.is_some()
+    }
+
+    /// What a program that ends now takes along although it was accepted, in words: damage that is not kept, impacts that
+    /// have not begun.
+    #[must_use]
+    pub fn lost_by_a_stop(&self) -> Vec<String> {
+        let unkept = self.run.as_ref().filter(|run| !run.is_kept).map(|run| {
+            format!(
+                "the damage by impact \"{}\", which the column responds to and whose forecast is not complete",
+                run.event_id
+            )
+        });
+        unkept
+            .into_iter()
+            .chain(self.named_impacts_ahead())
+            .collect()
+    }
+
+    /// The impacts that have not begun; `None` if there are none.
+    fn named_impacts_ahead(&self) -> Option<String> {
+        let names: Vec<_> = self
+            .impacts_ahead
+            .iter()
+            .map(|arriving| format!("\"{}\"", arriving.event_id))
+            .collect();
+        (!names.is_empty())
+            .then(|| format!("accepted impacts that lie ahead: {}", names.join(", ")))
     }
 
     /// The column as it is now.
@@ -324,7 +356,7 @@ impl Twin {
 
     /// Carries the forecast on by `most_steps` at the most, and gives it out when it is complete.
     pub fn run_ahead(&mut self, most_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let (Some(run), Some(ahead)) = (&self.run, &mut self.ahead) else {
+        let (Some(run), Some(ahead)) = (&mut self.run, &mut self.ahead) else {
             return;
         };
         let outlook = ahead.run(most_steps, &self.stopwatch);
@@ -339,6 +371,7 @@ impl Twin {
                     report,
                     compute_time,
                 }));
+                run.is_kept = true;
                 // Kept now: a machine that stops before the response is over has the damage all the same.
                 self.save_forecast(&report, residual, now, out);
             }

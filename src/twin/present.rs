@@ -16,7 +16,8 @@ pub const HEIGHT_TOLERANCE: f64 = 1e-3;
 pub struct Blow {
     /// \[kg\], > 0.
     pub mass: f64,
-    /// Closing speed \[m/s\], > 0.
+    /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
+    /// \[m/s\], > 0.
     pub velocity: f64,
     /// Distance to the column \[m\], >= 0.
     pub gap: Option<f64>,

@@ -7,8 +7,8 @@ use super::present::Met;
 use super::status::TwinPhase;
 use crate::column::{End, Model, Progress, Response, Sample, State, StepError};
 
-/// Steps from one checkpoint to the next: the most that a late second impact makes the twin step anew, unless it is
-/// later than all checkpoints.
+/// Steps from one recent checkpoint to the next: the most that a second impact that is a little late makes the twin
+/// step anew.
 const CHECKPOINT_STEPS: u64 = 256;
 
 /// Longest time that is stepped over at once.
@@ -18,8 +18,13 @@ const MOST_NANOS_PER_TURN: u64 = 1_000_000;
 /// leaves earlier by what the others take, as long as a step takes a fifth of its own time at the most.
 const LAST_SHARE: u64 = 5;
 
-/// Checkpoints that are kept, the oldest are overwritten.
-const CHECKPOINTS: usize = 64;
+/// Recent checkpoints that are kept, the oldest are overwritten.
+const RECENT_CHECKPOINTS: usize = 64;
+
+/// Checkpoints that are kept of the whole response, an even number. With the more distant ones they are twice as far
+/// apart each time they have become too many: never fewer than half of them, so that an impact that is very late makes
+/// the twin step at most this fraction of the response anew: two by their number.
+const SPREAD_CHECKPOINTS: usize = 128;
 
 /// A response under way.
 #[derive(Debug)]
@@ -38,6 +43,8 @@ pub(super) struct Run {
     percussion: f64,
     /// What the steps have taken \[ns\].
     pub nanos: u64,
+    /// The damage that it will leave has been kept, as it is forecast.
+    pub is_kept: bool,
     history: History,
 }
 
@@ -74,6 +81,7 @@ impl Run {
             next_sample: 0,
             percussion: state.percussion,
             nanos: 0,
+            is_kept: false,
             history,
         }
     }
@@ -162,21 +170,31 @@ impl Run {
     }
 }
 
+/// The column at a step.
+type Checkpoint = (State, Response);
+
 /// Earlier states of a response, so that an impact that arrives late can meet the column as it was.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    /// The first is that of step 0, the others are overwritten in turn.
-    checkpoints: Vec<(State, Response)>,
+    /// Of the last steps, overwritten in turn.
+    recent: Vec<Checkpoint>,
     next: usize,
+    /// Of the whole response, in their order, step 0 first.
+    spread: Vec<Checkpoint>,
+    /// Steps from one of them to the next, at least.
+    spacing: u64,
     last_step: u64,
 }
 
 impl History {
     fn restart(&mut self, state: &State, response: &Response) {
-        self.checkpoints.clear();
-        self.checkpoints.reserve_exact(1 + CHECKPOINTS);
-        self.checkpoints.push((*state, *response));
-        self.next = 1;
+        self.recent.clear();
+        self.recent.reserve_exact(RECENT_CHECKPOINTS);
+        self.next = 0;
+        self.spread.clear();
+        self.spread.reserve_exact(SPREAD_CHECKPOINTS);
+        self.spread.push((*state, *response));
+        self.spacing = CHECKPOINT_STEPS;
         self.last_step = state.step;
     }
 
@@ -185,18 +203,116 @@ impl History {
             return;
         }
         self.last_step = state.step;
-        match self.checkpoints.get_mut(self.next) {
+        match self.recent.get_mut(self.next) {
             Some(oldest) => *oldest = (*state, *response),
-            None => self.checkpoints.push((*state, *response)),
+            None => self.recent.push((*state, *response)),
         }
-        self.next = 1 + self.next % CHECKPOINTS;
+        self.next = (self.next + 1) % RECENT_CHECKPOINTS;
+        if !self.is_spread_until(state.step) {
+            return;
+        }
+        if self.spread.len() == SPREAD_CHECKPOINTS {
+            let mut stays = false;
+            self.spread.retain(|_| {
+                stays = !stays;
+                stays
+            });
+            self.spacing *= 2;
+        }
+        if self.is_spread_until(state.step) {
+            self.spread.push((*state, *response));
+        }
     }
 
-    fn latest_until(&self, step: u64) -> &(State, Response) {
-        self.checkpoints
+    /// Whether the last of the spread checkpoints lies its distance before a step.
+    fn is_spread_until(&self, step: u64) -> bool {
+        let last = self.spread.last().map_or(0, |(state, _)| state.step);
+        step >= last + self.spacing
+    }
+
+    fn latest_until(&self, step: u64) -> &Checkpoint {
+        self.recent
             .iter()
+            .chain(&self.spread)
             .filter(|(state, _)| state.step <= step)
             .max_by_key(|(state, _)| state.step)
-            .unwrap_or(&self.checkpoints[0])
+            .unwrap_or(&self.spread[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::Impact;
+    use crate::parameters::Parameters;
+
+    fn run() -> Run {
+        let fine = [("solver.dt", 1e-6.into())];
+        let parameters = Parameters::from_values(fine).expect("admissible");
+        let model = Model::new(&parameters.column_properties()).expect("stands");
+        let mut state = State::at_rest(&model);
+        let impact = Impact {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: 0.0,
+            restitution: 0.0,
+        };
+        let response = Response::begin(&model, &mut state, impact, 2.0).expect("hits");
+        let met = Met {
+            model,
+            state,
+            response,
+        };
+        Run::new("a".into(), 0, met, 50, History::default())
+    }
+
+    fn go_to(run: &mut Run, step: u64) {
+        while run.state.step < step {
+            if run.state.step >= run.next_sample {
+                run.sample();
+            }
+            let advanced = run.advance(step);
+            assert!(matches!(advanced, Advanced::Running), "{advanced:?}");
+        }
+    }
+
+    /// However long a response is, what is kept of it is bounded, and so is what a late impact costs.
+    #[test]
+    fn no_step_is_far_from_a_checkpoint() {
+        const STEPS: u64 = 3_000_000;
+        let Run {
+            mut state,
+            response,
+            mut history,
+            ..
+        } = run();
+        let memory = allocation_counter::measure(|| {
+            for step in 1..=STEPS {
+                state.step = step;
+                history.keep(&state, &response);
+            }
+        });
+        assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
+        let most = STEPS * 2 / SPREAD_CHECKPOINTS as u64 + CHECKPOINT_STEPS;
+        for step in (0..=STEPS).step_by(997) {
+            let (found, _) = history.latest_until(step);
+            let anew = step - found.step;
+            let recent = (RECENT_CHECKPOINTS as u64 - 1) * CHECKPOINT_STEPS;
+            let most = if STEPS - step < recent {
+                CHECKPOINT_STEPS
+            } else {
+                most
+            };
+            assert!(anew <= most, "{anew} steps from step {step}");
+        }
+    }
+
+    #[test]
+    fn a_column_that_is_taken_back_far_is_the_same() {
+        let (mut early, mut late) = (run(), run());
+        go_to(&mut early, 1_000);
+        go_to(&mut late, 20_000);
+        late.rewind(1_000);
+        assert_eq!((late.state, late.response), (early.state, early.response));
     }
 }

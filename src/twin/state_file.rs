@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::saved_state::SavedState;
+use super::saved_state::{SavedState, hex};
 use crate::parameters::Parameters;
 
 /// Longest state file that is read \[B\]; the longest that is written is well below.
@@ -114,9 +114,7 @@ fn file_name(column_id: &str) -> String {
     }
     if name.len() > MAX_NAME {
         name.truncate(MAX_NAME);
-        for byte in &Sha256::digest(column_id)[..8] {
-            let _ = write!(name, "{byte:02x}"); // a String takes everything
-        }
+        name.push_str(&hex(&Sha256::digest(column_id)[..8]));
     }
     name + ".json"
 }

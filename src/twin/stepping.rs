@@ -126,6 +126,9 @@ impl Twin {
         while self.run.is_none() && !self.impacts_ahead.is_empty() {
             let next = self.impacts_ahead.remove(0);
             self.begin_arriving(&self.present(), next, now, out);
+            if self.run.is_none() {
+                self.save(now, out); // it was refused: fewer impacts than were kept
+            }
         }
     }
 }

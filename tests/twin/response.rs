@@ -294,6 +294,29 @@ fn a_collapse_is_a_result_and_ends_with_a_reset() {
     assert_eq!(bench.reports().len(), 2);
 }
 
+/// It was accepted when it lay ahead; when it comes the column cannot take it.
+#[test]
+fn an_impact_ahead_of_a_collapse_is_refused_and_counted_once() {
+    let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
+    bench.hit(ImpactEvent {
+        impact_mass: 100_000.0,
+        velocity: 50.0,
+        ..event("truck", START)
+    });
+    bench.hit(light("next", START + 900 * MS));
+    assert_eq!(bench.status().counts.events_accepted, 2);
+    bench.rest();
+    assert!(bench.refusals()[0].reason.contains("collapsed; reset"));
+    let status = bench.status();
+    assert_eq!(
+        (status.counts.events_accepted, status.counts.events_refused),
+        (1, 1)
+    );
+    assert_eq!(status.impacts_since_reset, 1);
+    let saved = bench.saved();
+    assert_eq!(saved.last().expect("kept").impacts_since_reset, 1);
+}
+
 #[test]
 fn the_status_comes_once_a_second_and_on_every_change() {
     let mut bench = Bench::new(&[]);

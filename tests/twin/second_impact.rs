@@ -1,7 +1,7 @@
 //! Impacts on a column that still moves.
 
-use column_twin::column::{Impact, Model, Progress, Response, Sample, State};
-use column_twin::twin::{MAX_IMPACTS_AHEAD, Output, StateOutput};
+use column_twin::column::{Impact, Model, Phase, Progress, Response, Sample, State};
+use column_twin::twin::{ImpactEvent, MAX_IMPACTS_AHEAD, Output, Severity, StateOutput};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
@@ -69,6 +69,10 @@ fn it_hits_the_moving_column() {
     bench.hit(event("b", stamp));
     bench.rest();
     check_second(&bench, 120, stamp);
+    let first = bench.states().into_iter().find(|it| &*it.event_id == "b");
+    let first = first.expect("a state").sample;
+    assert_eq!(first.phase, Phase::Contact);
+    assert!(first.contact_force > 0.0, "the bent column resists at once");
     let ended = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("whose report will not come"));
     assert!(bench.out.iter().any(ended));
     assert_eq!(bench.forecasts().len(), 2);
@@ -88,6 +92,38 @@ fn a_late_one_meets_the_column_as_it_was() {
         bench.rest();
         check_second(&bench, hit_after as u64 * 10, stamp);
     }
+}
+
+/// What is not of the column leaves its last response as it was.
+#[test]
+fn a_late_one_belongs_into_the_response_after_a_change_of_other_parameters_too() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.rest();
+    bench.change(&[("event.max_ahead", 2.0.into())]);
+    let stamp = START + 12 * MS;
+    bench.hit(event("b", stamp));
+    bench.rest();
+    check_second(&bench, 120, stamp);
+}
+
+/// An approach that takes longer than a response may.
+#[test]
+fn one_far_away_reaches_the_moving_column() {
+    let mut bench = Bench::new(&[("response.duration", 0.05.into())]);
+    bench.hit(event("a", START));
+    bench.go_on(12 * MS);
+    let far = ImpactEvent {
+        gap: Some(1.0),
+        ..event("b", bench.now)
+    };
+    bench.hit(far);
+    bench.rest();
+    let report = bench.reports().last().expect("a report").report;
+    let touched = report.first_contact_time.expect("a contact");
+    assert!((0.09..0.12).contains(&touched), "{touched}");
+    assert!(report.end_time <= touched + 0.0501, "{}", report.end_time);
+    assert!(report.contact_duration > 0.0);
 }
 
 /// Between two steps the column is as it was at the first of them.
@@ -170,6 +206,11 @@ fn a_reset_ends_the_response_and_what_lies_ahead() {
     bench.hit(event("b", START + 50 * MS));
     bench.go_on(10 * MS);
     bench.reset();
+    let forgotten = |it: &Output| {
+        matches!(it, Output::Notice(notice) if notice.severity == Severity::Warning
+            && notice.text.contains("lie ahead: \"b\""))
+    };
+    assert!(bench.out.iter().any(forgotten));
     bench.go_on(200 * MS);
     assert!(!bench.twin.is_responding());
     assert_eq!((bench.reports().len(), bench.states().len()), (0, 11));
