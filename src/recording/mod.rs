@@ -24,6 +24,7 @@ mod recorder;
 mod records;
 mod reordering;
 mod repair;
+mod report;
 mod retention;
 mod session;
 mod statistics;
@@ -41,7 +42,8 @@ pub use reader::{MAX_OUT_OF_ORDER, Message, Messages, Reader, RecordedTopic, Who
 pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle, RecorderSender};
 pub use records::MAX_CHUNK;
 pub use repair::{REPAIR_RECORD, Repaired, repair};
-pub use session::{RecorderOptions, RecorderReport};
+pub use report::RecorderReport;
+pub use session::RecorderOptions;
 pub use statistics::RecorderStatistics;
 pub use topic::{OfferedQos, TopicInfo};
 pub use writer::{
