@@ -166,11 +166,11 @@ impl Verification {
     /// A status says how many messages have been lost on their way here.
     pub(super) fn note_losses(&mut self, message: &Message) {
         if let Message::TwinStatus(status) = message {
-            // A lost state takes its hinge forces, joint states and markers with it.
-            const MESSAGES_PER_STATE: u64 = 4;
+            // A lost state, which `dropped_recording` counts, takes its hinge forces, joint states and markers with it.
+            const MESSAGES_WITH_A_STATE: u64 = 3;
             let lost = status
                 .dropped_states
-                .saturating_mul(MESSAGES_PER_STATE)
+                .saturating_mul(MESSAGES_WITH_A_STATE)
                 .saturating_add(status.dropped_recording);
             self.admitted_losses = self.admitted_losses.max(lost);
         }
