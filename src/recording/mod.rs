@@ -39,7 +39,7 @@ pub use error::RecordingError;
 pub use events::{EventSummary, summarise_events};
 pub use names::{directory_name, directory_time};
 pub use reader::{MAX_OUT_OF_ORDER, Message, Messages, Reader, RecordedTopic, Wholeness};
-pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle, RecorderSender};
+pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle};
 pub use records::MAX_CHUNK;
 pub use repair::{REPAIR_RECORD, Repaired, repair};
 pub use report::RecorderReport;

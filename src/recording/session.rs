@@ -117,7 +117,6 @@ impl RecorderOptions {
             compression: self.compression,
             sync: self.sync,
             notes: self.notes.clone(),
-            ..WriterOptions::default()
         }
     }
 

@@ -81,9 +81,6 @@ pub struct WriterOptions {
     pub sync: bool,
     /// What is to stand in the [`START_RECORD`] besides program and version.
     pub notes: BTreeMap<String, String>,
-    /// Whether room is set aside ahead of what is written, where the file system can do this. Without it a full disk is
-    /// noticed too late to end the file; it is for tests and for comparison.
-    pub reserve: bool,
 }
 
 impl Default for WriterOptions {
@@ -92,7 +89,6 @@ impl Default for WriterOptions {
             compression: Compression::None,
             sync: true,
             notes: BTreeMap::new(),
-            reserve: true,
         }
     }
 }
@@ -276,8 +272,8 @@ impl Writer {
     ) -> Result<Self, RecordingError> {
         make_directory(directory)?;
         let path = directory.join(file_name(directory));
-        let storage = Storage::create(&path, options.reserve)
-            .map_err(|source| RecordingError::io("create", &path, source))?;
+        let storage =
+            Storage::create(&path).map_err(|source| RecordingError::io("create", &path, source))?;
         let texts: u64 = topics.iter().map(Described::length).sum();
         let end = END + 2 * texts + topics.len() as u64 * TOPIC_AT_END;
         storage
