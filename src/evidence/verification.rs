@@ -8,8 +8,6 @@ use super::comparison::Difference;
 use super::follower::{Follower, Recorded};
 use super::journal_line::{JournalError, Line};
 use crate::endpoints;
-use crate::messages::Message as _;
-use crate::messages::std_msgs;
 use crate::outgoing::{Message, TOPICS};
 use crate::recording::{Reader, RecordingError};
 
@@ -183,12 +181,10 @@ impl Verification {
 /// It cannot be read, or has nothing to compute it from.
 pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     let reader = Reader::open(path)?;
-    let journal_type = std_msgs::String::INTERFACE.ros_name();
-    let suffix = endpoints::JOURNAL.name.trim_start_matches('~');
     let journal = reader
         .topics()
         .iter()
-        .find(|it| *it.type_name == *journal_type && it.name.ends_with(suffix))
+        .find(|it| it.is_journal())
         .map(|it| std::sync::Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut follower = Follower::default();
