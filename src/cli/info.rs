@@ -41,7 +41,7 @@ pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
         true => writeln!(out, "{:#}", as_json(&reader, &events)),
         false => print(&reader, &events, out),
     };
-    printed.map_err(|error| Failure::plain(Exit::Failed, format!("cannot print: {error}")))?;
+    super::printed(printed)?;
     events.map_err(failure)?;
     if !reader.wholeness().is_whole() {
         let bag = arguments.bag.display();

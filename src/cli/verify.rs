@@ -1,5 +1,6 @@
 //! `column-twin verify`: is a recording what the model gives?
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -29,10 +30,10 @@ Exit codes: 0 equal as far as it can be checked, 1 it differs, messages are miss
 word about it, or nothing could be checked, 2 it cannot be read or has no journal.";
 
 /// Prints what was found.
-pub fn run(arguments: &VerifyArgs) -> Result<(), Failure> {
+pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {
     let found =
         evidence::verify(&arguments.bag).map_err(|error| Failure::plain(Exit::BadInput, error))?;
-    print!("{found}");
+    super::printed(write!(out, "{found}"))?;
     if found.is_equal() {
         return Ok(());
     }
