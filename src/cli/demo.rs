@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::{Exit, Failure};
+use super::{Exit, Failure, Lines};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::evidence;
 use crate::figures::HINGE_PLACES;
@@ -61,7 +61,9 @@ const LINES_EVERY: f64 = 2e-3;
 const BAR: usize = 40;
 
 /// Runs all of it.
-pub fn run(arguments: &DemoArgs) -> Result<(), Failure> {
+pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure> {
+    let lines = Lines::new(out);
+    let out = &lines;
     let started = Instant::now();
     let folder = new_folder(&arguments.output)?;
     let domain = FreshDomain::take().ok_or_else(|| {
@@ -73,16 +75,16 @@ pub fn run(arguments: &DemoArgs) -> Result<(), Failure> {
     let environment = &domain.environment;
     let column = folder.join("column.yaml");
     fs::write(&column, COLUMN).map_err(|error| cannot("write", &column, &error))?;
-    println!(
+    out.say(format_args!(
         "Everything stays on this machine: 127.0.0.1, DDS domain {}. Files: {}\n",
         environment.domain_id,
         folder.display()
-    );
-    let mut node = NodeProcess::start(&folder, environment)?;
-    let followed = follow(environment, arguments);
+    ));
+    let mut node = NodeProcess::start(&folder, environment, out)?;
+    let followed = follow(environment, arguments, out);
     let ended = node.end();
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
-    say_outcome(&forecast, &outcome);
+    say_outcome(&forecast, &outcome, out);
     if !ended.is_some_and(|status| status.success()) {
         return Err(node.explain(Failure::plain(
             Exit::Failed,
@@ -99,12 +101,12 @@ pub fn run(arguments: &DemoArgs) -> Result<(), Failure> {
             format!("the recording is not what the model gives:\n{verification}"),
         ));
     }
-    println!(
+    out.say(format_args!(
         "The recording is proved: {} messages computed anew, equal bit for bit.\n",
         verification.compared()
-    );
-    say_what_next(&folder, &recording, started.elapsed());
-    Ok(())
+    ));
+    say_what_next(&folder, &recording, started.elapsed(), out);
+    lines.end()
 }
 
 fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
@@ -161,7 +163,7 @@ struct NodeProcess {
 }
 
 impl NodeProcess {
-    fn start(folder: &Path, environment: &Environment) -> Result<Self, Failure> {
+    fn start(folder: &Path, environment: &Environment, out: &Lines<'_>) -> Result<Self, Failure> {
         let log = folder.join("node.log");
         let setting = |name: &str, value: &str| ["-p".to_owned(), format!("{name}:={value}")];
         let inside = |name: &str| folder.join(name).display().to_string();
@@ -189,9 +191,9 @@ impl NodeProcess {
             .map_err(|error| {
                 Failure::plain(Exit::Failed, format!("the node cannot be started: {error}"))
             })?;
-        println!(
+        out.say(format_args!(
             "The node runs: column-twin run --config column.yaml --ros-args -p record.mode:=always ..."
-        );
+        ));
         Ok(Self { child, log })
     }
 
@@ -241,6 +243,7 @@ impl Drop for NodeProcess {
 fn follow(
     environment: &Environment,
     arguments: &DemoArgs,
+    out: &Lines<'_>,
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
         column_id: "heb220_paper".to_owned(),
@@ -253,11 +256,11 @@ fn follow(
         match_timeout: PATIENCE,
         answer_timeout: PATIENCE,
     };
-    let mut show = Show::default();
+    let mut show = Show::new(out);
     follow_impact(
         environment,
         &options,
-        &mut |line| println!("Found over DDS; {line}\n"),
+        &mut |line| out.say(format_args!("Found over DDS; {line}\n")),
         &mut |seen, since| show.take(seen, since),
     )
     .map_err(|error| Failure::plain(Exit::Failed, error))?;
@@ -271,8 +274,8 @@ fn follow(
 }
 
 /// What was shown already.
-#[derive(Default)]
-struct Show {
+struct Show<'a, 'b> {
+    out: &'a Lines<'b>,
     forecast: Option<ImpactReport>,
     outcome: Option<ImpactReport>,
     /// Largest `v1` so far, and whether it was said that it was the peak.
@@ -285,18 +288,32 @@ struct Show {
     event: Option<i64>,
 }
 
-impl Show {
+impl<'a, 'b> Show<'a, 'b> {
+    fn new(out: &'a Lines<'b>) -> Self {
+        Self {
+            out,
+            forecast: None,
+            outcome: None,
+            highest: 0.0,
+            peak_said: false,
+            phase: None,
+            yielded: [false; HINGES],
+            next_line: 0.0,
+            event: None,
+        }
+    }
+
     fn take(&mut self, seen: &Seen, since: Duration) {
         match seen {
             Seen::Forecast(report) => {
-                println!(
+                self.out.say(format_args!(
                     "  forecast after {:.1} ms ({:.1} ms of it computing): v1 will peak at {:.1} mm and keep {:.1} mm, {}\n",
                     1e3 * since.as_secs_f64(),
                     1e3 * report.compute_time,
                     1e3 * report.max_v1,
                     1e3 * report.residual_v1,
                     outcome_word(report)
-                );
+                ));
                 self.forecast = Some(report.clone());
             }
             Seen::Report(report) => self.outcome = Some(report.clone()),
@@ -321,12 +338,12 @@ impl Show {
         };
         if fell && !self.peak_said {
             self.peak_said = true;
-            println!(
+            self.out.say(format_args!(
                 "  {:>8} | {:BAR$} | the peak was {:.1} mm",
                 "",
                 "",
                 1e3 * self.highest
-            );
+            ));
         }
         self.highest = self.highest.max(state.v1);
         if word.is_none() && state.time < self.next_line {
@@ -336,13 +353,13 @@ impl Show {
         let forecast = self.forecast.as_ref().map_or(0.1, |it| it.max_v1);
         let part = (state.v1 / forecast).clamp(0.0, 1.0);
         let bar = "#".repeat((part * BAR as f64).round() as usize);
-        println!(
+        self.out.say(format_args!(
             "  {:5.1} ms | {bar:BAR$} | v1 {:6.1} mm  contact {:6.1} kN  {}",
             1e3 * state.time,
             1e3 * state.v1,
             1e-3 * state.contact_force,
             word.unwrap_or_default()
-        );
+        ));
     }
 
     /// The hinges come on a topic of their own: their stamp says which instant they are for.
@@ -353,14 +370,14 @@ impl Show {
         for hinge in 0..HINGES {
             if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
                 self.yielded[hinge] = true;
-                println!(
+                self.out.say(format_args!(
                     "  {:>8} | {:BAR$} | hinge {} ({}) yields by {:.1} ms",
                     "",
                     "",
                     HINGE_NAMES[hinge],
                     HINGE_PLACES[hinge],
                     1e-6 * (stamp - event) as f64
-                );
+                ));
             }
         }
     }
@@ -374,14 +391,17 @@ fn outcome_word(report: &ImpactReport) -> &'static str {
     }
 }
 
-fn say_outcome(forecast: &ImpactReport, outcome: &ImpactReport) {
-    println!("\n  {:22}{:>14}{:>14}", "", "forecast", "outcome");
+fn say_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &Lines<'_>) {
+    out.say(format_args!(
+        "\n  {:22}{:>14}{:>14}",
+        "", "forecast", "outcome"
+    ));
     let row = |name: &str, unit: &str, of: fn(&ImpactReport) -> f64| {
-        println!(
+        out.say(format_args!(
             "  {name:22}{:>11.3} {unit:2}{:>11.3} {unit:2}",
             of(forecast),
             of(outcome)
-        );
+        ));
     };
     row("peak of v1", "mm", |it| 1e3 * it.max_v1);
     row("what remains of it", "mm", |it| 1e3 * it.residual_v1);
@@ -390,7 +410,7 @@ fn say_outcome(forecast: &ImpactReport, outcome: &ImpactReport) {
         1e-3 * it.peak_contact_force
     });
     row("plastic work", "kJ", |it| 1e-3 * it.plastic_work);
-    println!();
+    out.say("");
 }
 
 /// The figures of the same impact, made as a user makes them.
@@ -427,25 +447,34 @@ fn only_entry(folder: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
-fn say_what_next(folder: &Path, recording: &Path, took: Duration) {
+fn say_what_next(folder: &Path, recording: &Path, took: Duration, out: &Lines<'_>) {
     let folder = folder.display();
-    println!("Made in {:.1} s:", took.as_secs_f64());
-    println!(
+    out.say(format_args!("Made in {:.1} s:", took.as_secs_f64()));
+    out.say(format_args!(
         "  {folder}/figures     the paper's figures, the energy ledger, the hinges' paths: SVG and PNG"
-    );
-    println!(
+    ));
+    out.say(format_args!(
         "  {}    all that the node received and said: MCAP, for ros2 bag, Foxglove, PlotJuggler",
         recording.display()
-    );
+    ));
     if cfg!(feature = "viewer") {
-        println!("  {folder}/viewer      the column as it deforms, for the Rerun viewer");
+        out.say(format_args!(
+            "  {folder}/viewer      the column as it deforms, for the Rerun viewer"
+        ));
     }
-    println!("  {folder}/state       the damage, from which a next start goes on\n");
-    println!("Try next:");
-    println!("  column-twin info {}", recording.display());
-    println!("  column-twin export {} --csv", recording.display());
+    out.say(format_args!(
+        "  {folder}/state       the damage, from which a next start goes on\n"
+    ));
+    out.say(format_args!("Try next:"));
+    out.say(format_args!("  column-twin info {}", recording.display()));
+    out.say(format_args!(
+        "  column-twin export {} --csv",
+        recording.display()
+    ));
     match cfg!(feature = "viewer") {
-        true => println!("  rerun {folder}/viewer/*.rrd        (pip install rerun-sdk==0.36.3)"),
-        false => println!("  column-twin simulate --help"),
+        true => out.say(format_args!(
+            "  rerun {folder}/viewer/*.rrd        (pip install rerun-sdk==0.36.3)"
+        )),
+        false => out.say(format_args!("  column-twin simulate --help")),
     }
 }

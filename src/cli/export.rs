@@ -72,7 +72,10 @@ pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> 
         return Err(failure(RecordingError::Exists { path: output }));
     }
     let written = if to_stdout {
-        write_json(&reader, &mut selection, out).map_err(|error| unwritable(&output, error))
+        let written = write_json(&reader, &mut selection, out).map(drop);
+        super::unless_closed(written)
+            .map(|()| 0)
+            .map_err(|error| unwritable(&output, error))
     } else if arguments.csv {
         write_tables(&reader, &mut selection, &output)
     } else {

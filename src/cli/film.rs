@@ -6,13 +6,14 @@ use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
+use super::repair::failure;
 use super::{Exit, Failure};
 use crate::evidence::{Line, LineEntry};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::messages::{Message, cdr};
 use crate::parameters::Parameters;
-use crate::recording::{self, Reader};
+use crate::recording::{self, Reader, RecordedTopic};
 use crate::twin::Journal;
 use crate::viewer::{self, Item, Told};
 
@@ -25,14 +26,7 @@ pub(super) struct Film {
 /// Reads a recording. Its journal says which column it is of; one without is shown as the column of the parameter file
 /// `config`.
 pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film, Failure> {
-    let reader = Reader::open(bag).map_err(|error| {
-        let exit = if error.is_bad_input() {
-            Exit::BadInput
-        } else {
-            Exit::Failed
-        };
-        Failure::plain(exit, error)
-    })?;
+    let reader = Reader::open(bag).map_err(failure)?;
     let mut parameters = match config {
         None => None,
         Some(file) => Some(Arc::new(
@@ -44,8 +38,9 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
     };
     let mut gathered = Gathered::default();
     for message in reader.messages() {
-        let message = message.map_err(|error| Failure::plain(Exit::BadInput, error))?;
-        if config.is_none() && message.topic.ends_with("/journal") {
+        let message = message.map_err(failure)?;
+        let topic = reader.topics().get(message.topic_index);
+        if config.is_none() && topic.is_some_and(RecordedTopic::is_journal) {
             if let Some(column) = starting_column(&message.data) {
                 parameters.get_or_insert_with(|| Arc::clone(&column));
                 gathered.told.push(Told::Column(column));

@@ -33,7 +33,7 @@ pub fn run(_: &IdlArgs, out: &mut impl Write) -> Result<(), Failure> {
     for (endpoint, interface) in topics {
         text += &topic(endpoint, &interface.dds_name());
     }
-    writeln!(out, "{text}\n{definitions}").map_err(|error| Failure::plain(Exit::Failed, error))
+    super::printed(writeln!(out, "{text}\n{definitions}"))
 }
 
 const HEAD: &str = "\

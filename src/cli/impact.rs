@@ -1,10 +1,11 @@
 //! `column-twin impact`: one impact event, as a sensor would publish it.
 
+use std::io::Write;
 use std::time::Duration;
 
 use clap::Args;
 
-use super::{Exit, Failure, run::environment};
+use super::{Exit, Failure, Lines, run::environment};
 use crate::parameters::Parameters;
 use crate::ros::{
     ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
@@ -47,7 +48,11 @@ Example: a car of 1.5 t at 36 km/h
 Exit codes: 0 accepted, 1 refused or no twin answered, 2 bad input or usage.";
 
 /// Publishes the event and prints the forecast.
-pub fn run(arguments: &ImpactArgs, ros: &RosArguments) -> Result<(), Failure> {
+pub fn run(
+    arguments: &ImpactArgs,
+    ros: &RosArguments,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     let column_id = match &arguments.column {
         Some(id) => id.clone(),
         None => Parameters::default().settings().column_id.clone(),
@@ -64,7 +69,8 @@ pub fn run(arguments: &ImpactArgs, ros: &RosArguments) -> Result<(), Failure> {
         match_timeout: patience,
         answer_timeout: patience,
     };
-    let mut say = |line: &str| println!("{line}");
+    let lines = Lines::new(out);
+    let mut say = |line: &str| lines.say(line);
     let outcome =
         send_impact(&environment()?, &ros.remap_rules, &options, &mut say).map_err(|error| {
             let exit = match error {
@@ -75,8 +81,8 @@ pub fn run(arguments: &ImpactArgs, ros: &RosArguments) -> Result<(), Failure> {
         })?;
     match outcome {
         ImpactOutcome::Forecast(report) => {
-            println!("{}", report_line("forecast", &report));
-            Ok(())
+            lines.say(report_line("forecast", &report));
+            lines.end()
         }
         ImpactOutcome::Refused(reason) => Err(Failure::plain(
             Exit::Failed,

@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::time::{Duration, UNIX_EPOCH};
 
 use clap::Args;
+use jiff::Timestamp;
 use serde_json::{Value as Json, json};
 
 use super::repair::failure;
@@ -41,7 +41,7 @@ pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
         true => writeln!(out, "{:#}", as_json(&reader, &events)),
         false => print(&reader, &events, out),
     };
-    printed.map_err(|error| Failure::plain(Exit::Failed, format!("cannot print: {error}")))?;
+    super::printed(printed)?;
     events.map_err(failure)?;
     if !reader.wholeness().is_whole() {
         let bag = arguments.bag.display();
@@ -226,16 +226,9 @@ fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> i
 
 /// An instant as a date, UTC, to the millisecond.
 fn instant(nanos: i64) -> String {
-    let time = UNIX_EPOCH + Duration::from_nanos(u64::try_from(nanos).unwrap_or(0));
-    let name = recording::directory_name(time);
-    let digits = name.trim_start_matches("column_twin_");
-    let (date, clock) = digits.split_once('-').unwrap_or((digits, ""));
-    let milliseconds = nanos.rem_euclid(1_000_000_000) / 1_000_000;
-    format!(
-        "{} {}.{milliseconds:03} UTC",
-        date.replace('_', "-"),
-        clock.replace('_', ":")
-    )
+    // Every number of nanoseconds of 64 bits is a date.
+    let time = Timestamp::from_nanosecond(i128::from(nanos)).unwrap_or_default();
+    time.strftime("%Y-%m-%d %H:%M:%S%.3f UTC").to_string()
 }
 
 fn as_json(reader: &Reader, events: &Events) -> Json {
@@ -263,4 +256,19 @@ fn as_json(reader: &Reader, events: &Events) -> Json {
         "topics": topics.collect::<Vec<_>>(),
         "impacts": events.as_ref().map(|it| &it.0).ok(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_instant_is_a_date() {
+        assert_eq!(instant(0), "1970-01-01 00:00:00.000 UTC");
+        assert_eq!(
+            instant(1_795_246_800_123_999_999),
+            "2026-11-21 07:40:00.123 UTC"
+        );
+        assert_eq!(instant(i64::MAX), "2262-04-11 23:47:16.854 UTC");
+    }
 }

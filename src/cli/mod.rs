@@ -29,6 +29,7 @@ mod verify;
 mod watch;
 
 use std::ffi::OsString;
+use std::io;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -123,6 +124,51 @@ impl Failure {
     }
 }
 
+/// A reader that has seen enough (`| head`) is no failure.
+fn unless_closed(written: io::Result<()>) -> io::Result<()> {
+    match written {
+        Err(closed) if closed.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// How a command ends that has printed something.
+#[cfg(any(feature = "ros", feature = "record"))]
+fn printed(written: io::Result<()>) -> Result<(), Failure> {
+    unless_closed(written)
+        .map_err(|error| Failure::plain(Exit::Failed, format!("cannot print: {error}")))
+}
+
+/// Lines for the standard output, by several who do not know of each other. After the first that cannot be printed there
+/// are no more.
+#[cfg(feature = "ros")]
+struct Lines<'a> {
+    out: std::cell::RefCell<&'a mut dyn io::Write>,
+    fault: std::cell::RefCell<Option<io::Error>>,
+}
+
+#[cfg(feature = "ros")]
+impl<'a> Lines<'a> {
+    fn new(out: &'a mut dyn io::Write) -> Self {
+        Self {
+            out: out.into(),
+            fault: None.into(),
+        }
+    }
+
+    fn say(&self, line: impl std::fmt::Display) {
+        let mut fault = self.fault.borrow_mut();
+        if fault.is_none() {
+            *fault = writeln!(self.out.borrow_mut(), "{line}").err();
+        }
+    }
+
+    /// Whether all was printed that somebody wanted to read.
+    fn end(self) -> Result<(), Failure> {
+        printed(self.fault.into_inner().map_or(Ok(()), Err))
+    }
+}
+
 /// Runs the command that the arguments, the program's name first, ask for; results go to the standard output, what
 /// went wrong to the standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -150,26 +196,26 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ended = match &cli.command {
         #[cfg(all(feature = "ros", feature = "record"))]
-        Command::Demo(arguments) => demo::run(arguments),
-        Command::Simulate(arguments) => simulate::run(arguments, &mut std::io::stdout().lock()),
+        Command::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
+        Command::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
-        Command::Replay(arguments) => replay::run(arguments, &ros),
+        Command::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        Command::Verify(arguments) => verify::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "ros")]
         Command::Run(arguments) => run::run(arguments, ros),
         #[cfg(feature = "ros")]
-        Command::Impact(arguments) => impact::run(arguments, &ros),
+        Command::Impact(arguments) => impact::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "ros")]
         Command::Watch(arguments) => watch::run(arguments, &ros),
         #[cfg(feature = "ros")]
-        Command::Idl(arguments) => idl::run(arguments, &mut std::io::stdout().lock()),
+        Command::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        Command::Info(arguments) => info::run(arguments, &mut std::io::stdout().lock()),
+        Command::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        Command::Repair(arguments) => repair::run(arguments, &mut std::io::stdout().lock()),
+        Command::Repair(arguments) => repair::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        Command::Export(arguments) => export::run(arguments, &mut std::io::stdout().lock()),
+        Command::Export(arguments) => export::run(arguments, &mut io::stdout().lock()),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,6 @@
 //! `column-twin replay`: a recording over DDS.
 
-use std::io::{IsTerminal, stderr, stdin};
+use std::io::{IsTerminal, Write, stderr, stdin};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -9,7 +9,8 @@ use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use crossterm::{event, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Exit, Failure, run::environment};
+use super::repair::failure;
+use super::{Exit, Failure, Lines, printed, run::environment};
 use crate::ros::RosArguments;
 use crate::ros::replay::{
     RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
@@ -20,7 +21,8 @@ const CLOCK_HZ: &str = "40";
 
 /// What `column-twin replay` is told besides the ROS arguments.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLE)]
+#[command(allow_negative_numbers = true, after_help = EXAMPLE)]
+#[cfg_attr(feature = "viewer", command(group = clap::ArgGroup::new("shown")))]
 pub struct ReplayArgs {
     /// A recording: its directory, or an MCAP file of it
     #[arg(value_name = "BAG")]
@@ -39,15 +41,15 @@ pub struct ReplayArgs {
     clock: Option<f64>,
     /// Publish nothing: write what the Rerun viewer shows into this file
     #[cfg(feature = "viewer")]
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["serve", "repeat", "topics", "clock", "wait_for_readers"])]
+    #[arg(long, value_name = "FILE", group = "shown", conflicts_with_all = ["rate", "repeat", "topics", "clock", "wait_for_readers"])]
     rrd: Option<PathBuf>,
     /// Publish nothing: serve it to Rerun viewers on this machine, until Ctrl-C
     #[cfg(feature = "viewer")]
-    #[arg(long, conflicts_with_all = ["repeat", "topics", "clock", "wait_for_readers"])]
+    #[arg(long, group = "shown", conflicts_with_all = ["rate", "repeat", "topics", "clock", "wait_for_readers"])]
     serve: bool,
     /// Parameter file of the column, for --rrd and --serve of a recording without a journal
     #[cfg(feature = "viewer")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "shown")]
     config: Option<PathBuf>,
     /// Wait this long until every topic has a reader, and then begin [s]
     #[arg(long, value_name = "S", default_value_t = 0)]
@@ -90,10 +92,14 @@ fn number_in(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, St
 }
 
 /// Replays the recording.
-pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
+pub fn run(
+    arguments: &ReplayArgs,
+    ros: &RosArguments,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     #[cfg(feature = "viewer")]
     if arguments.serve || arguments.rrd.is_some() {
-        return show(arguments);
+        return show(arguments, out);
     }
     let options = ReplayOptions {
         bag: arguments.bag.clone(),
@@ -107,22 +113,24 @@ pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
     drop(terminal); // as it was, before anything is printed
-    let replayed = replayed.map_err(|error| {
-        let exit = match error {
-            ReplayError::Node(_) | ReplayError::Signals(_) => Exit::Failed,
-            _ => Exit::BadInput,
-        };
-        Failure::plain(exit, error)
+    let replayed = replayed.map_err(|error| match error {
+        ReplayError::Recording(error) => failure(error),
+        ReplayError::Node(_) | ReplayError::Signals(_) => Failure::plain(Exit::Failed, error),
+        ReplayError::Name(_) | ReplayError::NoSuchTopic { .. } | ReplayError::Nothing { .. } => {
+            Failure::plain(Exit::BadInput, error)
+        }
     })?;
-    println!("{} messages sent", replayed.sent);
+    let lines = Lines::new(out);
+    lines.say(format_args!("{} messages sent", replayed.sent));
     if let Some([half, most, worst]) = replayed.lateness {
-        println!(
+        lines.say(format_args!(
             "later than due: {:.3} ms half of them, {:.3} ms 99 of 100, {:.3} ms at most",
             1e3 * half,
             1e3 * most,
             1e3 * worst
-        );
+        ));
     }
+    lines.end()?;
     match replayed.lost {
         0 => Ok(()),
         lost => Err(Failure::plain(
@@ -137,18 +145,21 @@ pub fn run(arguments: &ReplayArgs, ros: &RosArguments) -> Result<(), Failure> {
 
 /// Gives the recording to the viewer instead of DDS.
 #[cfg(feature = "viewer")]
-fn show(arguments: &ReplayArgs) -> Result<(), Failure> {
+fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let failed = |error| Failure::plain(Exit::Failed, error);
     let film = super::film::of_recording(&arguments.bag, arguments.config.as_ref())?;
     if let Some(path) = &arguments.rrd {
         crate::viewer::write_rrd(path, &film.parameters, film.items, false).map_err(failed)?;
-        println!("rerun {}", path.display());
-        return Ok(());
+        return printed(writeln!(out, "rerun {}", path.display()));
     }
     let mut signals =
         crate::ros::StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let served = crate::viewer::serve(&film.parameters, film.items).map_err(failed)?;
-    println!("serving until Ctrl-C; look with: rerun {}", served.url());
+    printed(writeln!(
+        out,
+        "serving until Ctrl-C; look with: rerun {}",
+        served.url()
+    ))?;
     signals.wait();
     Ok(())
 }

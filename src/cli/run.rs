@@ -32,7 +32,6 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         ros,
         environment: environment()?,
         parameter_files: arguments.config.clone(),
-        ..RunOptions::default()
     };
     let end = ros::run(&options, |parameters| {
         start_live_twin(parameters, LiveOptions::default())
@@ -45,6 +44,12 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
     })?;
+    if end.solver_ended {
+        return Err(Failure::plain(
+            Exit::Failed,
+            "a thread of the twin has ended by a panic; restart the node and report what it wrote",
+        ));
+    }
     match end.lost_in_recording {
         0 => Ok(()),
         lost => Err(Failure::plain(

@@ -10,7 +10,7 @@ use std::time::SystemTime;
 
 use clap::Args;
 
-use super::{Exit, Failure, HistoryWriter, Summary};
+use super::{Exit, Failure, HistoryWriter, Summary, unless_closed};
 use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
 #[cfg(feature = "record")]
 use crate::evidence::SimulatedRecordingError;
@@ -155,10 +155,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 
     if let Some(path) = &arguments.csv {
         if history_to_output {
-            unless_closed(
-                case.write_history(&mut *output).map(drop),
-                SimulateError::Output,
-            )?;
+            unless_closed(case.write_history(&mut *output).map(drop))
+                .map_err(SimulateError::Output)?;
         } else {
             case.write_history_file(path)?;
         }
@@ -205,18 +203,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let written = output
         .write_all(text.as_bytes())
         .and_then(|()| output.flush());
-    Ok(unless_closed(written, SimulateError::Output)?)
-}
-
-/// A reader that has seen enough (`| head`) is no failure.
-fn unless_closed(
-    written: io::Result<()>,
-    fault: impl FnOnce(io::Error) -> SimulateError,
-) -> Result<(), SimulateError> {
-    match written {
-        Err(closed) if closed.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.map_err(fault),
-    }
+    Ok(unless_closed(written).map_err(SimulateError::Output)?)
 }
 
 /// The summary and the files written.

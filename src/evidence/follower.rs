@@ -28,6 +28,10 @@ pub(super) struct Recorded<'a> {
 pub(super) struct Follower {
     /// `None` while it is not known where the recorded twin is.
     course: Option<Course>,
+    /// What the next starting point or input is to be numbered; `None` before the first.
+    next_number: Option<u64>,
+    /// Nothing numbered has come behind the first starting point.
+    is_beginning: bool,
     pub findings: Verification,
 }
 
@@ -35,8 +39,6 @@ pub(super) struct Follower {
 struct Course {
     twin: Twin,
     outgoing: Outgoing,
-    /// Of the next starting point or input.
-    next_number: u64,
     /// What it gave out and was not found in the recording yet.
     computed: [VecDeque<Computed>; TOPICS.len()],
     /// Messages it gave out.
@@ -79,12 +81,13 @@ impl Follower {
             response: point.response,
             step: None,
         };
-        self.number_is(point.number);
+        self.number_is(point.number, place);
+        self.next_number = Some(point.number.saturating_add(1));
+        self.is_beginning = self.findings.starting_points == 1;
         self.come_to(here, place);
         let Some(course) = &mut self.course else {
             return self.begin(point, place);
         };
-        course.next_number = point.number + 1;
         let Some(mut computed) = course.twin.starting_point(point.stamp) else {
             return;
         };
@@ -121,7 +124,8 @@ impl Follower {
 
     fn handled(&mut self, handled: &Handled, place: &Place<'_>) {
         self.findings.inputs += 1;
-        self.number_is(handled.number);
+        self.number_is(handled.number, place);
+        self.next_number = Some(handled.number.saturating_add(1));
         self.come_to(handled.position, place);
         let Some(course) = &mut self.course else {
             return;
@@ -132,7 +136,6 @@ impl Follower {
                     .to_owned(),
             );
         }
-        course.next_number += 1;
         let mut out = Vec::new();
         course
             .twin
@@ -156,7 +159,7 @@ impl Follower {
     }
 
     fn status_taken(&mut self, taken: StatusTaken, place: &Place<'_>) {
-        self.number_is(taken.next_number);
+        self.number_is(taken.next_number, place);
         self.come_to(taken.position, place);
         if let Some(course) = &mut self.course {
             let status = course.twin.status(taken.stamp);
@@ -165,14 +168,31 @@ impl Follower {
     }
 
     /// The journal is at this number: complete so far, or not.
-    fn number_is(&mut self, number: u64) {
+    fn number_is(&mut self, number: u64, place: &Place<'_>) {
+        let is_beginning = std::mem::take(&mut self.is_beginning);
+        let expected = self.next_number.replace(number).unwrap_or(number);
+        if number < expected {
+            let found = super::comparison::FieldDifference {
+                field: "the number of the entry".to_owned(),
+                recorded: number.to_string(),
+                computed: expected.to_string(),
+                by: None,
+            };
+            self.findings.differs(place.difference(found, None, ""));
+            return self.lose_track("the numbers of the journal go back".to_owned());
+        }
+        let lost = number - expected;
+        if lost > 0 {
+            // A recording that had to begin in the middle of a response begins with the last starting point, and what the
+            // twin was given since stands in the recording before. Anywhere else each number must be there.
+            if !is_beginning {
+                self.findings.missing_entries += lost;
+            }
+            return self.lose_track(format!("{lost} entries of the journal are missing"));
+        }
         let Some(course) = &mut self.course else {
             return;
         };
-        let lost = number.abs_diff(course.next_number);
-        if lost > 0 {
-            return self.lose_track(format!("{lost} entries of the journal are missing"));
-        }
         let Foreign { count, first } = std::mem::take(&mut course.foreign);
         for (check, count) in self.findings.topics.iter_mut().zip(count) {
             check.foreign += count;
@@ -297,7 +317,6 @@ impl Course {
         Ok(Self {
             twin: Twin::from_starting_point(point, stopwatch)?,
             outgoing: Outgoing::new(&point.parameters),
-            next_number: point.number + 1,
             computed: Default::default(),
             count: 0,
             newest_found: 0,

@@ -1,7 +1,7 @@
 //! The recording of a running node.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entries::Entries;
@@ -10,6 +10,7 @@ use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::cdr;
 use crate::messages::column_twin::TwinStatus;
+use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::parameters::{Record, RecordMode};
 use crate::recording::{
     Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
@@ -19,8 +20,8 @@ use crate::twin::Journal;
 
 /// Takes a copy of everything that a node receives and sends; a thread of its own writes it.
 ///
-/// The mode `events` leaves out what only repeats itself while the column is at rest: status and diagnostics. Every
-/// input, all that it leads to, and every starting point is recorded in both modes.
+/// The mode `events` leaves out what only repeats itself while the column is at rest: status, and diagnostics in which
+/// no level changes. Every input, all that it leads to, and every starting point is recorded in both modes.
 pub struct NodeRecording {
     /// Until it is stopped.
     recorder: RwLock<Option<RecorderHandle>>,
@@ -28,6 +29,8 @@ pub struct NodeRecording {
     events_only: bool,
     /// Something has happened since the last status at rest.
     going_on: AtomicBool,
+    /// The levels of the newest diagnostics.
+    levels: Mutex<Option<Vec<u8>>>,
     /// Recorded times never go back, whatever is done to the clock \[ns\].
     last_time: AtomicI64,
     /// What could not even be offered to the recorder.
@@ -56,6 +59,7 @@ impl NodeRecording {
             entries: Entries::new(topics),
             events_only,
             going_on: AtomicBool::new(true),
+            levels: Mutex::default(),
             last_time: AtomicI64::new(0),
             unencoded: AtomicU64::new(0),
         })))
@@ -107,10 +111,25 @@ impl NodeRecording {
             return true;
         }
         let going_on = self.going_on.load(Ordering::Relaxed);
-        if endpoint.name == endpoints::TWIN_STATUS.name && is_at_rest(bytes) {
+        if endpoint.name == endpoints::DIAGNOSTICS.name {
+            return self.changes_a_level(bytes) || going_on;
+        }
+        if is_at_rest(bytes) {
             self.going_on.store(false, Ordering::Relaxed);
         }
         going_on
+    }
+
+    /// Whether these diagnostics say of something that it is better or worse than before.
+    fn changes_a_level(&self, diagnostics: &[u8]) -> bool {
+        let Ok(array) = cdr::decode::<DiagnosticArray>(diagnostics) else {
+            return true;
+        };
+        let levels = Some(array.status.iter().map(|it| it.level).collect());
+        let mut last = self.levels.lock().unwrap_or_else(PoisonError::into_inner);
+        let changed = *last != levels;
+        *last = levels;
+        changed
     }
 }
 

@@ -19,7 +19,7 @@ use crate::recording::{Entry, Finished, RecordingError, Writer, WriterOptions};
 use crate::twin::{ImpactEvent, Input, Nanos, Output, Twin};
 
 /// Name of the one event.
-pub const SIMULATED_EVENT: &str = "simulated";
+const SIMULATED_EVENT: &str = "simulated";
 
 /// A recording that was written.
 #[derive(Debug, Clone, PartialEq)]

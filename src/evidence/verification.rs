@@ -8,8 +8,6 @@ use super::comparison::Difference;
 use super::follower::{Follower, Recorded};
 use super::journal_line::{JournalError, Line};
 use crate::endpoints;
-use crate::messages::Message as _;
-use crate::messages::std_msgs;
 use crate::outgoing::{Message, TOPICS};
 use crate::recording::{Reader, RecordingError};
 
@@ -31,6 +29,8 @@ pub struct Verification {
     pub inputs: u64,
     /// Inputs that the node refused before the twin saw them.
     pub refused_by_node: u64,
+    /// Entries of the journal that its numbers say are missing.
+    pub missing_entries: u64,
     /// Why something was not checked.
     pub unchecked: Vec<String>,
     /// How many reasons there were.
@@ -93,16 +93,30 @@ pub enum VerifyError {
 }
 
 impl Verification {
-    /// Whether everything that could be compared is equal, and nothing is missing but what the recording says is.
+    /// Whether everything that could be compared is equal, which is not nothing, and nothing is missing but what the
+    /// recording says is.
     #[must_use]
     pub fn is_equal(&self) -> bool {
-        self.differences == 0 && self.missing() <= self.admitted_losses
+        !self.is_contradicted() && !self.is_unchecked()
     }
 
-    /// Messages that the model gives and that are not in the recording.
+    /// Whether something is not as the model gives it, or is missing although the recording does not say so.
+    #[must_use]
+    pub fn is_contradicted(&self) -> bool {
+        self.differences > 0 || self.missing() > self.admitted_losses
+    }
+
+    /// Whether there are messages to compare, and none could be.
+    #[must_use]
+    pub fn is_unchecked(&self) -> bool {
+        self.compared() == 0 && self.topics.iter().any(|it| it.recorded > 0)
+    }
+
+    /// Messages that the model gives and that are not in the recording, and entries that are missing in its journal.
     #[must_use]
     pub fn missing(&self) -> u64 {
-        self.topics.iter().map(|it| it.missing).sum()
+        let messages: u64 = self.topics.iter().map(|it| it.missing).sum();
+        messages + self.missing_entries
     }
 
     /// Messages that were compared.
@@ -150,11 +164,11 @@ impl Verification {
     /// A status says how many messages have been lost on their way here.
     pub(super) fn note_losses(&mut self, message: &Message) {
         if let Message::TwinStatus(status) = message {
-            // A lost state takes its hinge forces, joint states and markers with it.
-            const MESSAGES_PER_STATE: u64 = 4;
+            // A lost state, which `dropped_recording` counts, takes its hinge forces, joint states and markers with it.
+            const MESSAGES_WITH_A_STATE: u64 = 3;
             let lost = status
                 .dropped_states
-                .saturating_mul(MESSAGES_PER_STATE)
+                .saturating_mul(MESSAGES_WITH_A_STATE)
                 .saturating_add(status.dropped_recording);
             self.admitted_losses = self.admitted_losses.max(lost);
         }
@@ -167,12 +181,10 @@ impl Verification {
 /// It cannot be read, or has nothing to compute it from.
 pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     let reader = Reader::open(path)?;
-    let journal_type = std_msgs::String::INTERFACE.ros_name();
-    let suffix = endpoints::JOURNAL.name.trim_start_matches('~');
     let journal = reader
         .topics()
         .iter()
-        .find(|it| *it.type_name == *journal_type && it.name.ends_with(suffix))
+        .find(|it| it.is_journal())
         .map(|it| std::sync::Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut follower = Follower::default();
@@ -284,23 +296,35 @@ impl fmt::Display for Verification {
         if self.missing() > 0 {
             writeln!(
                 f,
-                "Missing: {} messages; the recording itself says that up to {} were lost",
+                "Missing: {} messages, {} of them of the journal; the recording itself says that up to {} were lost",
                 self.missing(),
+                self.missing_entries,
                 self.admitted_losses
             )?;
         }
         match &self.first_difference {
             Some(first) => writeln!(f, "{} differences, the first:\n  {first}", self.differences),
-            None if self.is_equal() => writeln!(
-                f,
-                "Equal: {} messages and {} states at rest, to the last bit",
-                self.compared(),
-                self.states_at_rest
-            ),
-            None => writeln!(
+            None if self.is_contradicted() => writeln!(
                 f,
                 "Messages are missing that the recording does not account for"
             ),
+            None if self.is_unchecked() => {
+                writeln!(f, "Nothing could be checked: no message was compared")
+            }
+            None => {
+                let all = self.unchecked_reasons == 0 && self.unchecked_messages() == 0;
+                writeln!(
+                    f,
+                    "Equal{}: {} messages and {} states at rest, to the last bit",
+                    if all {
+                        ""
+                    } else {
+                        " as far as it could be checked"
+                    },
+                    self.compared(),
+                    self.states_at_rest
+                )
+            }
         }
     }
 }

@@ -124,6 +124,8 @@ pub struct Decoder {
     topic: Arc<str>,
     type_name: Arc<str>,
     shape: Shape,
+    /// Whether such messages are rows of a table.
+    fits: bool,
 }
 
 /// What a type is made of.
@@ -144,11 +146,14 @@ impl Decoder {
         let schema = parse_schema(topic)?;
         let definitions = Definitions::new(&schema);
         let mut shapes = BTreeMap::new();
-        let shape = definitions.shape_of(&schema.spec, &mut shapes, &mut Vec::new());
+        let shape = definitions
+            .shape_of(&schema.spec, &mut shapes, &mut Vec::new())
+            .map_err(|reason| wrong_schema(topic, reason))?;
         Ok(Self {
             topic: Arc::clone(&topic.name),
             type_name: Arc::clone(&topic.type_name),
-            shape: shape.map_err(|reason| wrong_schema(topic, reason))?,
+            fits: table::fits(&shape),
+            shape,
         })
     }
 
@@ -170,7 +175,7 @@ impl Decoder {
     /// so is a message that would have thousands.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
-        match table::fits(&self.shape) {
+        match self.fits {
             true => table::columns(&self.shape),
             false => vec!["message".to_owned()],
         }
@@ -179,7 +184,7 @@ impl Decoder {
     /// The cells of a message under these [`columns`](Self::columns); sequences in JSON.
     #[must_use]
     pub fn cells(&self, content: &Decoded) -> Vec<String> {
-        match table::fits(&self.shape) {
+        match self.fits {
             true => table::cells(&self.shape, content),
             // Written by serde from plain values, which does not fail.
             false => vec![serde_json::to_string(content).unwrap_or_default()],

@@ -125,6 +125,8 @@ impl Events {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
+        // It was accepted. What was refused then is a repeat of it.
+        event.refused = None;
         let kind = number(message, "kind");
         if kind == Some(f64::from(ImpactReport::FORECAST)) {
             event.forecast_max_v1 = number(message, "max_v1");
@@ -144,7 +146,8 @@ impl Events {
         }
         let reason = text(message, "last_refusal_reason").to_owned();
         if let Some(event) = self.of(text(message, "column_id"), refused) {
-            event.refused = Some(reason);
+            let accepted = event.forecast_max_v1.is_some() || event.outcome.is_some();
+            event.refused = (!accepted).then_some(reason);
         }
     }
 }

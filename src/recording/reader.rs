@@ -13,6 +13,7 @@ use super::retention::mcap_files;
 use super::storage::is_being_written;
 use super::topic::OfferedQos;
 use super::writer::{LOSSES_RECORD, QOS_KEY, START_RECORD};
+use crate::endpoints;
 use crate::parameters::Compression;
 
 /// Most bytes of messages that are held to put them in order.
@@ -63,6 +64,15 @@ pub struct RecordedTopic {
     pub qos: Option<OfferedQos>,
     /// Number of its messages.
     pub messages: u64,
+}
+
+impl RecordedTopic {
+    /// Whether it is the journal of a twin, under whatever name of its node.
+    #[must_use]
+    pub fn is_journal(&self) -> bool {
+        let name = endpoints::JOURNAL.name.trim_start_matches('~');
+        *self.type_name == *endpoints::JOURNAL.type_name && self.name.ends_with(name)
+    }
 }
 
 /// Whether all that was written to a recording is there and unharmed.

@@ -64,7 +64,7 @@ impl Recorder {
             spawn(RECORDER_THREAD, move || shared.run(session))?
         };
         Ok(RecorderHandle {
-            sender: RecorderSender { shared },
+            shared,
             threads: Some([recording, repairing]),
         })
     }
@@ -183,13 +183,14 @@ impl Shared {
     }
 }
 
-/// Sends to a recorder; clones send to the same.
-#[derive(Debug, Clone)]
-pub struct RecorderSender {
+/// A recorder that runs. Dropped, it stops.
+#[derive(Debug)]
+pub struct RecorderHandle {
     shared: Arc<Shared>,
+    threads: Option<[JoinHandle<()>; 2]>,
 }
 
-impl RecorderSender {
+impl RecorderHandle {
     /// Gives a message to the recorder, without waiting for anything; `false`, and counted, where the queue is full.
     pub fn record(&self, entry: Entry) -> bool {
         self.shared.record(entry)
@@ -200,32 +201,6 @@ impl RecorderSender {
     pub fn statistics(&self) -> RecorderStatistics {
         self.shared.statistics()
     }
-}
-
-/// A recorder that runs. Dropped, it stops.
-#[derive(Debug)]
-pub struct RecorderHandle {
-    sender: RecorderSender,
-    threads: Option<[JoinHandle<()>; 2]>,
-}
-
-impl RecorderHandle {
-    /// As [`RecorderSender::record`].
-    pub fn record(&self, entry: Entry) -> bool {
-        self.sender.record(entry)
-    }
-
-    /// How it does.
-    #[must_use]
-    pub fn statistics(&self) -> RecorderStatistics {
-        self.sender.statistics()
-    }
-
-    /// For another thread; what it sends after the [stop](Self::stop) is lost.
-    #[must_use]
-    pub fn sender(&self) -> RecorderSender {
-        self.sender.clone()
-    }
 
     /// Writes what waits, finishes the recording, and says how it did. Where something was
     /// [lost](RecorderStatistics::lost), the program's exit code is to be 3.
@@ -233,8 +208,6 @@ impl RecorderHandle {
     pub fn stop(mut self) -> RecorderStatistics {
         let panicked = self.join();
         let mut statistics = self.statistics();
-        // What came too late is in no file.
-        statistics.lost += statistics.queue.len as u64;
         if panicked {
             let reason =
                 "the recorder ended by a panic; please report what it wrote to the standard error";
@@ -245,7 +218,7 @@ impl RecorderHandle {
     }
 
     fn join(&mut self) -> bool {
-        self.sender.shared.stop.store(true, Ordering::SeqCst);
+        self.shared.stop.store(true, Ordering::SeqCst);
         let Some(threads) = self.threads.take() else {
             return false;
         };

@@ -128,9 +128,9 @@ impl<T> Reordering<T> {
         Some(first.message)
     }
 
-    /// Bytes of the messages that are held.
+    /// Bytes that are held: of the messages, and of what is known of each, for a message may be empty.
     pub fn held_bytes(&self) -> usize {
-        self.held_bytes
+        self.held_bytes + self.held.len() * size_of::<Reverse<Held<T>>>()
     }
 }
 
@@ -194,7 +194,20 @@ mod tests {
         let times: Vec<u64> = (0..10_000).collect();
         let (out, most) = reordered(&times);
         assert_eq!(out, expected(&times));
-        assert!(most <= BLOCK_MESSAGES, "{most}");
+        let each = 1 + size_of::<Reverse<Held<(u64, usize)>>>();
+        assert!(most <= BLOCK_MESSAGES * each, "{most}");
+    }
+
+    #[test]
+    fn an_empty_message_takes_memory_too() {
+        let mut reordering = Reordering::new(vec![0; 100].into());
+        for time in 1..=1000 {
+            reordering.push(time, 0, ());
+            assert!(reordering.pop().is_none());
+        }
+        assert!(reordering.held_bytes() >= 1000 * size_of::<Held<()>>());
+        while reordering.take().is_some() {}
+        assert_eq!(reordering.held_bytes(), 0);
     }
 
     #[test]

@@ -10,8 +10,9 @@ use mcap::records::Metadata;
 use super::bag_metadata::METADATA_FILE;
 use super::error::RecordingError;
 use super::reader::{Reader, RecordedTopic};
+use super::report::RecorderReport;
 use super::retention::{find_recordings, mcap_files};
-use super::session::{RecorderOptions, RecorderReport};
+use super::session::RecorderOptions;
 use super::storage::is_being_written;
 use super::writer::{Described, Ended, LOSSES_RECORD, Writer, WriterOptions, record};
 
@@ -184,7 +185,9 @@ fn write_anew(
             [message.log_time, message.publish_time].map(|it| u64::try_from(it).unwrap_or(0));
         writer.write_message(message.topic_index, log_time, publish_time, &message.data)?;
     }
-    let finished = writer.finish_because(Ended::Repaired)?;
+    let finished = writer
+        .finish_because(Ended::Repaired)
+        .map_err(|(error, _)| error)?;
     if directory.symlink_metadata().is_ok() {
         return Err(RecordingError::Exists {
             path: directory.to_path_buf(),

@@ -11,13 +11,12 @@ use std::time::{Duration, SystemTime};
 
 use super::error::RecordingError;
 use super::names::directory_name;
-use super::repair::Repaired;
+use super::report::RecorderReport;
 use super::retention::{Kept, delete_what_is_too_much};
 use super::syncing::Syncing;
 use super::topic::TopicInfo;
-use super::writer::{Ended, Entry, Finished, Writer, WriterOptions};
+use super::writer::{Ended, Entry, Unsaved, Writer, WriterOptions};
 use crate::parameters::{Compression, Record};
-use crate::twin::Severity;
 
 /// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
 /// [`FLUSH_WITHIN`](super::FLUSH_WITHIN).
@@ -118,7 +117,6 @@ impl RecorderOptions {
             compression: self.compression,
             sync: self.sync,
             notes: self.notes.clone(),
-            ..WriterOptions::default()
         }
     }
 
@@ -134,114 +132,6 @@ impl fmt::Debug for RecorderOptions {
         f.debug_struct("RecorderOptions")
             .field("directory", &self.directory)
             .finish_non_exhaustive()
-    }
-}
-
-/// Something that happened to a recorder. Displayed, it is a line for a log.
-#[derive(Debug, Clone, PartialEq)]
-pub enum RecorderReport {
-    /// A recording began.
-    Began {
-        /// Its directory.
-        directory: PathBuf,
-    },
-    /// A recording was finished.
-    Finished(Finished),
-    /// An old recording was deleted, because of the limits.
-    Deleted {
-        /// Its directory.
-        directory: PathBuf,
-    },
-    /// A recording that a crash had cut off was written anew.
-    Repaired(Repaired),
-    /// A recording that a crash had cut off could not be written anew.
-    NotRepaired {
-        /// Its directory.
-        directory: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// Nothing can be recorded now.
-    Failing {
-        /// Why, and what to do.
-        reason: String,
-    },
-    /// It is recorded again.
-    Resumed {
-        /// Where.
-        directory: PathBuf,
-        /// Messages that are in no file.
-        lost: u64,
-    },
-    /// The queue was full.
-    Lost {
-        /// Messages that are in no file since the last report.
-        messages: u64,
-    },
-}
-
-impl RecorderReport {
-    /// How bad it is: whatever is lost is an error.
-    #[must_use]
-    pub fn severity(&self) -> Severity {
-        match self {
-            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => Severity::Info,
-            Self::Repaired(_) => Severity::Warning,
-            Self::NotRepaired { .. }
-            | Self::Failing { .. }
-            | Self::Resumed { .. }
-            | Self::Lost { .. } => Severity::Error,
-        }
-    }
-}
-
-impl fmt::Display for RecorderReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Began { directory } => write!(f, "recording to {}", directory.display()),
-            Self::Finished(it) => {
-                write!(
-                    f,
-                    "recorded {} messages, {} bytes in {}",
-                    it.messages,
-                    it.bytes,
-                    it.directory.display()
-                )?;
-                if it.lost > 0 {
-                    write!(f, "; {} messages are missing", it.lost)?;
-                }
-                Ok(())
-            }
-            Self::Deleted { directory } => {
-                write!(
-                    f,
-                    "deleted the old recording {}, as record.max_* say",
-                    directory.display()
-                )
-            }
-            Self::Repaired(it) => write!(f, "{it}"),
-            Self::NotRepaired { directory, reason } => {
-                write!(
-                    f,
-                    "the recording {} was cut off and is not repaired: {reason}",
-                    directory.display()
-                )
-            }
-            Self::Failing { reason } => write!(f, "nothing is recorded: {reason}"),
-            Self::Resumed { directory, lost } => {
-                write!(
-                    f,
-                    "recording again, to {}; {lost} messages are in no recording",
-                    directory.display()
-                )
-            }
-            Self::Lost { messages } => {
-                write!(
-                    f,
-                    "{messages} messages are not recorded: the disk is too slow for them"
-                )
-            }
-        }
     }
 }
 
@@ -274,8 +164,10 @@ pub(super) struct Session {
     /// The newest starting point, with which a recording begins that could not wait for one.
     starting_point: Option<Entry>,
     retry_at: Option<Duration>,
-    /// Losses that stand in a file, or were told.
+    /// Losses that stand in a file.
     noted: u64,
+    /// Losses that were told.
+    told: u64,
     last_note: Option<Duration>,
 }
 
@@ -302,6 +194,7 @@ impl Session {
             starting_point: None,
             retry_at: None,
             noted: 0,
+            told: 0,
             last_note: None,
         })
     }
@@ -376,7 +269,7 @@ impl Session {
             },
             Some(_) => RecorderReport::Resumed {
                 directory: directory.clone(),
-                lost: self.lost(),
+                lost: self.losses_to_tell(),
             },
         };
         self.options.say(&report);
@@ -474,7 +367,8 @@ impl Session {
         if matches!(error, RecordingError::NoRoom { .. }) {
             self.end(Ended::NoRoom);
         } else if let Some(current) = self.writer.take() {
-            current.writer.abandon();
+            let unsaved = current.writer.abandon();
+            self.cut_off(unsaved);
         }
         set(&self.counters.current, None);
         set(&self.counters.failing, Some(Arc::clone(&reason)));
@@ -492,14 +386,15 @@ impl Session {
             return;
         };
         current.writer.add_lost(losses);
-        self.noted += losses;
         set(&self.counters.current, None);
         match current.writer.finish_because(reason) {
             Ok(finished) => {
+                self.noted += losses;
                 self.counters.finished.fetch_add(1, Ordering::Relaxed);
                 self.options.say(&RecorderReport::Finished(finished));
             }
-            Err(error) => {
+            Err((error, unsaved)) => {
+                self.cut_off(unsaved);
                 self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
                 self.options.say(&RecorderReport::Failing {
                     reason: error.to_string(),
@@ -508,7 +403,27 @@ impl Session {
         }
     }
 
-    /// Messages that are lost and of which nobody knows yet.
+    /// Counts what was taken for written when it came, and has not reached the file.
+    fn cut_off(&self, unsaved: Unsaved) {
+        let counters = &self.counters;
+        counters
+            .unwritten
+            .fetch_add(unsaved.messages, Ordering::Relaxed);
+        counters
+            .written
+            .fetch_sub(unsaved.messages, Ordering::Relaxed);
+        counters
+            .written_bytes
+            .fetch_sub(unsaved.bytes, Ordering::Relaxed);
+    }
+
+    /// Losses of which no report has said anything; from now on one has.
+    fn losses_to_tell(&mut self) -> u64 {
+        let lost = self.lost();
+        lost - std::mem::replace(&mut self.told, lost)
+    }
+
+    /// Messages that are lost and of which no file says so.
     fn new_losses(&self) -> u64 {
         self.lost().saturating_sub(self.noted)
     }
@@ -549,12 +464,15 @@ impl Session {
             return;
         };
         self.last_note = Some(now);
-        self.noted += losses;
         current.writer.add_lost(losses);
         let noted = current.writer.note_lost();
-        self.options.say(&RecorderReport::Lost { messages: losses });
-        if let Err(error) = noted {
-            self.fail(&error, now);
+        let messages = self.losses_to_tell();
+        if messages > 0 {
+            self.options.say(&RecorderReport::Lost { messages });
+        }
+        match noted {
+            Ok(()) => self.noted += losses,
+            Err(error) => self.fail(&error, now),
         }
     }
 
@@ -566,6 +484,7 @@ impl Session {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reader::Reader;
     use super::super::topic::OfferedQos;
     use super::*;
 
@@ -579,11 +498,7 @@ mod tests {
         }
     }
 
-    #[test]
-    fn an_old_recording_goes_on_at_a_starting_point_or_at_its_hard_limit() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
-        options.max_duration = Some(Duration::from_secs(10));
+    fn session(options: RecorderOptions) -> (Session, Arc<Counters>) {
         let topic = TopicInfo {
             name: "/text".to_owned(),
             type_name: "std_msgs/msg/String",
@@ -594,7 +509,82 @@ mod tests {
             },
         };
         let counters = Arc::<Counters>::default();
-        let mut session = Session::start(options, vec![topic], Arc::clone(&counters)).unwrap();
+        let session = Session::start(options, vec![topic], Arc::clone(&counters)).unwrap();
+        (session, counters)
+    }
+
+    /// Messages of the recordings in `folder`, and those that are missing as they say, by name.
+    fn contents(folder: &Path) -> Vec<(u64, Option<u64>)> {
+        let mut directories: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|it| it.unwrap().path())
+            .collect();
+        directories.sort();
+        let file = |it: &PathBuf| it.join(super::super::writer::file_name(it));
+        directories
+            .iter()
+            .map(|it| Reader::open(&file(it)).unwrap())
+            .map(|it| (it.message_count(), it.lost_messages()))
+            .collect()
+    }
+
+    #[test]
+    fn what_a_failed_write_cuts_off_is_lost_and_said_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let telling = Arc::clone(&told);
+        options.tell = Some(Arc::new(move |it| {
+            telling.lock().unwrap().push(it.clone());
+        }));
+        let (mut session, counters) = session(options);
+        let counted = || {
+            let count = |it: &AtomicU64| it.load(Ordering::Relaxed);
+            (count(&counters.written), count(&counters.unwritten))
+        };
+        let at = Duration::from_millis;
+        (0..4).for_each(|index| session.take(entry(index == 0), at(0)));
+        session.tick(at(100));
+        (0..3).for_each(|_| session.take(entry(false), at(110)));
+        assert_eq!(counted(), (7, 0));
+        session.writer.as_ref().unwrap().writer.break_disk();
+        session.tick(at(200));
+        assert_eq!(counted(), (4, 3));
+        // Before it is tried again.
+        session.take(entry(false), at(300));
+        assert_eq!(counted(), (4, 4));
+        session.take(entry(false), at(6000));
+        (0..30).for_each(|index| session.tick(at(6100 + 100 * index)));
+        session.take(entry(false), at(9200));
+        session.writer.as_ref().unwrap().writer.break_disk();
+        session.finish();
+        assert_eq!(counted(), (4 + 2, 4 + 1));
+        assert_eq!(contents(folder.path()), [(4, None), (2, Some(4))]);
+        let told = told.lock().unwrap();
+        let resumed = RecorderReport::Resumed {
+            directory: folder.path().join("column_twin_1970_01_01-00_00_06"),
+            lost: 4,
+        };
+        assert!(
+            matches!(
+                &told[..],
+                [
+                    RecorderReport::Began { .. },
+                    RecorderReport::Failing { .. },
+                    second,
+                    RecorderReport::Failing { .. },
+                ] if *second == resumed
+            ),
+            "{told:?}"
+        );
+    }
+
+    #[test]
+    fn an_old_recording_goes_on_at_a_starting_point_or_at_its_hard_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
+        options.max_duration = Some(Duration::from_secs(10));
+        let (mut session, counters) = session(options);
         let names = || {
             let mut names: Vec<_> = fs::read_dir(folder.path())
                 .unwrap()

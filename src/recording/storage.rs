@@ -21,20 +21,18 @@ struct Shared {
     file: File,
     position: AtomicU64,
     reserved: AtomicU64,
-    reserving: bool,
     closed: AtomicBool,
 }
 
 impl Storage {
     /// A new file, locked against a repair by another program for as long as it is open.
-    pub fn create(path: &Path, reserving: bool) -> io::Result<Self> {
+    pub fn create(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path)?;
         lock(&file);
         Ok(Self(Arc::new(Shared {
             file,
             position: AtomicU64::new(0),
             reserved: AtomicU64::new(0),
-            reserving,
             closed: AtomicBool::new(false),
         })))
     }
@@ -50,7 +48,7 @@ impl Storage {
     /// There is no room. Where the file system cannot tell beforehand, it is said when writing.
     pub fn reserve(&self, end: u64) -> io::Result<()> {
         let reserved = self.0.reserved.load(Ordering::Relaxed);
-        if !self.0.reserving || end <= reserved {
+        if end <= reserved {
             return Ok(());
         }
         let generous = end.saturating_add(STEP);
@@ -154,7 +152,7 @@ mod tests {
     fn room_is_set_aside_and_given_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
-        let mut storage = Storage::create(&path, true).unwrap();
+        let mut storage = Storage::create(&path).unwrap();
         storage.reserve(1000).unwrap();
         storage.write_all(b"content").unwrap();
         assert_eq!(
@@ -173,9 +171,9 @@ mod tests {
     fn a_file_is_locked_while_it_is_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
-        let storage = Storage::create(&path, true).unwrap();
+        let storage = Storage::create(&path).unwrap();
         assert!(is_being_written(&path));
-        assert!(Storage::create(&path, true).is_err());
+        assert!(Storage::create(&path).is_err());
         drop(storage);
         assert!(!is_being_written(&path));
     }

@@ -5,6 +5,9 @@ use super::decode::{Decoded, Shape, not_finite};
 /// Most columns of a table; an array that would make more becomes a cell.
 const MOST_COLUMNS: usize = 4096;
 
+/// Most shapes inside each other that are looked at for these columns.
+const MOST_SHAPES: usize = 4 * MOST_COLUMNS;
+
 /// Names of the columns below `shape`, `header.stamp.sec`, `moment[0]`.
 pub(super) fn columns(shape: &Shape) -> Vec<String> {
     let mut names = Vec::new();
@@ -36,18 +39,34 @@ fn is_spread(length: usize) -> bool {
 
 /// Whether a table of that shape has few enough columns.
 pub(super) fn fits(shape: &Shape) -> bool {
-    count(shape) <= MOST_COLUMNS
+    let mut left = Left {
+        columns: MOST_COLUMNS,
+        shapes: MOST_SHAPES,
+    };
+    left.spend(shape).is_some()
 }
 
-fn count(shape: &Shape) -> usize {
-    match shape {
-        Shape::Fields(fields) => fields
-            .iter()
-            .fold(0, |sum, (_, shape)| sum.saturating_add(count(shape))),
-        Shape::Array(element, length) if is_spread(*length) => {
-            count(element).saturating_mul(*length)
+/// What a shape may still have. Types inside each other are shared: followed to its end a small definition would be a
+/// tree of any size, also one without a single column.
+struct Left {
+    columns: usize,
+    shapes: usize,
+}
+
+impl Left {
+    /// `None` as soon as there is too much.
+    fn spend(&mut self, shape: &Shape) -> Option<()> {
+        self.shapes = self.shapes.checked_sub(1)?;
+        match shape {
+            Shape::Fields(fields) => fields.iter().try_for_each(|(_, shape)| self.spend(shape)),
+            Shape::Array(element, length) if is_spread(*length) => {
+                (0..*length).try_for_each(|_| self.spend(element))
+            }
+            Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => {
+                self.columns = self.columns.checked_sub(1)?;
+                Some(())
+            }
         }
-        Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => 1,
     }
 }
 
@@ -87,5 +106,42 @@ fn cell(value: &Decoded) -> String {
         Decoded::Text(text) => text.clone(),
         // Written by serde from plain values, which does not fail.
         list => serde_json::to_string(list).unwrap_or_default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use re_ros_msg::message_spec::BuiltInType;
+
+    use super::*;
+
+    fn fields(shape: &Shape, count: usize) -> Shape {
+        let field = |index| (Arc::from(format!("f{index}")), shape.clone());
+        Shape::Fields((0..count).map(field).collect())
+    }
+
+    #[test]
+    fn as_many_columns_as_are_allowed_fit() {
+        let number = Shape::One(BuiltInType::Int32);
+        let matrix = Shape::Array(Box::new(number.clone()), 16);
+        assert!(fits(&fields(&matrix, MOST_COLUMNS / 16)));
+        assert!(!fits(&fields(&matrix, MOST_COLUMNS / 16 + 1)));
+        assert_eq!(columns(&fields(&matrix, 2)).len(), 32);
+        let long = Shape::Array(Box::new(number), 37);
+        assert_eq!(columns(&fields(&long, 2)), ["f0", "f1"]);
+    }
+
+    /// 10^30 columns, and as many times nothing, in definitions of a kilobyte.
+    #[test]
+    fn types_that_are_nested_without_end_do_not_fit() {
+        let number = Shape::One(BuiltInType::Int32);
+        let nothing = Shape::Array(Box::new(number.clone()), 0);
+        for innermost in [number, nothing] {
+            let nested = (0..30).fold(innermost, |shape, _| fields(&shape, 10));
+            assert!(!fits(&nested));
+            assert!(!fits(&Shape::Array(Box::new(nested), 3)));
+        }
     }
 }

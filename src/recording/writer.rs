@@ -81,9 +81,6 @@ pub struct WriterOptions {
     pub sync: bool,
     /// What is to stand in the [`START_RECORD`] besides program and version.
     pub notes: BTreeMap<String, String>,
-    /// Whether room is set aside ahead of what is written, where the file system can do this. Without it a full disk is
-    /// noticed too late to end the file; it is for tests and for comparison.
-    pub reserve: bool,
 }
 
 impl Default for WriterOptions {
@@ -92,7 +89,6 @@ impl Default for WriterOptions {
             compression: Compression::None,
             sync: true,
             notes: BTreeMap::new(),
-            reserve: true,
         }
     }
 }
@@ -108,6 +104,15 @@ pub struct Finished {
     pub bytes: u64,
     /// Messages that are missing.
     pub lost: u64,
+}
+
+/// What was taken and is in memory only: when the file ends here, it is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Unsaved {
+    /// Messages.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
 }
 
 /// Why a recording ended.
@@ -148,6 +153,8 @@ pub struct Writer {
     lost: u64,
     /// Bytes of the open chunk and of its index, at the most.
     open_chunk: u64,
+    /// Its messages.
+    unsaved: Unsaved,
     chunks: u64,
     /// What the end of the file needs, beside what each chunk needs.
     end: u64,
@@ -265,8 +272,8 @@ impl Writer {
     ) -> Result<Self, RecordingError> {
         make_directory(directory)?;
         let path = directory.join(file_name(directory));
-        let storage = Storage::create(&path, options.reserve)
-            .map_err(|source| RecordingError::io("create", &path, source))?;
+        let storage =
+            Storage::create(&path).map_err(|source| RecordingError::io("create", &path, source))?;
         let texts: u64 = topics.iter().map(Described::length).sum();
         let end = END + 2 * texts + topics.len() as u64 * TOPIC_AT_END;
         storage
@@ -310,6 +317,7 @@ impl Writer {
             messages: 0,
             lost: 0,
             open_chunk: 0,
+            unsaved: Unsaved::default(),
             chunks: 1,
             end,
             whole: 0,
@@ -367,8 +375,10 @@ impl Writer {
             (first.min(log_time), last.max(log_time))
         }));
         if self.open_chunk > CHUNK_SIZE {
-            self.end_chunk()?;
+            return self.end_chunk();
         }
+        self.unsaved.messages += 1;
+        self.unsaved.bytes += data.len() as u64;
         Ok(())
     }
 
@@ -418,6 +428,7 @@ impl Writer {
             .map_err(|error| RecordingError::write(&self.path, error))?;
         self.chunks += u64::from(self.open_chunk > 0);
         self.open_chunk = 0;
+        self.unsaved = Unsaved::default();
         self.whole = self.storage.position();
         Ok(())
     }
@@ -473,21 +484,30 @@ impl Writer {
     /// Writing fails. The file then ends with the last whole record; [`repair`](fn@super::repair) writes it anew.
     pub fn finish(self) -> Result<Finished, RecordingError> {
         self.finish_because(Ended::Stopped)
+            .map_err(|(error, _)| error)
     }
 
-    pub(super) fn finish_because(mut self, reason: Ended) -> Result<Finished, RecordingError> {
+    /// As [`finish`](Self::finish); with an error comes what was not yet in the file.
+    pub(super) fn finish_because(
+        mut self,
+        reason: Ended,
+    ) -> Result<Finished, (RecordingError, Unsaved)> {
         let done = self.end_file(reason);
-        if done.is_err() {
-            // What stands behind the last whole record would only confuse.
-            self.abandon();
-        }
-        done
+        // What stands behind the last whole record would only confuse.
+        done.map_err(|error| (error, self.abandon()))
     }
 
-    /// Cuts the file off behind its last whole record, and writes nothing any more.
-    pub(super) fn abandon(self) {
+    /// Cuts the file off behind its last whole record, and writes nothing any more. Gives what is lost by that.
+    pub(super) fn abandon(self) -> Unsaved {
         // The file may be gone; then there is nothing to cut off.
         let _ = self.storage.close_at(self.whole);
+        self.unsaved
+    }
+
+    /// From now on every write fails.
+    #[cfg(test)]
+    pub(super) fn break_disk(&self) {
+        self.storage.close_at(self.whole).unwrap();
     }
 
     fn end_file(&mut self, reason: Ended) -> Result<Finished, RecordingError> {
@@ -504,6 +524,7 @@ impl Writer {
         self.inner
             .finish()
             .map_err(|error| RecordingError::write(&self.path, error))?;
+        self.unsaved = Unsaved::default();
         self.whole = self.storage.position();
         let told = |source| RecordingError::io("end", &self.path, source);
         // The room that was left is room for metadata.yaml.

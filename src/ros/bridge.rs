@@ -1,7 +1,7 @@
 //! What the node needs of a twin. The node knows nothing else of it, and the twin knows nothing of ROS.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use crate::endpoints::Endpoint;
@@ -22,7 +22,7 @@ pub trait Twin: Send + Sync + 'static {
     ///
     /// # Errors
     /// The reason why nothing was changed; it has been said to all who listen.
-    fn set_parameters(&self, change: ParameterChange) -> Result<(), String>;
+    fn set_parameters(&self, change: ParameterChange) -> Result<(), NotChanged>;
 
     /// Notes that a change of parameters was refused before the twin could be asked, so that it is counted and said as
     /// those that the twin refuses itself.
@@ -64,6 +64,15 @@ pub struct ParameterChange {
     pub source: &'static str,
 }
 
+/// Why parameters were not changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NotChanged {
+    /// For people.
+    pub reason: String,
+    /// Whether the twin was given the change: then its journal says what became of it.
+    pub is_in_journal: bool,
+}
+
 /// Where the twin's outputs are taken from, in their order.
 pub trait Outputs: Send + 'static {
     /// The next output, waiting for it for at most `timeout`.
@@ -71,12 +80,6 @@ pub trait Outputs: Send + 'static {
     /// # Errors
     /// Nothing came in that time, or nothing will ever come.
     fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError>;
-}
-
-impl Outputs for Receiver<Output> {
-    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
-        self.recv_timeout(timeout)
-    }
 }
 
 /// How the twin's threads and queues are.
@@ -90,10 +93,12 @@ pub struct Health {
     pub dropped_inputs: u64,
     /// Samples that were not published.
     pub dropped_states: u64,
-    /// Messages that are missing in the recording.
+    /// Outputs that the queues to the node have dropped: they are not published, and in no recording either.
     pub dropped_recording: u64,
     /// Frames that the viewer did not show.
     pub dropped_viewer: u64,
+    /// A thread of the twin has ended by a panic: nothing is computed any more, or no damage kept.
+    pub solver_ended: bool,
     /// All queues.
     pub queues: Vec<QueueHealth>,
     /// Statistics of the solver, for people.

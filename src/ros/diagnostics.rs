@@ -100,6 +100,10 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
 
 fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
+        _ if health.solver_ended => (
+            DiagnosticStatus::ERROR,
+            "the solver has ended by a panic; restart the node and report what it wrote".to_owned(),
+        ),
         (0, None) => (DiagnosticStatus::OK, "in time".to_owned()),
         (0, Some(hint)) => (
             DiagnosticStatus::OK,
@@ -263,7 +267,15 @@ mod tests {
             queues: vec![queue],
             ..Health::default()
         };
+        let ended = Health {
+            solver_ended: true,
+            ..Health::default()
+        };
         let counters = NodeCounters::default();
+        assert_eq!(
+            levels(&TwinStatus::default(), &ended, &counters),
+            [0, 2, 0, 0]
+        );
         NodeCounters::count(&counters.unreadable);
         assert_eq!(
             levels(&TwinStatus::default(), &health, &counters),

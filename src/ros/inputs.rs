@@ -17,7 +17,7 @@ use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::parameters::{Parameters, Value};
 
-use super::bridge::{ParameterChange, Recording, Twin};
+use super::bridge::{NotChanged, ParameterChange, Recording, Twin};
 use super::diagnostics::NodeCounters;
 use super::missed::Missed;
 use super::node::{Node, NodeError};
@@ -197,7 +197,18 @@ impl Services {
                 counters,
                 |message, info| {
                     record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);
-                    set_column(twin, &message);
+                    if let Err(NotChanged {
+                        reason,
+                        is_in_journal: false,
+                    }) = set_column(twin, &message)
+                        && let Some(recording) = &recording
+                    {
+                        recording.not_taken(
+                            &qos::COLUMN_PARAMETERS,
+                            "a set of parameters",
+                            &reason,
+                        );
+                    }
                 }
             ),
             answer(&qos::RESET, &self.reset, counters, |_| trigger(
@@ -294,19 +305,19 @@ fn predicted(twin: &dyn Twin, request: &PredictImpactRequest) -> PredictImpactRe
     }
 }
 
-fn set_column(twin: &dyn Twin, message: &ColumnParameters) {
+fn set_column(twin: &dyn Twin, message: &ColumnParameters) -> Result<(), NotChanged> {
     let change = ParameterChange {
         column_id: Some(message.column_id.clone()),
         values: changes(message),
         source: qos::COLUMN_PARAMETERS.name,
     };
     // A refusal has been said already: a topic has nobody to answer to.
-    if twin.set_parameters(change).is_ok() {
-        tracing::info!(
-            "the parameters of {} are taken over",
-            qos::COLUMN_PARAMETERS.name
-        );
-    }
+    twin.set_parameters(change)?;
+    tracing::info!(
+        "the parameters of {} are taken over",
+        qos::COLUMN_PARAMETERS.name
+    );
+    Ok(())
 }
 
 /// What the message does not leave as it is.

@@ -1,7 +1,7 @@
 //! The live twin behind the node's [`Twin`]: translates, and decides nothing.
 
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use crate::column::ModelError;
@@ -15,7 +15,7 @@ use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{self, Output};
 
-use super::bridge::{Health, Outputs, ParameterChange, QueueHealth, Twin};
+use super::bridge::{Health, NotChanged, Outputs, ParameterChange, QueueHealth, Twin};
 use super::run::StartedTwin;
 
 /// Name of the queue of [`OutputQueue::ros`].
@@ -41,6 +41,8 @@ pub enum LiveTwinError {
 struct LiveTwin {
     /// Until the twin is stopped.
     living: RwLock<Option<Living>>,
+    /// As it was at the stop.
+    last_health: Mutex<Health>,
     clock: Arc<dyn Clock>,
     /// Under `use_sim_time` the same clock, which can be set.
     simulated: Option<Arc<SimClock>>,
@@ -115,6 +117,7 @@ pub fn start_live_twin(
             handle,
             _state_file: reserved,
         })),
+        last_health: Mutex::default(),
         clock,
         simulated,
         first_parameters,
@@ -138,19 +141,35 @@ impl LiveTwin {
     }
 
     fn stop(&self) {
-        let living = self
-            .living
-            .write()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(Living {
+        let last_health = || {
+            self.last_health
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        let mut place = self.living.write().unwrap_or_else(PoisonError::into_inner);
+        let Some(Living {
             handle,
             _state_file,
-        }) = living
-            && let Err(panicked) = handle.stop()
-        {
+        }) = place.take()
+        else {
+            return;
+        };
+        // Before anybody can ask: what is sent last says it too.
+        *last_health() = health(&handle);
+        drop(place);
+        if let Err(panicked) = handle.stop() {
             tracing::error!("{panicked}");
+            last_health().solver_ended = true;
         }
+    }
+
+    /// Whether the twin takes note of a change that it is not asked for.
+    fn note_refusal(&self, source: &'static str, reason: &str) -> bool {
+        let noted = self.ask(|handle| handle.refuse_change(reason, source));
+        if let Some(Err(full)) = noted {
+            tracing::warn!("a change of parameters by {source} is refused: {reason}; {full}");
+        }
+        noted == Some(Ok(()))
     }
 }
 
@@ -170,33 +189,41 @@ impl Twin for LiveTwin {
             .unwrap_or_else(stopping)
     }
 
-    fn set_parameters(&self, change: ParameterChange) -> Result<(), String> {
+    fn set_parameters(&self, change: ParameterChange) -> Result<(), NotChanged> {
         let own = &self.first_parameters.settings().column_id;
         if let Some(other) = change.column_id.filter(|id| id != own) {
             let reason = format!("they are for the column {other:?}, and this is {own:?}");
-            self.refuse_parameters(change.source, &reason);
-            return Err(reason);
+            let is_in_journal = self.note_refusal(change.source, &reason);
+            return Err(NotChanged {
+                reason,
+                is_in_journal,
+            });
         }
-        let answer = self.ask(|handle| handle.change_parameters(change.values, change.source));
-        match answer {
-            Some(Ok(_)) => Ok(()),
+        let source = change.source;
+        let answer = self.ask(|handle| handle.change_parameters(change.values, source));
+        let (reason, is_in_journal) = match answer {
+            Some(Ok(_)) => return Ok(()),
             // The twin says it.
-            Some(Err(AskError::Refused(reason))) => Err(reason.to_string()),
-            Some(Err(error)) => {
-                tracing::warn!(
-                    "a change of parameters by {} is refused: {error}",
-                    change.source
-                );
-                Err(error.to_string())
+            Some(Err(AskError::Refused(reason))) => (reason.to_string(), true),
+            Some(Err(error @ AskError::QueueFull(_))) => {
+                tracing::warn!("a change of parameters by {source} is refused: {error}");
+                (error.to_string(), false)
             }
-            None => stopping(),
-        }
+            Some(Err(error @ AskError::NoAnswer)) => {
+                let reason = unanswered(error);
+                tracing::warn!("a change of parameters by {source} has no answer: {reason}");
+                (reason, true)
+            }
+            None => (STOPPING.to_owned(), false),
+        };
+        Err(NotChanged {
+            reason,
+            is_in_journal,
+        })
     }
 
     fn refuse_parameters(&self, source: &'static str, reason: &str) {
-        if let Some(Err(full)) = self.ask(|handle| handle.refuse_change(reason, source)) {
-            tracing::warn!("a change of parameters by {source} is refused: {reason}; {full}");
-        }
+        self.note_refusal(source, reason);
     }
 
     fn parameters(&self) -> Arc<Parameters> {
@@ -205,7 +232,7 @@ impl Twin for LiveTwin {
     }
 
     fn reset(&self) -> Result<String, String> {
-        self.ask(|handle| handle.reset("service ~/reset").map_err(words))
+        self.ask(|handle| handle.reset("service ~/reset").map_err(unanswered))
             .unwrap_or_else(stopping)
             .map(|()| "the column is virgin".to_owned())
     }
@@ -228,7 +255,10 @@ impl Twin for LiveTwin {
     }
 
     fn health(&self) -> Health {
-        self.ask(health).unwrap_or_default()
+        self.ask(health).unwrap_or_else(|| {
+            let last = self.last_health.lock();
+            last.unwrap_or_else(PoisonError::into_inner).clone()
+        })
     }
 
     fn now(&self) -> i64 {
@@ -254,11 +284,14 @@ fn health(handle: &LiveHandle) -> Health {
         queue.map_or(0, |queue| queue.dropped)
     };
     let of_ros = OutputQueue::ros().name;
+    let to_ros = format!(" to {of_ros}");
+    let dropped_to_ros = queues.iter().filter(|queue| queue.name.ends_with(&to_ros));
     Health {
         overruns: statistics.skipped_periods,
         worst_lateness: 1e-9 * statistics.worst_lateness as f64,
         dropped_inputs: dropped("inputs"),
         dropped_states: dropped(&format!("states to {of_ros}")),
+        dropped_recording: dropped_to_ros.map(|queue| queue.dropped).sum(),
         dropped_viewer: dropped(&format!("states to {}", super::pictures::QUEUE)),
         statistics: [
             ("turns", statistics.turns),
@@ -270,8 +303,8 @@ fn health(handle: &LiveHandle) -> Health {
         .map(|(name, count)| (name.to_owned(), count.to_string()))
         .to_vec(),
         hints: statistics.real_time.warnings().collect(),
+        solver_ended: !handle.is_running(),
         queues,
-        ..Health::default()
     }
 }
 
@@ -308,8 +341,18 @@ fn words(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
+/// What was asked for stays in the queue where the solver has not answered in time.
+fn unanswered(error: AskError) -> String {
+    match error {
+        AskError::NoAnswer => format!("{error}; it may still be done"),
+        AskError::QueueFull(_) | AskError::Refused(_) => error.to_string(),
+    }
+}
+
+const STOPPING: &str = "the twin is stopping";
+
 fn stopping<T>() -> Result<T, String> {
-    Err("the twin is stopping".to_owned())
+    Err(STOPPING.to_owned())
 }
 
 #[cfg(test)]

@@ -13,9 +13,16 @@ const MAX_WRITERS: usize = 1024;
 /// Counts the holes in what the writers of a reliable topic have numbered.
 #[derive(Debug, Default)]
 pub(super) struct Missed {
-    /// The last number of each writer.
-    last: HashMap<Gid, i64>,
+    last: HashMap<Gid, Last>,
     /// Messages that came and could not be read, by whom is not known: they leave holes too.
+    unreadable: u64,
+}
+
+/// The newest message of a writer.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    number: i64,
+    /// Of [`Missed::unreadable`], those before it: they explain no hole behind it.
     unreadable: u64,
 }
 
@@ -34,13 +41,17 @@ impl Missed {
         if self.last.len() >= MAX_WRITERS && !self.last.contains_key(&writer) {
             self.last.clear();
         }
-        let last = self.last.insert(writer, number);
-        // Nothing is known of what was sent before the two had met.
-        let hole = last.map_or(0, |last| number.saturating_sub(last).saturating_sub(1));
+        let this = Last {
+            number,
+            unreadable: self.unreadable,
+        };
+        let Some(last) = self.last.insert(writer, this) else {
+            // Nothing is known of what was sent before the two had met.
+            return 0;
+        };
+        let hole = number.saturating_sub(last.number).saturating_sub(1);
         let hole = u64::try_from(hole).unwrap_or(0);
-        let explained = hole.min(self.unreadable);
-        self.unreadable -= explained;
-        hole - explained
+        hole.saturating_sub(this.unreadable - last.unreadable)
     }
 }
 
@@ -66,5 +77,18 @@ mod tests {
         assert_eq!(counts, [0, 0, 0, 3, 0, 0, 0]);
         missed.unreadable();
         assert_eq!(missed.before_number(other, 5), 1);
+    }
+
+    /// A peer of another type that goes on and on excuses no loss that comes later.
+    #[test]
+    fn what_was_unreadable_before_explains_no_hole() {
+        let mut missed = Missed::default();
+        let writer = Gid::from([1; 16]);
+        assert_eq!(missed.before_number(writer, 1), 0);
+        (0..1000).for_each(|_| missed.unreadable());
+        assert_eq!(missed.before_number(writer, 2), 0);
+        assert_eq!(missed.before_number(writer, 6), 3);
+        missed.unreadable();
+        assert_eq!(missed.before_number(writer, 8), 0);
     }
 }

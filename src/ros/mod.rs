@@ -46,7 +46,7 @@ pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
 pub use node::{Node, NodeError};
 pub use raw::Raw;
-pub use rosout::{ROSOUT_QUEUE, RosoutLayer, RosoutQueue, rosout_layer, start_logging};
+pub use rosout::{RosoutQueue, start_logging};
 pub use run::{RunEnd, RunError, RunOptions, StartedTwin, run};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;

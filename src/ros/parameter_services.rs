@@ -25,35 +25,51 @@ pub(super) fn get(
     parameters: &Parameters,
     request: &GetParametersRequest,
 ) -> GetParametersResponse {
-    let names = request.names.iter().take(MAX_PARAMETERS_PER_REQUEST);
+    let value = |name: &String| parameters.get(name).map_or_else(not_set, raw_value);
     GetParametersResponse {
-        values: names
-            .map(|name| parameters.get(name).map_or_else(not_set, raw_value))
-            .collect(),
+        values: each(&request.names, value, |_| not_set()),
     }
 }
 
 /// `~/get_parameter_types`
 pub(super) fn types(request: &GetParameterTypesRequest) -> GetParameterTypesResponse {
-    let names = request.names.iter().take(MAX_PARAMETERS_PER_REQUEST);
+    let type_of = |name: &String| {
+        Parameter::named(name).map_or(raw::ParameterType::NOT_SET, |it| type_code(it.kind()))
+    };
     GetParameterTypesResponse {
-        values: names
-            .map(|name| {
-                Parameter::named(name)
-                    .map_or(raw::ParameterType::NOT_SET, |it| type_code(it.kind()))
-            })
-            .collect(),
+        values: each(&request.names, type_of, |_| raw::ParameterType::NOT_SET),
     }
 }
 
 /// `~/describe_parameters`: an unknown name has an empty description, as in rclpy.
 pub(super) fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
-    let names = request.names.iter().take(MAX_PARAMETERS_PER_REQUEST);
+    let described = |name: &String| Parameter::named(name).map_or_else(no_descriptor, descriptor);
     DescribeParametersResponse {
-        values: names
-            .map(|name| Parameter::named(name).map_or_else(no_descriptor, descriptor))
-            .collect(),
+        values: each(&request.names, described, |count| {
+            raw::ParameterDescriptor {
+                description: too_many(count),
+                ..no_descriptor()
+            }
+        }),
     }
+}
+
+/// One answer for each that is asked for, as the services promise: with `answer` up to the bound, behind it with
+/// `too_many`, which is given how many there are.
+fn each<T, A>(asked: &[T], answer: impl Fn(&T) -> A, too_many: impl Fn(usize) -> A) -> Vec<A> {
+    let answers = asked.iter().enumerate();
+    answers
+        .map(|(index, it)| match index < MAX_PARAMETERS_PER_REQUEST {
+            true => answer(it),
+            false => too_many(asked.len()),
+        })
+        .collect()
+}
+
+fn too_many(count: usize) -> String {
+    format!(
+        "expected at most {MAX_PARAMETERS_PER_REQUEST} parameters in one request, found {count}; send several requests"
+    )
 }
 
 /// `~/list_parameters`, as rclcpp answers it: with no prefix all names of less than `depth` dots (0: of any number), with
@@ -92,14 +108,11 @@ pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
 
 /// `~/set_parameters`: one by one, each with its own result.
 pub(super) fn set(twin: &dyn Twin, request: SetParametersRequest) -> SetParametersResponse {
-    let few = request
-        .parameter
-        .into_iter()
-        .take(MAX_PARAMETERS_PER_REQUEST);
+    let set_one = |it: &raw::Parameter| result(set_all(twin, vec![it.clone()]));
     SetParametersResponse {
-        results: few
-            .map(|parameter| result(set_all(twin, vec![parameter])))
-            .collect(),
+        results: each(&request.parameter, set_one, |count| {
+            result(Err(too_many(count)))
+        }),
     }
 }
 
@@ -109,10 +122,7 @@ pub(super) fn set_atomically(
     request: SetParametersRequest,
 ) -> SetParametersAtomicallyResponse {
     let outcome = if request.parameter.len() > MAX_PARAMETERS_PER_REQUEST {
-        Err(format!(
-            "expected at most {MAX_PARAMETERS_PER_REQUEST} parameters, found {}",
-            request.parameter.len()
-        ))
+        Err(too_many(request.parameter.len()))
     } else {
         set_all(twin, request.parameter)
     };
@@ -133,6 +143,7 @@ fn set_all(twin: &dyn Twin, parameters: Vec<raw::Parameter>) -> Result<(), Strin
         values,
         source: SOURCE,
     })
+    .map_err(|refusal| refusal.reason)
 }
 
 /// The value, if a running node lets anybody set it.
@@ -343,6 +354,40 @@ mod tests {
             names: vec!["x".to_owned()],
         });
         assert_eq!(unknown.values[0].name, "");
+    }
+
+    #[test]
+    fn what_is_too_much_is_answered_as_such() {
+        let many = MAX_PARAMETERS_PER_REQUEST + 2;
+        let names = vec!["top.load".to_owned(); many];
+        let parameters = Parameters::default();
+        let values = get(
+            &parameters,
+            &GetParametersRequest {
+                names: names.clone(),
+            },
+        )
+        .values;
+        assert_eq!(values.len(), many);
+        let types = types(&GetParameterTypesRequest {
+            names: names.clone(),
+        })
+        .values;
+        assert_eq!(
+            types[many - 3..],
+            [
+                raw::ParameterType::DOUBLE,
+                raw::ParameterType::NOT_SET,
+                raw::ParameterType::NOT_SET
+            ]
+        );
+        let descriptors = describe(&DescribeParametersRequest { names }).values;
+        assert_eq!(descriptors.len(), many);
+        assert_eq!(descriptors[many - 3].name, "top.load");
+        assert_eq!(
+            descriptors[many - 1].description,
+            "expected at most 1024 parameters in one request, found 1026; send several requests"
+        );
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::outgoing::{self, Message, Outgoing};
 use crate::parameters::Parameters;
 use crate::twin::{Notice, Output, Refused, RefusedInput, Severity};
 
-use super::bridge::{Outputs, Recording, Twin};
+use super::bridge::{Health, Outputs, Recording, RecordingHealth, Twin};
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::node::{Node, NodeError};
 use super::parameter_services;
@@ -29,7 +29,7 @@ const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 /// Longest wait for an output, after which the thread looks whether it is to stop.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// Longest time that what is waiting at the end may take.
+/// Longest time that what is waiting at the end may take to be published.
 const LAST_WORDS: Duration = Duration::from_millis(300);
 
 /// Sends everything that leaves the twin, and hands the very bytes to the recording.
@@ -44,6 +44,8 @@ pub(super) struct Publishing {
     parameters: Arc<Parameters>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    /// The time to publish is over: what still waits is recorded only.
+    is_over: bool,
 }
 
 struct Publishers {
@@ -83,18 +85,21 @@ impl Publishing {
             twin,
             counters,
             last_diagnostics: None,
+            is_over: false,
         })
     }
 
-    /// Sends until the twin has ended, or `stop` is set and nothing is waiting any more.
+    /// Sends until the twin has ended, or `stop` is set and nothing is waiting any more. By then the twin has ended, so
+    /// that what waits is bounded by its queues.
     pub fn run(mut self, mut outputs: impl Outputs, stop: &AtomicBool) {
         self.announce_parameters();
         let mut end = None;
         loop {
             if stop.load(Ordering::Relaxed) {
                 let end = *end.get_or_insert_with(|| Instant::now() + LAST_WORDS);
-                if Instant::now() >= end {
-                    return;
+                if Instant::now() >= end && !self.is_over {
+                    self.is_over = true;
+                    tracing::warn!("not all that was computed could be published before the end");
                 }
             }
             match outputs.receive(self.wait()) {
@@ -104,13 +109,16 @@ impl Publishing {
                 Err(RecvTimeoutError::Disconnected) => return,
             }
             let last = self.last_diagnostics.as_ref();
-            if last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
+            if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
                 self.diagnose(true);
             }
         }
     }
 
     fn wait(&self) -> Duration {
+        if self.is_over {
+            return Duration::ZERO;
+        }
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
         since.map_or(Duration::ZERO, |since| {
             DIAGNOSTICS_PERIOD.saturating_sub(since).min(LONGEST_WAIT)
@@ -147,18 +155,25 @@ impl Publishing {
     /// Adds what the twin does not know: how its threads and queues are.
     fn twin_status(&mut self, status: TwinStatus) {
         let health = self.twin.health();
-        let lost = self.recording.as_ref().map(|it| it.health().lost);
+        let lost = self.recording_health(&health).map(|it| it.lost);
         self.status = TwinStatus {
             overruns: health.overruns,
             worst_lateness: health.worst_lateness,
             dropped_inputs: health.dropped_inputs,
             dropped_states: health.dropped_states,
-            dropped_recording: lost.unwrap_or(health.dropped_recording),
+            dropped_recording: lost.unwrap_or(0),
             dropped_viewer: health.dropped_viewer,
             ..status
         };
         self.send(&Message::TwinStatus(self.status.clone()));
         self.diagnose(false);
+    }
+
+    /// What the queue to this thread has dropped is missing in the recording as well, which gets its bytes here.
+    fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
+        let mut recording = self.recording.as_ref()?.health();
+        recording.lost += health.dropped_recording;
+        Some(recording)
     }
 
     fn announce_parameters(&self) {
@@ -184,12 +199,13 @@ impl Publishing {
 
     /// Publishes diagnostics when something has changed in them, or in any case.
     fn diagnose(&mut self, in_any_case: bool) {
+        let health = self.twin.health();
         let array = diagnostics(
             self.outgoing.header(self.twin.now()),
             &self.node_name,
             &self.status,
-            &self.twin.health(),
-            self.recording.as_ref().map(|it| it.health()).as_ref(),
+            &health,
+            self.recording_health(&health).as_ref(),
             &self.counters,
         );
         let last = self.last_diagnostics.as_ref();
@@ -224,7 +240,7 @@ impl Publishing {
         else {
             return NodeCounters::count(&self.counters.unpublished);
         };
-        if publisher.publish(raw).is_err() {
+        if self.is_over || publisher.publish(raw).is_err() {
             NodeCounters::count(&self.counters.unpublished);
         }
         if let Some(recording) = &self.recording {

@@ -24,7 +24,7 @@ use tracing_subscriber::{Layer, Registry};
 use super::arguments::{LogLevel, RosArguments};
 
 /// Messages that may wait to be published; the next ones are dropped and counted.
-pub const ROSOUT_QUEUE: usize = 256;
+const ROSOUT_QUEUE: usize = 256;
 
 /// Targets that would feed themselves.
 const LEFT_OUT: [&str; 3] = ["ros2_client", "rustdds", "cdr_encoding"];
@@ -49,14 +49,13 @@ pub struct RosoutQueue {
 
 /// Collects messages for `/rosout`.
 #[derive(Debug)]
-pub struct RosoutLayer {
+struct RosoutLayer {
     records: SyncSender<Record>,
     dropped: Arc<AtomicU64>,
 }
 
 /// A layer, and the queue that it fills.
-#[must_use]
-pub fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
+fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
     let (sender, records) = sync_channel(ROSOUT_QUEUE);
     let dropped = Arc::new(AtomicU64::new(0));
     let layer = RosoutLayer {

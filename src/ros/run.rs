@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-use crate::parameters::{Override, ParameterFaults, Parameters, Source};
+use crate::parameters::{ParameterFaults, Parameters, Source};
 use crate::twin::Output;
 
 use super::NODE_NAME;
@@ -27,8 +27,6 @@ pub struct RunOptions {
     pub environment: Environment,
     /// Parameter files of the program's own flags, read before all ROS arguments.
     pub parameter_files: Vec<PathBuf>,
-    /// Parameters by flags of their own, applied after all ROS arguments.
-    pub overrides: Vec<Override>,
 }
 
 /// A twin that runs.
@@ -46,6 +44,8 @@ pub struct StartedTwin {
 pub struct RunEnd {
     /// Messages that are missing in its recordings.
     pub lost_in_recording: u64,
+    /// A thread of the twin had ended by a panic.
+    pub solver_ended: bool,
 }
 
 /// Why the node did not start.
@@ -103,7 +103,14 @@ where
         outputs,
         stop,
     } = start_twin(parameters).map_err(|error| RunError::Twin(error.into()))?;
-    let node = TwinNode::start_recorded(environment, names, twin, outputs, log, recording.tap())?;
+    let node = TwinNode::start_recorded(
+        environment,
+        names,
+        Arc::clone(&twin),
+        outputs,
+        log,
+        recording.tap(),
+    )?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
@@ -116,7 +123,11 @@ where
     signals.wait();
     tracing::info!("stopping");
     node.stop(stop);
-    Ok(recording.stop())
+    let health = twin.health();
+    Ok(RunEnd {
+        lost_in_recording: recording.stop(health.dropped_recording),
+        solver_ended: health.solver_ended,
+    })
 }
 
 /// The recording of a run, if there is one. Ends last, when all that there is has been sent.
@@ -149,11 +160,10 @@ impl RunRecording {
         Some(tap)
     }
 
-    fn stop(self) -> RunEnd {
+    /// Messages that are missing, among them those that did not come as far as to the recording.
+    fn stop(self, dropped_before: u64) -> u64 {
         let statistics = self.0.and_then(|recording| recording.stop());
-        RunEnd {
-            lost_in_recording: statistics.map_or(0, |it| it.lost),
-        }
+        statistics.map_or(0, |it| it.lost + dropped_before)
     }
 }
 
@@ -176,17 +186,14 @@ impl RunRecording {
         None
     }
 
-    fn stop(self) -> RunEnd {
-        RunEnd::default()
+    fn stop(self, _: u64) -> u64 {
+        0
     }
 }
 
 fn load_parameters(options: &RunOptions, names: &Names) -> Result<Parameters, ParameterFaults> {
     let files = options.parameter_files.iter().cloned().map(Source::File);
-    let overrides = options.overrides.iter().cloned().map(Source::Override);
-    let sources = files
-        .chain(options.ros.parameters.iter().cloned())
-        .chain(overrides);
+    let sources = files.chain(options.ros.parameters.iter().cloned());
     Parameters::load_in_order(&names.for_parameters(), sources)
 }
 

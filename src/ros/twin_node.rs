@@ -39,8 +39,10 @@ const LONGEST_WAIT: Duration = Duration::from_millis(100);
 pub struct TwinNode {
     // In the order in which they end.
     inputs: Vec<Task>,
-    outputs: Vec<JoinHandle<()>>,
+    publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
+    log: Option<JoinHandle<()>>,
+    stop_log: Arc<AtomicBool>,
     node: Node,
 }
 
@@ -74,8 +76,9 @@ impl TwinNode {
         let mut node = Node::new(environment, names)?;
         let counters = Arc::new(NodeCounters::default());
         let stop = Arc::new(AtomicBool::new(false));
-        let log_thread = log
-            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone(), &stop))
+        let stop_log = Arc::new(AtomicBool::new(false));
+        let log = log
+            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone(), &stop_log))
             .transpose()?;
         let publishing = Publishing::new(
             &mut node,
@@ -99,11 +102,10 @@ impl TwinNode {
         ];
         Ok(Self {
             inputs,
-            outputs: [Some(publisher), log_thread]
-                .into_iter()
-                .flatten()
-                .collect(),
+            publisher,
             stop,
+            log,
+            stop_log,
             node,
         })
     }
@@ -126,9 +128,14 @@ impl TwinNode {
             task.stop();
         }
         end_twin();
-        self.stop.store(true, Ordering::Relaxed);
-        for thread in self.outputs {
-            if thread.join().is_err() {
+        let ends = [
+            (self.stop, Some(self.publisher)),
+            // What the others say at their end is published too.
+            (self.stop_log, self.log),
+        ];
+        for (stop, thread) in ends {
+            stop.store(true, Ordering::Relaxed);
+            if thread.is_some_and(|thread| thread.join().is_err()) {
                 tracing::error!("a publishing thread has panicked");
             }
         }
@@ -154,12 +161,15 @@ fn publish_log(
                 Ok(record) => {
                     let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));
                     let Some(raw) = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok()) else {
+                        NodeCounters::count(&counters.unpublished);
                         continue;
                     };
                     if let Some(recording) = &recording {
                         recording.sent(&qos::ROSOUT, raw.bytes());
                     }
-                    drop(publisher.publish(raw));
+                    if publisher.publish(raw).is_err() {
+                        NodeCounters::count(&counters.unpublished);
+                    }
                 }
                 Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return,
                 Err(RecvTimeoutError::Timeout) => {}

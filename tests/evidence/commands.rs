@@ -56,6 +56,39 @@ fn a_simulated_impact_is_recorded_and_proven() {
     assert!(fault.contains("exists already"), "{fault}");
 }
 
+/// As before `| head`: a reader that is gone is no failure, and no panic.
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    use std::process::Stdio;
+
+    let folder = TempDir::new().unwrap();
+    let (code, ..) = typed(folder.path(), "simulate --record bag");
+    assert_eq!(code, 0);
+    let mut lines = vec![
+        "verify bag",
+        "info bag",
+        "info bag --json",
+        "export bag --json --output -",
+        "idl",
+    ];
+    if cfg!(feature = "viewer") {
+        lines.push("replay bag --rrd impact.rrd");
+    }
+    for line in lines {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"))
+            .current_dir(folder.path())
+            .args(line.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &*said), (Some(0), ""), "{line}");
+    }
+}
+
 #[test]
 fn one_wrong_bit_ends_with_code_1_and_is_named() {
     let folder = TempDir::new().unwrap();
@@ -89,7 +122,9 @@ fn what_is_no_recording_ends_with_code_2() {
         "replay bag --rate fast",
         "replay bag --clock -1",
     ] {
-        assert_eq!(typed(folder.path(), line).0, 2, "{line}");
+        let (code, _, fault) = typed(folder.path(), line);
+        assert_eq!(code, 2, "{line}");
+        assert!(fault.contains("expected a number from"), "{line}: {fault}");
     }
 }
 
@@ -113,6 +148,10 @@ fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {
         "replay bag --rrd impact.rrd --topics /column_state",
         "replay bag --rrd impact.rrd --loop",
         "replay bag --serve --clock",
+        "replay bag --serve --rate 2",
+        "replay bag --rrd other.rrd --rate 0.5",
+        "replay bag --rrd other.rrd --serve",
+        "replay bag --config port.yaml",
         "replay nothing --rrd impact.rrd",
         "replay bag --rrd impact.rrd --config nothing.yaml",
     ] {

@@ -8,6 +8,7 @@ mod commands;
 mod courses;
 #[path = "../ros/domain.rs"]
 mod domain;
+mod dropped;
 mod forgeries;
 mod full_disk;
 #[allow(dead_code)] // the tests of the node use more of it

@@ -301,7 +301,13 @@ fn the_commands_end_well_on_mutated_files() {
         let mut random = Random(number);
         let original = &originals[random.below(originals.len())];
         fs::write(&path, mutate(original, &mut random)).unwrap();
-        for arguments in [&["info"][..], &["export", "--json", "--output", "-"]] {
+        let tables = folder.path().join(format!("tables_{number}"));
+        let tables = tables.to_str().unwrap();
+        for arguments in [
+            &["info"][..],
+            &["export", "--json", "--output", "-"],
+            &["export", "--csv", "--output", tables],
+        ] {
             let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
                 .args(arguments)
                 .arg(&path)

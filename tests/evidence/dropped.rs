@@ -1,0 +1,197 @@
+//! What does not come as far as to the recording, or comes there late.
+
+use std::sync::mpsc::RecvTimeoutError;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use column_twin::endpoints::Endpoint;
+use column_twin::evidence::{NodeRecording, Topics};
+use column_twin::live::{LiveOptions, RealTime};
+use column_twin::messages::cdr;
+use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
+use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::parameters::{Record, RecordMode};
+use column_twin::recording::Reader;
+use column_twin::ros::bridge::{Outputs, QueueHealth, Recording, RecordingHealth, Twin};
+use column_twin::ros::{Names, StartedTwin, TwinNode, qos, start_live_twin};
+use column_twin::twin::{Journal, Output};
+
+use super::domain::{Domain, PATIENCE};
+use super::recorded_twin::{START, parameters, the_one_recording};
+
+/// Keeps what the node sends.
+#[derive(Default)]
+struct Tap(Mutex<Vec<(&'static str, Vec<u8>)>>);
+
+impl Tap {
+    fn of<M: column_twin::messages::Message + serde::de::DeserializeOwned>(
+        &self,
+        endpoint: &Endpoint,
+    ) -> Vec<M> {
+        let all = self.0.lock().unwrap();
+        all.iter()
+            .filter(|(name, _)| *name == endpoint.name)
+            .map(|(_, bytes)| cdr::decode(bytes).unwrap())
+            .collect()
+    }
+}
+
+impl Recording for Tap {
+    fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
+        let mut all = self.0.lock().unwrap();
+        all.push((endpoint.name, bytes.to_vec()));
+    }
+
+    fn received(&self, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
+
+    fn not_taken(&self, _: &Endpoint, _: &str, _: &str) {}
+
+    fn journal(&self, _: &Journal) {}
+
+    fn health(&self) -> RecordingHealth {
+        RecordingHealth {
+            queue: QueueHealth {
+                name: "recording".to_owned(),
+                capacity: 1,
+                len: 0,
+                policy: "never full",
+                pushed: 0,
+                dropped: 0,
+            },
+            lost: 2,
+            problem: None,
+            values: Vec::new(),
+        }
+    }
+}
+
+fn started() -> StartedTwin {
+    let options = LiveOptions {
+        real_time: RealTime::none(),
+        ..LiveOptions::default()
+    };
+    start_live_twin(parameters(), options).unwrap()
+}
+
+fn node(
+    domain: &Domain,
+    twin: &Arc<dyn Twin>,
+    outputs: impl Outputs,
+    recording: &Arc<Tap>,
+) -> TwinNode {
+    TwinNode::start_recorded(
+        &domain.environment,
+        Names::new("/", "column_twin", &[]).unwrap(),
+        Arc::clone(twin),
+        outputs,
+        None,
+        Some(Arc::clone(recording) as _),
+    )
+    .unwrap()
+}
+
+/// What the queue to the node drops is missing in its recording too: an error, and still known after the stop.
+#[test]
+fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
+    let domain = Domain::fresh();
+    let StartedTwin {
+        twin,
+        outputs,
+        stop,
+    } = started();
+    let begin = Instant::now();
+    while twin.health().dropped_recording == 0 {
+        // Nobody takes the refusals.
+        let _ = twin.submit_impact(ImpactEvent::default());
+        assert!(begin.elapsed() < PATIENCE, "{:?}", twin.health());
+    }
+    let recording = Arc::<Tap>::default();
+    let node = node(&domain, &twin, outputs, &recording);
+    let said = || recording.of::<TwinStatus>(&qos::TWIN_STATUS).pop();
+    while said().is_none() {
+        assert!(begin.elapsed() < PATIENCE, "no status");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    node.stop(stop);
+    let health = twin.health();
+    let lost = health.dropped_recording;
+    assert!(lost > 0 && !health.solver_ended, "{health:?}");
+    assert!(!health.queues.is_empty() && !health.statistics.is_empty());
+    assert_eq!(said().unwrap().dropped_recording, lost + 2);
+    let diagnostics = recording.of::<DiagnosticArray>(&qos::DIAGNOSTICS);
+    let of_recording = diagnostics.last().unwrap().status.last().unwrap();
+    assert_eq!(of_recording.level, DiagnosticStatus::ERROR);
+    assert_eq!(
+        of_recording.message,
+        format!("{} messages are missing in the recording", lost + 2)
+    );
+}
+
+/// Outputs that come slowly.
+struct Slow(Vec<Output>);
+
+impl Outputs for Slow {
+    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
+        std::thread::sleep(Duration::from_millis(10));
+        self.0.pop().ok_or_else(|| {
+            std::thread::sleep(timeout);
+            RecvTimeoutError::Timeout
+        })
+    }
+}
+
+#[test]
+fn what_waits_when_the_time_to_publish_is_over_is_still_recorded() {
+    const COUNT: usize = 100;
+    let domain = Domain::fresh();
+    let StartedTwin { twin, stop, .. } = started();
+    let model = column_twin::twin::Twin::new(parameters(), None, Box::new(|| 0), START).unwrap();
+    let status = (0..COUNT).map(|_| Output::Status(model.status(START)));
+    let recording = Arc::<Tap>::default();
+    let node = node(&domain, &twin, Slow(status.collect()), &recording);
+    node.stop(stop);
+    assert_eq!(
+        recording.of::<TwinStatus>(&qos::TWIN_STATUS).len(),
+        COUNT,
+        "of {COUNT}"
+    );
+}
+
+/// At rest the mode `events` leaves out what only repeats itself, and nothing that has become worse or better.
+#[test]
+fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
+    let directory = tempfile::TempDir::new().unwrap();
+    let record = Record {
+        mode: RecordMode::Events,
+        directory: directory.path().display().to_string(),
+        ..parameters().settings().record.clone()
+    };
+    let recording = NodeRecording::start(&record, &Topics::of_default_node(), |it| it)
+        .unwrap()
+        .unwrap();
+    let send = |endpoint, bytes: Vec<u8>| recording.sent(endpoint, &bytes.into());
+    send(
+        &qos::TWIN_STATUS,
+        cdr::encode(&TwinStatus::default()).unwrap(),
+    );
+    for level in [0, 0, 2, 2, 2, 0, 0] {
+        let one = DiagnosticStatus {
+            level,
+            ..DiagnosticStatus::default()
+        };
+        let array = DiagnosticArray {
+            status: vec![DiagnosticStatus::default(), one],
+            ..DiagnosticArray::default()
+        };
+        send(&qos::DIAGNOSTICS, cdr::encode(&array).unwrap());
+    }
+    assert_eq!(recording.stop().unwrap().lost, 0);
+    let reader = Reader::open(&the_one_recording(directory.path())).unwrap();
+    let levels: Vec<u8> = reader
+        .messages()
+        .map(|it| it.unwrap())
+        .filter(|it| *it.topic == *qos::DIAGNOSTICS.name)
+        .map(|it| cdr::decode::<DiagnosticArray>(&it.data).unwrap().status[1].level)
+        .collect();
+    assert_eq!(levels, [0, 2, 0]);
+}
