@@ -16,7 +16,7 @@ use crate::column::{HINGE_NAMES, HINGES};
 use crate::evidence;
 use crate::figures::HINGE_PLACES;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
-use crate::ros::{Environment, FreshDomain, ImpactOptions, Seen, follow_impact};
+use crate::ros::{Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact};
 
 /// What `column-twin demo` is told.
 #[derive(Debug, Args)]
@@ -62,10 +62,25 @@ const BAR: usize = 40;
 
 /// Runs all of it.
 pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure> {
+    // Whatever is under way: its programs are told to stop by the same Ctrl-C, which is then no fault of theirs.
+    let signals = StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let lines = Lines::new(out);
-    let out = &lines;
-    let started = Instant::now();
     let folder = new_folder(&arguments.output)?;
+    match demonstrate(arguments, &folder, &lines) {
+        Err(_) if signals.asked() => Err(Failure::plain(
+            Exit::Failed,
+            format!(
+                "interrupted; what was made so far is in {}",
+                folder.display()
+            ),
+        )),
+        Err(failure) => Err(failure),
+        Ok(()) => lines.end(),
+    }
+}
+
+fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &Lines<'_>) -> Result<(), Failure> {
+    let started = Instant::now();
     let domain = FreshDomain::take().ok_or_else(|| {
         Failure::plain(
             Exit::Failed,
@@ -80,7 +95,7 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
         environment.domain_id,
         folder.display()
     ));
-    let mut node = NodeProcess::start(&folder, environment, out)?;
+    let mut node = NodeProcess::start(folder, environment, out)?;
     let followed = follow(environment, arguments, out);
     let ended = node.end();
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
@@ -91,7 +106,7 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
             "the node did not end as it should",
         )));
     }
-    draw(&folder, arguments)?;
+    draw(folder, arguments)?;
     let recording = only_entry(&folder.join("recordings"))?;
     let verification =
         evidence::verify(&recording).map_err(|error| Failure::plain(Exit::Failed, error))?;
@@ -105,8 +120,8 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
         "The recording is proved: {} messages computed anew, equal bit for bit.\n",
         verification.compared()
     ));
-    say_what_next(&folder, &recording, started.elapsed(), out);
-    lines.end()
+    say_what_next(folder, &recording, started.elapsed(), out);
+    Ok(())
 }
 
 fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
@@ -260,7 +275,7 @@ fn follow(
     follow_impact(
         environment,
         &options,
-        &mut |line| out.say(format_args!("Found over DDS; {line}\n")),
+        &mut |line| out.say(format_args!("{line}\n")),
         &mut |seen, since| show.take(seen, since),
     )
     .map_err(|error| Failure::plain(Exit::Failed, error))?;

@@ -127,7 +127,7 @@ impl Connection {
 
     /// The same with a viewer that has just been started.
     #[must_use]
-    pub fn to_started_viewer(mut self) -> Self {
+    pub fn awaiting_start(mut self) -> Self {
         self.expected_by += STARTS_WITHIN;
         self
     }

@@ -89,7 +89,7 @@ impl Destination {
                 let address = server::loopback(&viewer.address, viewer.port)?;
                 let telling = Arc::clone(telling);
                 let spawned = Spawned::start(address, viewer.memory_limit, telling)?;
-                let connection = connection(address).to_started_viewer();
+                let connection = connection(address).awaiting_start();
                 Self::Spawned(spawned, Box::new(connection))
             }
         }))
