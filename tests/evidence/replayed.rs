@@ -236,14 +236,19 @@ fn interop(file: &str) -> PathBuf {
     tests.join("interop").join(file)
 }
 
+/// The Python of the environment of other people's programs, which is built when there is none.
+fn python() -> PathBuf {
+    let output = Command::new(interop("environment.sh")).output().unwrap();
+    assert!(output.status.success(), "environment.sh: {}", output.status);
+    let environment = String::from_utf8(output.stdout).unwrap();
+    Path::new(environment.trim()).join("bin/python")
+}
+
 /// Prints the table of the timing: a measurement, not a promise about this machine.
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop, and replays ten times slower"]
 fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
-    let output = Command::new(interop("environment.sh")).output().unwrap();
-    assert!(output.status.success(), "environment.sh: {}", output.status);
-    let python = String::from_utf8(output.stdout).unwrap();
-    let python = Path::new(python.trim()).join("bin/python");
+    let python = python();
     for (rate, count) in [(0.1, 1_000), (1.0, 5_000), (10.0, 5_000)] {
         let directory = TempDir::new().unwrap();
         let (bag, times) = written(directory.path(), count);
@@ -286,12 +291,9 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn a_recording_of_another_program_is_replayed() {
-    let output = Command::new(interop("environment.sh")).output().unwrap();
-    assert!(output.status.success(), "environment.sh: {}", output.status);
-    let python = String::from_utf8(output.stdout).unwrap();
     let directory = TempDir::new().unwrap();
     let bag = directory.path().join("foreign");
-    let written = Command::new(Path::new(python.trim()).join("bin/python"))
+    let written = Command::new(python())
         .arg(interop("write_recording.py"))
         .arg(&bag)
         .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")

@@ -25,6 +25,13 @@ fn free_port() -> u16 {
 struct Running(Child);
 
 impl Running {
+    /// The viewer without a screen.
+    fn headless(port: u16) -> Self {
+        let mut headless = viewer(&program());
+        headless.arg("--headless");
+        Self::start(headless, port)
+    }
+
     fn start(mut command: Command, port: u16) -> Self {
         let child = command
             .args(["--bind", "127.0.0.1", "--port", &port.to_string()])
@@ -84,10 +91,7 @@ fn a_viewer_that_is_stopped_holds_up_nobody() {
     let velocities: Vec<f64> = (0..60).map(|_| 1.0).collect();
     let expected = without_viewer(&velocities);
     let port = free_port();
-    let program = program();
-    let mut headless = viewer(&program);
-    headless.arg("--headless");
-    let running = Running::start(headless, port);
+    let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
     column.wait_for("connected with the viewer");
@@ -116,10 +120,7 @@ fn a_viewer_that_is_slow_holds_up_nobody() {
     let velocities = [3.0, 1.0, 2.0, 1.0, 1.0, 1.0];
     let expected = without_viewer(&velocities);
     let port = free_port();
-    let program = program();
-    let mut headless = viewer(&program);
-    headless.arg("--headless");
-    let running = Running::start(headless, port);
+    let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
     column.wait_for("connected with the viewer");
@@ -149,10 +150,7 @@ fn a_viewer_that_is_slow_holds_up_nobody() {
 #[ignore = "slow: installs and runs the real viewer"]
 fn a_viewer_that_goes_on_is_shown_what_comes() {
     let port = free_port();
-    let program = program();
-    let mut headless = viewer(&program);
-    headless.arg("--headless");
-    let running = Running::start(headless, port);
+    let running = Running::headless(port);
     let mut column = connecting(port);
     column.hit(3.0);
     column.wait_for("connected with the viewer");
@@ -181,9 +179,7 @@ fn a_viewer_that_is_started_again_has_everything() {
     let (port, program) = (free_port(), program());
     let folder = tempfile::tempdir().expect("a folder");
     let received = folder.path().join("received.rrd");
-    let mut headless = viewer(&program);
-    headless.arg("--headless");
-    let running = Running::start(headless, port);
+    let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
     column.wait_for("connected with the viewer");
