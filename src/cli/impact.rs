@@ -18,7 +18,7 @@ pub struct ImpactArgs {
     /// Mass of the vehicle [kg]
     #[arg(long, value_name = "KG")]
     mass: f64,
-    /// Closing speed [m/s]
+    /// Speed of the vehicle over the ground [m/s]
     #[arg(long, value_name = "M/S")]
     velocity: f64,
     /// Distance from the column at the instant of the event [m]; default: the twin's impact.gap

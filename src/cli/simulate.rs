@@ -33,7 +33,7 @@ pub struct SimulateArgs {
     /// Mass of the impactor [kg]; default: impact.mass
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
-    /// Closing speed of the impactor [m/s]; default: impact.velocity
+    /// Speed of the impactor over the ground [m/s]; default: impact.velocity
     #[arg(long, value_name = "M/S")]
     velocity: Option<f64>,
     /// Distance of the impactor from the column at the start [m]; default: impact.gap

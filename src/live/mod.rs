@@ -15,7 +15,7 @@ mod real_time;
 mod solver;
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
@@ -34,7 +34,7 @@ pub use solver::SOLVER_THREAD;
 use crate::parameters::{Parameters, Value};
 use crate::twin::{Blow, Change, Input, Prediction, Present, Twin};
 use keeper::Keeper;
-use queue::{OutputQueues, Queue};
+use queue::OutputQueues;
 use solver::{Shared, Sink, Solver};
 
 /// Most inputs that wait for the solver; more are refused.
@@ -135,17 +135,7 @@ impl Live {
             .iter()
             .map(|it| Arc::new(OutputQueues::new(it)))
             .collect();
-        let shared = Arc::new(Shared {
-            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
-            bell: Arc::default(),
-            stop: AtomicBool::new(false),
-            turns: AtomicU64::new(0),
-            overruns: AtomicU64::new(0),
-            skipped_periods: AtomicU64::new(0),
-            worst_lateness: AtomicU64::new(0),
-            steps: AtomicU64::new(0),
-            corrections: AtomicU64::new(0),
-        });
+        let shared = Arc::new(Shared::new());
         clock.serve(&shared.bell);
         let mut handle = LiveHandle {
             receivers: Mutex::new(

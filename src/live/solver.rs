@@ -8,7 +8,7 @@ use super::bell::Bell;
 use super::clock::Clock;
 use super::keeper::Keeper;
 use super::lateness::lateness;
-use super::queue::{OutputQueues, Queue};
+use super::queue::{OutputQueues, Queue, WhenFull};
 use crate::parameters::Parameters;
 use crate::twin::{Input, Nanos, Notice, Output, Outputs, Severity, Twin};
 
@@ -40,6 +40,22 @@ pub(super) struct Shared {
     pub worst_lateness: AtomicU64,
     pub steps: AtomicU64,
     pub corrections: AtomicU64,
+}
+
+impl Shared {
+    pub(super) fn new() -> Self {
+        Self {
+            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
+            bell: Arc::default(),
+            stop: AtomicBool::new(false),
+            turns: AtomicU64::new(0),
+            overruns: AtomicU64::new(0),
+            skipped_periods: AtomicU64::new(0),
+            worst_lateness: AtomicU64::new(0),
+            steps: AtomicU64::new(0),
+            corrections: AtomicU64::new(0),
+        }
+    }
 }
 
 /// A turn that lies ahead.
@@ -247,7 +263,7 @@ impl Outputs for Sink {
 #[cfg(test)]
 mod tests {
     use super::super::clock::SimClock;
-    use super::super::queue::{OutputQueue, Receiver, WhenFull};
+    use super::super::queue::{OutputQueue, Receiver};
     use super::*;
     use crate::twin::ImpactEvent;
 
@@ -269,17 +285,8 @@ mod tests {
     fn a_stop_says_how_many_inputs_it_loses() {
         let twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
-        let shared = Arc::new(Shared {
-            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
-            bell: Arc::default(),
-            stop: AtomicBool::new(true),
-            turns: AtomicU64::new(0),
-            overruns: AtomicU64::new(0),
-            skipped_periods: AtomicU64::new(0),
-            worst_lateness: AtomicU64::new(0),
-            steps: AtomicU64::new(0),
-            corrections: AtomicU64::new(0),
-        });
+        let shared = Arc::new(Shared::new());
+        shared.stop.store(true, Ordering::Relaxed);
         let (reply, _answer) = std::sync::mpsc::sync_channel(1);
         let reset = Input::Reset {
             source: "test".into(),

@@ -23,7 +23,7 @@ pub struct EventSummary {
     pub stamp: Option<i64>,
     /// Mass of the impactor \[kg\].
     pub mass: Option<f64>,
-    /// Closing speed \[m/s\].
+    /// Speed over the ground \[m/s\].
     pub velocity: Option<f64>,
     /// Why the twin refused it.
     pub refused: Option<String>,

@@ -40,7 +40,7 @@ pub struct ImpactOptions {
     pub event_id: Option<String>,
     /// Mass of the vehicle \[kg\].
     pub mass: f64,
-    /// Closing speed \[m/s\].
+    /// Speed over the ground \[m/s\].
     pub velocity: f64,
     /// Distance \[m\]; `None`: the twin's parameter.
     pub gap: Option<f64>,
