@@ -10,7 +10,7 @@ use crossterm::{event, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::repair::failure;
-use super::{Exit, Failure, Lines, printed, run::environment};
+use super::{Exit, Failure, Lines, run::environment};
 use crate::ros::RosArguments;
 use crate::ros::replay::{
     RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
@@ -150,12 +150,12 @@ fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let film = super::film::of_recording(&arguments.bag, arguments.config.as_ref())?;
     if let Some(path) = &arguments.rrd {
         crate::viewer::write_rrd(path, &film.parameters, film.items, false).map_err(failed)?;
-        return printed(writeln!(out, "rerun {}", path.display()));
+        return super::printed(writeln!(out, "rerun {}", path.display()));
     }
     let mut signals =
         crate::ros::StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let served = crate::viewer::serve(&film.parameters, film.items).map_err(failed)?;
-    printed(writeln!(
+    super::printed(writeln!(
         out,
         "serving until Ctrl-C; look with: rerun {}",
         served.url()

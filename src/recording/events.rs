@@ -186,3 +186,51 @@ fn outcome(code: f64) -> Option<&'static str> {
         .find(|(it, _)| f64::from(*it) == code)
         .map(|(_, word)| word)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(numbers: &[(&str, f64)], texts: &[(&str, &str)]) -> Decoded {
+        let numbers = numbers
+            .iter()
+            .map(|(name, it)| ((*name).into(), Decoded::Float64(*it)));
+        let texts = texts
+            .iter()
+            .map(|(name, it)| ((*name).into(), Decoded::Text((*it).to_owned())));
+        Decoded::Fields(numbers.chain(texts).collect())
+    }
+
+    fn refusal(id: &str) -> Decoded {
+        let reason = ("last_refusal_reason", "it was there before");
+        message(
+            &[],
+            &[("column_id", "c"), ("last_refusal_event_id", id), reason],
+        )
+    }
+
+    /// A repeat is refused, and the impact stays what it was, whichever is read first.
+    #[test]
+    fn a_repeat_that_is_refused_does_not_make_its_impact_refused() {
+        let report = |id, kind, value| {
+            let names = [("column_id", "c"), ("event_id", id)];
+            message(&[("kind", f64::from(kind)), value], &names)
+        };
+        let mut events = Events::default();
+        events.status(&refusal("refused"));
+        events.status(&refusal("first"));
+        events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
+        let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
+        events.reported(&report("then", ImpactReport::RESULT, outcome));
+        events.status(&refusal("then"));
+        let refused: Vec<_> = events
+            .list
+            .iter()
+            .map(|it| (it.event_id.as_str(), it.refused.is_some()))
+            .collect();
+        assert_eq!(
+            refused,
+            [("refused", true), ("first", false), ("then", false)]
+        );
+    }
+}
