@@ -28,7 +28,7 @@ pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use keeper::KEEPER_THREAD;
 pub use lateness::{Lateness, lateness};
 pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
-pub use real_time::{Grant, RealTime, RealTimeGrants};
+pub use real_time::{Grant, RealTime, RealTimeGrants, ask_for_sender};
 pub use solver::SOLVER_THREAD;
 
 use crate::parameters::{Parameters, Value};

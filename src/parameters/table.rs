@@ -618,7 +618,8 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Integer(50),
         admissible: Admissible::Integer { min: 0, max: 99 },
         applies: Applies::Restart,
-        meaning: "priority of the solver's thread under SCHED_FIFO, where the system permits it; 0 = as every thread",
+        meaning: "priority of the solver's thread under SCHED_FIFO, where the system permits it, the publishing thread one below; \
+                  0 = as every thread",
     },
     Parameter {
         name: "real_time.processors",

@@ -17,6 +17,7 @@ use std::time::Duration;
 
 use ros2_client::Publisher;
 
+use crate::live::{RealTime, ask_for_sender};
 use crate::messages::{cdr, rcl_interfaces};
 
 use super::bridge::{Outputs, Recording, Twin};
@@ -89,7 +90,9 @@ impl TwinNode {
         let subscriptions = Subscriptions::new(&mut node, &twin.parameters(), recording.clone())?;
         let services = Services::new(&mut node, recording)?;
         let stop_publishing = Arc::clone(&stop);
+        let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {
+            ask_for_sender(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
         let (events, matches) = (node.participant_events(), Arc::clone(&counters));

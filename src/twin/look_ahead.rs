@@ -59,6 +59,11 @@ impl LookAhead {
         outlook
     }
 
+    /// The step that it has come to.
+    pub fn step(&self) -> u64 {
+        self.state.step
+    }
+
     /// \[s\]
     pub fn compute_time(&self) -> f64 {
         seconds(self.nanos)

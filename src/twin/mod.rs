@@ -372,6 +372,7 @@ impl Twin {
                     compute_time,
                 }));
                 run.is_kept = true;
+                run.last_step = Some(ahead.step());
                 // Kept now: a machine that stops before the response is over has the damage all the same.
                 self.save_forecast(&report, residual, now, out);
             }

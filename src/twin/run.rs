@@ -45,6 +45,8 @@ pub(super) struct Run {
     pub nanos: u64,
     /// The damage that it will leave has been kept, as it is forecast.
     pub is_kept: bool,
+    /// Step of the last state, once the forecast knows it.
+    pub last_step: Option<u64>,
     history: History,
 }
 
@@ -82,6 +84,7 @@ impl Run {
             percussion: state.percussion,
             nanos: 0,
             is_kept: false,
+            last_step: None,
             history,
         }
     }
@@ -109,7 +112,7 @@ impl Run {
     }
 
     /// The step that the next turn is to reach: the next sample, and before it one that leaves little to compute when it
-    /// is due.
+    /// is due. The last state is a sample that comes when it is due, whatever the others' period.
     pub fn next_turn(&self) -> u64 {
         let shortly_before = self
             .next_sample
@@ -118,7 +121,10 @@ impl Run {
             true => shortly_before,
             false => self.next_sample,
         };
-        wanted.min(self.state.step + self.steps_per_turn())
+        let last = self.last_step.filter(|last| *last > self.state.step);
+        wanted
+            .min(self.state.step + self.steps_per_turn())
+            .min(last.unwrap_or(u64::MAX))
     }
 
     /// Advances towards a step, past the next sample's never.

@@ -74,6 +74,29 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactEvent) {
     assert_eq!(states.last().expect("some").sample.time, report.end_time);
 }
 
+/// No sample leaves after the instant that it is for, not even the last one, which no period says.
+#[test]
+fn every_state_leaves_when_it_is_due() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("punctual", START));
+    let mut seen = 0;
+    while bench.twin.is_responding() {
+        bench.twin.run_ahead(u64::MAX, bench.now, &mut bench.out);
+        bench.now = bench.twin.next_deadline(bench.now);
+        bench.twin.advance_to(bench.now, &mut bench.out);
+        let states = bench.states();
+        assert!(states[seen..].iter().all(|it| it.stamp == bench.now));
+        seen = states.len();
+    }
+    let last = *bench.states().last().expect("some");
+    assert_eq!(last.phase, TwinPhase::Rest);
+    assert_ne!(
+        (last.stamp - START) % MS,
+        0,
+        "this test wants an end between two periods"
+    );
+}
+
 #[test]
 fn the_stream_equals_the_simulation() {
     check_against_simulation(&[], &event("plain", START));
