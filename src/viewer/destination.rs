@@ -21,8 +21,9 @@ use crate::twin::Severity;
 /// Shortest time between two pictures of the scene \[ns\].
 const PICTURE_PERIOD: i64 = 1_000_000;
 
-/// How long curves wait for more of them \[ns\]: each piece costs about as much, however long it is.
-const CURVES_PERIOD: i64 = 100_000_000;
+/// How long curves wait for more of them \[ns\]: each piece costs about as much, however long it is. The end of an impact waits
+/// for nothing.
+const CURVES_PERIOD: i64 = 200_000_000;
 
 /// Pictures of the scene in the long run \[1/s\].
 const PICTURES_PER_SECOND: f64 = 60.0;
