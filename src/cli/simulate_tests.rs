@@ -6,6 +6,8 @@ use clap::Parser;
 
 use super::simulate::{SimulateArgs, run};
 use super::{Exit, Failure};
+use crate::column::simulate;
+use crate::parameters::{Parameters, Value};
 
 #[derive(Parser)]
 struct Line {
@@ -56,6 +58,51 @@ fn a_history_for_the_standard_output_is_all_that_goes_there() {
     assert!(output.starts_with("t_s,"));
     let mut table = csv::Reader::from_reader(output.as_bytes());
     assert!(table.records().all(|row| row.is_ok()));
+}
+
+/// What is printed is what the library simulates, of which the node's stream is a part: every number of every step.
+#[test]
+fn the_history_is_the_simulation() {
+    let (output, ended) = typed(&["--csv", "-", "--mass", "1500", "--velocity", "8"]);
+    assert!(ended.is_ok());
+    let changes = [
+        ("impact.mass", Value::from(1500.0)),
+        ("impact.velocity", Value::from(8.0)),
+    ];
+    let parameters = Parameters::from_values(changes).unwrap();
+    let mut samples = Vec::new();
+    simulate(
+        &parameters.column_properties(),
+        &parameters.impact(),
+        parameters.response_duration(),
+        &mut |sample| samples.push(*sample),
+    )
+    .unwrap();
+    let mut table = csv::Reader::from_reader(output.as_bytes());
+    let names = table.headers().unwrap().clone();
+    let at = |name: &str| names.iter().position(|it| it == name).unwrap();
+    let columns = [
+        at("t_s"),
+        at("v1_m"),
+        at("u2_m"),
+        at("percussion_Ns"),
+        at("M3_Nm"),
+    ];
+    let mut steps = 0;
+    for (row, sample) in table.records().zip(&samples) {
+        let row = row.unwrap();
+        let printed = columns.map(|column| row[column].parse::<f64>().unwrap());
+        let simulated = [
+            sample.time,
+            sample.v1,
+            sample.u2,
+            sample.percussion,
+            sample.hinges[3].moment,
+        ];
+        assert_eq!(printed, simulated);
+        steps += 1;
+    }
+    assert_eq!(steps, samples.len());
 }
 
 #[test]

@@ -21,13 +21,14 @@ Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
 /// Prints until SIGINT or SIGTERM, or until nobody reads it any more (`| head`).
 pub fn run(_: &WatchArgs, ros: &RosArguments) -> Result<(), Failure> {
-    watch(
-        &environment()?,
-        &ros.remap_rules,
-        &mut |line| match writeln!(io::stdout(), "{line}") {
+    let mut written = Ok(());
+    watch(&environment()?, &ros.remap_rules, &mut |line| {
+        written = writeln!(io::stdout(), "{line}");
+        match written {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
-        },
-    )
-    .map_err(|error| Failure::plain(Exit::Failed, error))
+        }
+    })
+    .map_err(|error| Failure::plain(Exit::Failed, error))?;
+    super::printed(written)
 }

@@ -186,7 +186,8 @@ impl Follower {
             // A recording that had to begin in the middle of a response begins with the last starting point, and what the
             // twin was given since stands in the recording before. Anywhere else each number must be there.
             if !is_beginning {
-                self.findings.missing_entries += lost;
+                let missing = &mut self.findings.missing_entries;
+                *missing = missing.saturating_add(lost);
             }
             return self.lose_track(format!("{lost} entries of the journal are missing"));
         }

@@ -35,7 +35,7 @@ pub struct Verification {
     pub unchecked: Vec<String>,
     /// How many reasons there were.
     pub unchecked_reasons: u64,
-    /// Messages that the recording itself says are missing.
+    /// Messages that the recording itself says are missing, at most: what the recorder lost may stand in the node's status, too.
     pub admitted_losses: u64,
     /// The first difference, in the order of the recording.
     pub first_difference: Option<Difference>,
@@ -116,7 +116,7 @@ impl Verification {
     #[must_use]
     pub fn missing(&self) -> u64 {
         let messages: u64 = self.topics.iter().map(|it| it.missing).sum();
-        messages + self.missing_entries
+        messages.saturating_add(self.missing_entries)
     }
 
     /// Messages that were compared.

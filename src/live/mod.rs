@@ -325,12 +325,14 @@ impl LiveHandle {
     }
 
     /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What is lost all the
-    /// same is said in one [`Notice`](crate::twin::Notice). What has left the twin can still be received.
+    /// same is said in one [`Notice`](crate::twin::Notice). What has left the twin can still be received; the statistics are
+    /// the last.
     ///
     /// # Errors
     /// A thread had ended by a panic.
-    pub fn stop(mut self) -> Result<(), Panicked> {
-        self.join()
+    pub fn stop(mut self) -> Result<LiveStatistics, Panicked> {
+        self.join()?;
+        Ok(self.statistics())
     }
 
     fn join(&mut self) -> Result<(), Panicked> {

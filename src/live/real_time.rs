@@ -115,11 +115,12 @@ pub(super) fn ask(wishes: &RealTime) -> RealTimeGrants {
 }
 
 /// Asks for the calling thread, which sends what the solver gives out: one step below the solver, so that a sample that is
-/// there in time does not wait for programs without deadlines. What is denied here is denied to the solver, which says so.
+/// there in time does not wait for programs without deadlines. Below priority 1 there is only what every thread has. What is
+/// denied here is denied to the solver, which says so.
 pub fn ask_for_sender(wishes: &RealTime) {
     let _ = set_current_timer_slack(std::num::NonZeroU64::new(1));
-    if let Some(priority) = wishes.fifo_priority {
-        let _ = fifo((priority - 1).max(1));
+    if let Some(priority @ 2..) = wishes.fifo_priority {
+        let _ = fifo(priority - 1);
     }
 }
 

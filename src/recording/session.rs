@@ -390,6 +390,11 @@ impl Session {
         match current.writer.finish_because(reason) {
             Ok(finished) => {
                 self.noted += losses;
+                // What is lost is an error, also where it is only now that a file says so.
+                let messages = self.losses_to_tell();
+                if messages > 0 {
+                    self.options.say(&RecorderReport::Lost { messages });
+                }
                 self.counters.finished.fetch_add(1, Ordering::Relaxed);
                 self.options.say(&RecorderReport::Finished(finished));
             }

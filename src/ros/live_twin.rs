@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use crate::column::ModelError;
 use crate::live::{
-    AskError, Clock, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver, SimClock,
-    SystemClock, monotonic_nanos,
+    AskError, Clock, Live, LiveHandle, LiveOptions, LiveStatistics, OutputQueue, RealTime,
+    Receiver, SimClock, SystemClock, monotonic_nanos,
 };
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
@@ -157,9 +157,13 @@ impl LiveTwin {
         // Before anybody can ask: what is sent last says it too.
         *last_health() = health(&handle);
         drop(place);
-        if let Err(panicked) = handle.stop() {
-            tracing::error!("{panicked}");
-            last_health().solver_ended = true;
+        match handle.stop() {
+            // With what the end itself has cost.
+            Ok(statistics) => *last_health() = health_of(statistics, false),
+            Err(panicked) => {
+                tracing::error!("{panicked}");
+                last_health().solver_ended = true;
+            }
         }
     }
 
@@ -200,19 +204,21 @@ impl Twin for LiveTwin {
             });
         }
         let source = change.source;
-        let answer = self.ask(|handle| handle.change_parameters(change.values, source));
+        let answer = self.ask(|handle| {
+            let answer = handle.change_parameters(change.values, source);
+            answer.map_err(|error| (error, handle.is_running()))
+        });
         let (reason, is_in_journal) = match answer {
             Some(Ok(_)) => return Ok(()),
             // The twin says it.
-            Some(Err(AskError::Refused(reason))) => (reason.to_string(), true),
-            Some(Err(error @ AskError::QueueFull(_))) => {
+            Some(Err((AskError::Refused(reason), _))) => (reason.to_string(), true),
+            Some(Err((error @ AskError::QueueFull(_), _))) => {
                 tracing::warn!("a change of parameters by {source} is refused: {error}");
                 (error.to_string(), false)
             }
-            Some(Err(error @ AskError::NoAnswer)) => {
-                let reason = unanswered(error);
-                tracing::warn!("a change of parameters by {source} has no answer: {reason}");
-                (reason, true)
+            Some(Err((error @ AskError::NoAnswer, is_running))) => {
+                tracing::warn!("a change of parameters by {source} has no answer: {error}");
+                (error.to_string(), is_running)
             }
             None => (STOPPING.to_owned(), false),
         };
@@ -232,7 +238,7 @@ impl Twin for LiveTwin {
     }
 
     fn reset(&self) -> Result<String, String> {
-        self.ask(|handle| handle.reset("service ~/reset").map_err(unanswered))
+        self.ask(|handle| handle.reset("service ~/reset").map_err(words))
             .unwrap_or_else(stopping)
             .map(|()| "the column is virgin".to_owned())
     }
@@ -273,7 +279,10 @@ impl Twin for LiveTwin {
 }
 
 fn health(handle: &LiveHandle) -> Health {
-    let statistics = handle.statistics();
+    health_of(handle.statistics(), !handle.is_running())
+}
+
+fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
     let queues: Vec<_> = statistics
         .queues
         .into_iter()
@@ -303,7 +312,7 @@ fn health(handle: &LiveHandle) -> Health {
         .map(|(name, count)| (name.to_owned(), count.to_string()))
         .to_vec(),
         hints: statistics.real_time.warnings().collect(),
-        solver_ended: !handle.is_running(),
+        solver_ended,
         queues,
     }
 }
@@ -339,14 +348,6 @@ fn nanos(stamp: Time) -> i64 {
 
 fn words(error: impl std::fmt::Display) -> String {
     error.to_string()
-}
-
-/// What was asked for stays in the queue where the solver has not answered in time.
-fn unanswered(error: AskError) -> String {
-    match error {
-        AskError::NoAnswer => format!("{error}; it may still be done"),
-        AskError::QueueFull(_) | AskError::Refused(_) => error.to_string(),
-    }
 }
 
 const STOPPING: &str = "the twin is stopping";

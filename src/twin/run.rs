@@ -114,17 +114,14 @@ impl Run {
     /// The step that the next turn is to reach: the next sample, and before it one that leaves little to compute when it
     /// is due. The last state is a sample that comes when it is due, whatever the others' period.
     pub fn next_turn(&self) -> u64 {
-        let shortly_before = self
-            .next_sample
-            .saturating_sub(self.steps_per_sample / LAST_SHARE);
+        let last = self.last_step.filter(|last| *last > self.state.step);
+        let due = self.next_sample.min(last.unwrap_or(u64::MAX));
+        let shortly_before = due.saturating_sub(self.steps_per_sample / LAST_SHARE);
         let wanted = match self.state.step < shortly_before {
             true => shortly_before,
-            false => self.next_sample,
+            false => due,
         };
-        let last = self.last_step.filter(|last| *last > self.state.step);
-        wanted
-            .min(self.state.step + self.steps_per_turn())
-            .min(last.unwrap_or(u64::MAX))
+        wanted.min(self.state.step + self.steps_per_turn())
     }
 
     /// Advances towards a step, past the next sample's never.

@@ -168,6 +168,7 @@ impl Connection {
                     self.address
                 );
                 self.say_absent(text);
+                self.hangs_up = false;
                 self.part();
             }
             // Another program that listens there does so every time: said once.

@@ -13,7 +13,7 @@ use super::colour::{self, Rgb};
 use super::fixtures;
 use super::happenings::{Happening, Happenings, summary};
 use super::item::{Announcement, Item};
-use super::pictures;
+use super::pictures::{self, ShownTop};
 use super::plots::{self, Ranges};
 use super::scene::{Drawing, Scene};
 use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
@@ -112,6 +112,7 @@ pub struct Film {
     going: Going,
     /// The last displacements that were shown at rest.
     at_rest: Option<[f64; 2]>,
+    shown_top: ShownTop,
     /// Whether the scene has ever been drawn.
     drawn: bool,
     /// A forecast whose states have not come yet.
@@ -150,6 +151,7 @@ impl Film {
             foreseen: None,
             going: Going::default(),
             at_rest: None,
+            shown_top: ShownTop::default(),
             drawn: false,
             forecast: None,
             batch: Vec::new(),
@@ -265,6 +267,8 @@ impl Film {
             ..Going::default()
         };
         self.at_rest = None;
+        // The wall clock may have gone back, and a viewer that comes late may have missed where it was.
+        self.shown_top = ShownTop::default();
         let announced = self.forecast.take();
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
             self.going.happenings.announce(&forecast.report);
@@ -340,6 +344,7 @@ impl Film {
             .change_step(parameters.column_properties().step_nanos);
         self.parameters = parameters;
         self.foreseen = None;
+        self.shown_top = ShownTop::default();
         self.at_rest = None;
         self.send_blueprint()?;
         self.statics()
@@ -488,7 +493,7 @@ impl Film {
 
     fn pictures(&mut self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
         self.drawn |= !pictures.is_empty();
-        pictures::send(&self.stream, pictures)
+        pictures::send(&self.stream, pictures, &mut self.shown_top)
     }
 
     fn line(&self, line: Line) -> RecordingStreamResult<()> {

@@ -9,10 +9,28 @@ use rerun::{
 use super::colour;
 use super::film::{color, columns};
 use super::fixtures;
-use super::scene::{Drawing, Scene, VEHICLE};
+use super::scene::{Drawing, Point, Scene, VEHICLE};
 use super::timeline::Moment;
 use crate::column::HINGES;
 use crate::shape::Solid;
+
+/// A movement of the column's top that nobody sees \[m\].
+const UNSEEN: f32 = 1e-4;
+
+/// Where the column's top was drawn last: mostly it stands still.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ShownTop(Option<Point>);
+
+impl ShownTop {
+    fn is_to_be_shown(&mut self, top: Point) -> bool {
+        let seen = |shown: Point| (shown[2] - top[2]).abs() >= UNSEEN;
+        let is_to_be_shown = self.0.is_none_or(seen);
+        if is_to_be_shown {
+            self.0 = Some(top);
+        }
+        is_to_be_shown
+    }
+}
 
 /// Adds pictures, one row of each entity for each. Few entities, with shapes of several kinds in each: an entity costs about the
 /// same, whatever is in it.
@@ -22,13 +40,13 @@ use crate::shape::Solid;
 pub(super) fn send(
     stream: &RecordingStream,
     pictures: &[(Moment, Scene)],
+    shown_top: &mut ShownTop,
 ) -> RecordingStreamResult<()> {
     if pictures.is_empty() {
         return Ok(());
     }
     let times = columns(pictures.iter().map(|(moment, _)| *moment));
     let scenes = || pictures.iter().map(|(_, scene)| scene);
-    let ones = || vec![1; pictures.len()];
     let send =
         |entity: &str, columns_of_data| stream.send_columns(entity, times.clone(), columns_of_data);
 
@@ -67,12 +85,22 @@ pub(super) fn send(
         .chain(heads.columns(four())?);
     send("column/hinges", hinges.collect())?;
 
-    let tops = scenes().map(|it| Translation3D::from(it.top));
-    let top = Transform3D::update_fields().with_many_translation(tops);
-    let springs = scenes().map(|it| LineStrip3D::from_iter(it.spring.iter().copied()));
-    let spring = LineStrips3D::update_fields().with_strips(springs);
-    let top = top.columns(ones())?.chain(spring.columns(ones())?);
-    send("top", top.collect())?;
+    let moved: Vec<_> = pictures
+        .iter()
+        .filter(|(_, scene)| shown_top.is_to_be_shown(scene.top))
+        .collect();
+    if !moved.is_empty() {
+        let tops = moved.iter().map(|(_, it)| Translation3D::from(it.top));
+        let top = Transform3D::update_fields().with_many_translation(tops);
+        let springs = moved
+            .iter()
+            .map(|(_, it)| LineStrip3D::from_iter(it.spring.iter().copied()));
+        let spring = LineStrips3D::update_fields().with_strips(springs);
+        let ones = || vec![1; moved.len()];
+        let top = top.columns(ones())?.chain(spring.columns(ones())?);
+        let times = columns(moved.iter().map(|(moment, _)| *moment));
+        stream.send_columns("top", times, top.collect::<Vec<_>>())?;
+    }
 
     let there: Vec<_> = scenes()
         .map(|it| usize::from(it.vehicle.is_some()))
@@ -145,4 +173,18 @@ pub(super) fn send_statics(
         .with_radii([radius(0.006 * drawing.lengths.total())])
         .with_show_labels(true);
     stream.log_static("vehicle", &contact)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_top_that_creeps_is_shown_all_the_same() {
+        let mut shown = ShownTop::default();
+        let at = |height: f32| [0.0, 0.0, height];
+        let heights = [4.0, 4.0, 3.999_96, 3.999_92, 3.999_88, 3.999_84, 4.0];
+        let drawn = heights.map(|it| shown.is_to_be_shown(at(it)));
+        assert_eq!(drawn, [true, false, false, false, true, false, true]);
+    }
 }

@@ -42,8 +42,11 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item>
                 };
                 of_kind.insert(report.event_id.clone(), report.clone());
             }
-            Told::Event(event) if event.height.is_finite() => {
-                heights.insert(event.event_id.clone(), event.height);
+            // A repeat of its identifier was refused.
+            Told::Event(event) if event.column_id == parameters.settings().column_id => {
+                heights
+                    .entry(event.event_id.clone())
+                    .or_insert(event.height);
             }
             Told::Event(_) | Told::State(..) | Told::Column(_) => {}
         }
@@ -61,7 +64,8 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item>
                     items.extend(result.map(|it| Item::Result(announcement(*it))));
                     let forecast = forecasts.remove(&state.event_id);
                     items.extend(forecast.map(|it| Item::Forecast(announcement(*it))));
-                    lengths = heights.get(&state.event_id).map(|below| {
+                    let height = heights.get(&state.event_id).filter(|it| it.is_finite());
+                    lengths = height.map(|below| {
                         let total = Lengths::from(&*parameters).total();
                         Lengths {
                             below: *below,

@@ -80,6 +80,7 @@ fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
     let taller = Arc::new(taller.expect("admissible"));
     let event = ImpactEvent {
         event_id: "b".to_owned(),
+        column_id: "column".to_owned(),
         height: 1.25,
         ..ImpactEvent::default()
     };
