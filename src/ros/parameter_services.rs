@@ -45,25 +45,24 @@ pub(super) fn types(request: &GetParameterTypesRequest) -> GetParameterTypesResp
 pub(super) fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
     let described = |name: &String| Parameter::named(name).map_or_else(no_descriptor, descriptor);
     DescribeParametersResponse {
-        values: each(&request.names, described, |count| {
+        values: each(&request.names, described, |description| {
             raw::ParameterDescriptor {
-                description: too_many(count),
+                description,
                 ..no_descriptor()
             }
         }),
     }
 }
 
-/// One answer for each that is asked for, as the services promise: with `answer` up to the bound, behind it with
-/// `too_many`, which is given how many there are.
-fn each<T, A>(asked: &[T], answer: impl Fn(&T) -> A, too_many: impl Fn(usize) -> A) -> Vec<A> {
-    let answers = asked.iter().enumerate();
-    answers
-        .map(|(index, it)| match index < MAX_PARAMETERS_PER_REQUEST {
-            true => answer(it),
-            false => too_many(asked.len()),
-        })
-        .collect()
+/// One answer for each that is asked for, as the services promise: with `answer` up to the bound, behind it with `refuse`,
+/// which is given the reason: once in words, so that the reply does not grow beyond the request, then empty.
+fn each<T, A>(asked: &[T], answer: impl Fn(&T) -> A, refuse: impl Fn(String) -> A) -> Vec<A> {
+    let (answered, refused) = asked.split_at(asked.len().min(MAX_PARAMETERS_PER_REQUEST));
+    let mut reason = Some(too_many(asked.len()));
+    let refusals = refused
+        .iter()
+        .map(|_| refuse(reason.take().unwrap_or_default()));
+    answered.iter().map(answer).chain(refusals).collect()
 }
 
 fn too_many(count: usize) -> String {
@@ -110,9 +109,7 @@ pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
 pub(super) fn set(twin: &dyn Twin, request: SetParametersRequest) -> SetParametersResponse {
     let set_one = |it: &raw::Parameter| result(set_all(twin, vec![it.clone()]));
     SetParametersResponse {
-        results: each(&request.parameter, set_one, |count| {
-            result(Err(too_many(count)))
-        }),
+        results: each(&request.parameter, set_one, |reason| result(Err(reason))),
     }
 }
 
@@ -384,8 +381,9 @@ mod tests {
         let descriptors = describe(&DescribeParametersRequest { names }).values;
         assert_eq!(descriptors.len(), many);
         assert_eq!(descriptors[many - 3].name, "top.load");
+        assert_eq!(descriptors[many - 1].description, "");
         assert_eq!(
-            descriptors[many - 1].description,
+            descriptors[many - 2].description,
             "expected at most 1024 parameters in one request, found 1026; send several requests"
         );
     }

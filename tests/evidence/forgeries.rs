@@ -1,6 +1,7 @@
 //! What was changed in a recording is found, and named.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use column_twin::evidence::{Line, LineEntry, RECORDED, Topics, Verification, VerifyError, verify};
 use column_twin::messages::cdr;
@@ -319,6 +320,29 @@ fn an_entry_of_the_journal_that_was_taken_out_is_missed() {
         assert!(!found.is_equal(), "{taken_out}: {found}");
         assert_eq!(found.missing_entries, 1, "{taken_out}: {found}");
     }
+}
+
+/// However many entries are said to be missing, they are more than none.
+#[test]
+fn a_number_beyond_all_others_is_not_equal() {
+    let original = recording();
+    let mut inputs = 0;
+    let (_directory, path) = forged(&original.path(), |message| {
+        if message.topic.ends_with("/journal") {
+            let mut line = Line::decode(&message.data).unwrap();
+            if let LineEntry::Twin(Journal::Handled(handled)) = &mut line.entry {
+                inputs += 1;
+                if inputs == 2 {
+                    Arc::make_mut(handled).number = u64::MAX;
+                    return Some(line.encode().unwrap());
+                }
+            }
+        }
+        Some(message.data.clone())
+    });
+    assert!(inputs >= 2);
+    let found = verify(&path).unwrap();
+    assert!(!found.is_equal() && found.missing() > 1_000_000, "{found}");
 }
 
 /// Nothing but the first starting point is left of what the journal said of it.
