@@ -30,6 +30,7 @@ mod domain;
 #[allow(dead_code)] // the tests use more of it
 #[path = "../../tests/ros/program.rs"]
 mod program;
+#[allow(dead_code)] // the tests of the viewer use more of it
 #[path = "../../tests/viewer/wheel.rs"]
 mod wheel;
 

@@ -1,7 +1,6 @@
 //! What pictures cost while the column moves without a pause, and whether anything is published later for them.
 
 use std::net::{Ipv4Addr, TcpListener};
-use std::process::Child;
 use std::time::Duration;
 
 use column_twin::messages::column_twin::ColumnState;
@@ -13,37 +12,12 @@ use super::processor::share_during;
 use super::program::Program;
 use super::stream::Impacts;
 use super::table::{Ranked, number, row};
-use super::wheel;
+use super::wheel::{Running, free_port};
 
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// The target beyond a node without viewer \[s of processor time per s\].
 const TARGET: f64 = 0.05;
-
-fn free_port() -> u16 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
-    listener.local_addr().expect("its address").port()
-}
-
-/// The real viewer without a screen, until it is dropped.
-struct Viewer(Child);
-
-impl Viewer {
-    fn start(port: u16) -> Self {
-        let child = wheel::viewer(&wheel::program())
-            .args(["--headless", "--bind", "127.0.0.1", "--port"])
-            .arg(port.to_string())
-            .spawn();
-        Self(child.expect("a viewer"))
-    }
-}
-
-impl Drop for Viewer {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 /// The node's share of a processor, and how late its states are published \[ms\].
 fn measure(span: Duration, mode: &str, port: u16, ready: &str) -> (f64, Ranked) {
@@ -95,7 +69,7 @@ pub fn run(span: Duration) {
     let silent = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let silent_port = silent.local_addr().expect("its address").port();
     let viewer_port = free_port();
-    let _viewer = Viewer::start(viewer_port);
+    let _viewer = Running::headless(viewer_port);
     let cases = [
         ("off", "off", free_port(), "is ready"),
         ("save", "save", free_port(), "pictures go into"),

@@ -1,6 +1,6 @@
 //! `column-twin watch`: what a running twin publishes, in the terminal.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::ops::ControlFlow;
 
 use clap::Args;
@@ -20,10 +20,10 @@ Example: a twin in the namespace /garage, on this machine only
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
 /// Prints until SIGINT or SIGTERM, or until nobody reads it any more (`| head`).
-pub fn run(_: &WatchArgs, ros: &RosArguments) -> Result<(), Failure> {
+pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
     let mut written = Ok(());
     watch(&environment()?, &ros.remap_rules, &mut |line| {
-        written = writeln!(io::stdout(), "{line}");
+        written = writeln!(out, "{line}");
         match written {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),

@@ -452,18 +452,20 @@ fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutc
     }
 }
 
+/// A status that tells of a refusal.
+#[cfg(test)]
+pub(super) fn refused(event_id: &str, count: u64) -> Seen {
+    Seen::Status(TwinStatus {
+        last_refusal_event_id: event_id.to_owned(),
+        last_refusal_reason: "too fast".to_owned(),
+        events_refused: count,
+        ..TwinStatus::default()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn refused(event_id: &str, count: u64) -> Seen {
-        Seen::Status(TwinStatus {
-            last_refusal_event_id: event_id.to_owned(),
-            last_refusal_reason: "too fast".to_owned(),
-            events_refused: count,
-            ..TwinStatus::default()
-        })
-    }
 
     #[test]
     fn an_answer_is_of_this_event_and_of_now() {

@@ -121,16 +121,8 @@ fn phase_word(phase: u8) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use super::super::client::refused;
     use super::*;
-
-    fn refused(event_id: &str, count: u64) -> Seen {
-        Seen::Status(TwinStatus {
-            last_refusal_event_id: event_id.to_owned(),
-            last_refusal_reason: "too fast".to_owned(),
-            events_refused: count,
-            ..TwinStatus::default()
-        })
-    }
 
     #[test]
     fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {

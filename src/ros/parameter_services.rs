@@ -58,10 +58,12 @@ pub(super) fn describe(request: &DescribeParametersRequest) -> DescribeParameter
 /// which is given the reason: once in words, so that the reply does not grow beyond the request, then empty.
 fn each<T, A>(asked: &[T], answer: impl Fn(&T) -> A, refuse: impl Fn(String) -> A) -> Vec<A> {
     let (answered, refused) = asked.split_at(asked.len().min(MAX_PARAMETERS_PER_REQUEST));
-    let mut reason = Some(too_many(asked.len()));
-    let refusals = refused
-        .iter()
-        .map(|_| refuse(reason.take().unwrap_or_default()));
+    let refusals = (0..refused.len()).map(|index| {
+        refuse(match index {
+            0 => too_many(asked.len()),
+            _ => String::new(),
+        })
+    });
     answered.iter().map(answer).chain(refusals).collect()
 }
 

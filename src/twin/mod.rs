@@ -244,7 +244,7 @@ impl Twin {
     /// have not begun.
     #[must_use]
     pub fn lost_by_a_stop(&self) -> Vec<String> {
-        let unkept = self.run.as_ref().filter(|run| !run.is_kept).map(|run| {
+        let unkept = self.run.as_ref().filter(|run| run.last_step.is_none()).map(|run| {
             format!(
                 "the damage by impact \"{}\", which the column responds to and whose forecast is not complete",
                 run.event_id
@@ -371,7 +371,6 @@ impl Twin {
                     report,
                     compute_time,
                 }));
-                run.is_kept = true;
                 run.last_step = Some(ahead.step());
                 // Kept now: a machine that stops before the response is over has the damage all the same.
                 self.save_forecast(&report, residual, now, out);

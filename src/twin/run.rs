@@ -43,9 +43,7 @@ pub(super) struct Run {
     percussion: f64,
     /// What the steps have taken \[ns\].
     pub nanos: u64,
-    /// The damage that it will leave has been kept, as it is forecast.
-    pub is_kept: bool,
-    /// Step of the last state, once the forecast knows it.
+    /// Step of the last state, once the forecast is complete; from then on the damage that it leaves is kept.
     pub last_step: Option<u64>,
     history: History,
 }
@@ -83,7 +81,6 @@ impl Run {
             next_sample: 0,
             percussion: state.percussion,
             nanos: 0,
-            is_kept: false,
             last_step: None,
             history,
         }

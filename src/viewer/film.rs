@@ -170,11 +170,11 @@ impl Film {
     /// # Errors
     /// The stream takes nothing.
     pub fn show(&mut self, items: impl IntoIterator<Item = Item>) -> RecordingStreamResult<()> {
-        let mut states = 0;
+        let mut moves = false;
         for item in items {
             match item {
                 Item::State(state) => {
-                    states += 1;
+                    moves = true;
                     self.state(state)?;
                 }
                 // They have their own times and wait for no state.
@@ -189,7 +189,7 @@ impl Film {
             [(first, _), .., (last, _)] => last.wall_clock.saturating_sub(first.wall_clock),
             _ => 0,
         };
-        if states == 0 || waited >= self.options.curves_period {
+        if !moves || waited >= self.options.curves_period {
             self.flush()
         } else {
             self.draw()

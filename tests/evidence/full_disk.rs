@@ -10,9 +10,9 @@ use column_twin::messages::cdr;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
-use column_twin::ros::{Names, Node};
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::reader;
 use super::node::{Bytes, program, recordings, slow_impact, stopped};
 use super::small_disk::SmallDisk;
 
@@ -44,8 +44,7 @@ fn a_node_outlives_a_full_disk_and_says_what_is_missing() {
     };
     let domain = Domain::fresh();
     let node = program(&domain, disk.path());
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut reader = Node::new(&domain.environment, names).unwrap();
+    let mut reader = reader(&domain);
     let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
     let diagnostics = Bytes::start(&mut reader, &qos::DIAGNOSTICS);
     slow_impact(&domain, "before");

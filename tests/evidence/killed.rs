@@ -8,10 +8,10 @@ use column_twin::messages::cdr;
 use column_twin::messages::column_twin::ColumnState;
 use column_twin::recording::{FLUSH_WITHIN, Reader, repair};
 use column_twin::ros::qos;
-use column_twin::ros::{Names, Node};
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::reader;
 use super::node::{Bytes, program, slow_impact};
 use super::recorded_twin::the_one_recording;
 
@@ -38,8 +38,7 @@ fn missing_after_a_kill(after: Duration) -> Duration {
     let directory = TempDir::new().unwrap();
     let domain = Domain::fresh();
     let mut node = program(&domain, directory.path());
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut reader = Node::new(&domain.environment, names).unwrap();
+    let mut reader = reader(&domain);
     let states = Bytes::start(&mut reader, &qos::COLUMN_STATE);
     slow_impact(&domain, "a");
     let first = states.messages.recv_timeout(PATIENCE).expect("a state");

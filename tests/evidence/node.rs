@@ -14,13 +14,12 @@ use column_twin::recording::Reader;
 use column_twin::ros::bridge::ParameterChange;
 use column_twin::ros::qos;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, Names, Node, Raw, StartedTwin, TwinNode, send_impact,
-    start_live_twin,
+    ImpactOptions, ImpactOutcome, Names, Raw, StartedTwin, TwinNode, send_impact, start_live_twin,
 };
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
-use super::incoming::Incoming;
+use super::incoming::{Incoming, reader};
 use super::recorded_twin::the_one_recording;
 
 /// The bytes of one topic.
@@ -99,8 +98,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
         Some(Arc::clone(&recording) as _),
     )
     .unwrap();
-    let mut reader =
-        Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
+    let mut reader = reader(&domain);
     let states = Bytes::start(&mut reader, &qos::COLUMN_STATE);
     let forces = Bytes::start(&mut reader, &qos::HINGE_FORCES);
     let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
@@ -243,9 +241,8 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
     let directory = TempDir::new().unwrap();
     let first = Domain::fresh();
     let mut node = program(&first, directory.path());
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut reader = Node::new(&first.environment, names).unwrap();
-    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
+    let mut once = reader(&first);
+    let reports = Bytes::start(&mut once, &qos::IMPACT_REPORT);
     let outcome = impact(&first, "before", 6.0);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
@@ -264,9 +261,8 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
 
     let second = Domain::fresh();
     let node = program(&second, directory.path());
-    let names = Names::new("/", "reader", &[]).unwrap();
-    let mut reader = Node::new(&second.environment, names).unwrap();
-    let reports = Bytes::start(&mut reader, &qos::IMPACT_REPORT);
+    let mut again = reader(&second);
+    let reports = Bytes::start(&mut again, &qos::IMPACT_REPORT);
     let outcome = impact(&second, "b", 6.0);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),

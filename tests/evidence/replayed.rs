@@ -19,6 +19,7 @@ use column_twin::ros::{Names, Node, RosArguments};
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
+use super::incoming::reader;
 use super::node::Bytes;
 use super::recorded_twin::{Finished, MS, RecordedTwin, START, event, parameters};
 
@@ -150,7 +151,7 @@ fn it_tells_the_recorded_time_and_begins_again() {
         domain.environment.clone(),
         Reader::open(&bag.path()).unwrap().span().unwrap(),
     );
-    let mut node = Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
+    let mut node = reader(&domain);
     let clock = Bytes::early(&mut node, &qos::CLOCK);
     let states = Bytes::early(&mut node, &qos::COLUMN_STATE);
     let options = ReplayOptions {
@@ -302,7 +303,7 @@ fn a_recording_of_another_program_is_replayed() {
     let fault = String::from_utf8_lossy(&written.stderr);
     assert!(written.status.success(), "{fault}");
     let domain = Domain::fresh();
-    let mut node = Node::new(&domain.environment, Names::new("/", "reader", &[]).unwrap()).unwrap();
+    let mut node = reader(&domain);
     let states = Bytes::early(&mut node, &qos::COLUMN_STATE);
     let options = ReplayOptions {
         bag: bag.clone(),

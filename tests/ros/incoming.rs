@@ -4,14 +4,20 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use column_twin::ros::Node;
 use column_twin::ros::qos::Endpoint;
+use column_twin::ros::{Names, Node};
 use futures::StreamExt;
 use futures::future::{AbortHandle, Abortable};
 use rustdds::GUID;
 use serde::de::DeserializeOwned;
 
-use super::domain::PATIENCE;
+use super::domain::{Domain, PATIENCE};
+
+/// A node that is not the twin's.
+pub fn reader(domain: &Domain) -> Node {
+    let names = Names::new("/", "reader", &[]).unwrap();
+    Node::new(&domain.environment, names).unwrap()
+}
 
 /// Reads one topic in a thread of its own until it is dropped.
 pub struct Incoming<M> {

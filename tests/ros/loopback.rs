@@ -7,14 +7,14 @@ use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{ImpactOptions, ImpactOutcome, Names, Node, send_impact};
+use column_twin::ros::{ImpactOptions, ImpactOutcome, Node, send_impact};
 use futures::future::{AbortHandle, Abortable};
 use ros2_client::Publisher;
 use serde::Serialize;
 
 use super::domain::Domain;
 pub use super::domain::PATIENCE;
-pub use super::incoming::Incoming;
+pub use super::incoming::{Incoming, reader};
 use super::live_twin::RunningTwin;
 
 /// The time of day \[ns\].
@@ -38,12 +38,6 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
         restitution: f64::NAN,
         height: f64::NAN,
     }
-}
-
-/// A node that is not the twin's.
-pub fn reader(domain: &Domain) -> Node {
-    let names = Names::new("/", "reader", &[]).unwrap();
-    Node::new(&domain.environment, names).unwrap()
 }
 
 /// Sends on one topic from a node of its own.

@@ -8,13 +8,9 @@ use std::time::Duration;
 use column_twin::parameters::Value;
 
 use super::twin::{LiveColumn, bits, parameters, without_viewer};
+use super::wheel::free_port;
 
 const VELOCITIES: [f64; 2] = [3.0, 2.0];
-
-fn free_port() -> i64 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
-    i64::from(listener.local_addr().expect("its address").port())
-}
 
 /// Runs with these parameters of the viewer, compares with nobody looking, and says how long the stop took.
 fn same(viewer: &[(&str, Value)]) -> LiveColumnEnd {
@@ -69,7 +65,7 @@ fn a_file_that_cannot_be_written_is_said_once_and_the_twin_goes_on() {
 
 #[test]
 fn serving_changes_nothing() {
-    let port = free_port();
+    let port = i64::from(free_port());
     let end = same(&[
         ("mode", Value::from("serve")),
         ("port", Value::from(port)),
@@ -103,7 +99,7 @@ fn others_are_not_served() {
 
 #[test]
 fn a_viewer_that_does_not_answer_is_said_once() {
-    let port = free_port();
+    let port = i64::from(free_port());
     let end = same(&[
         ("mode", Value::from("connect")),
         ("port", Value::from(port)),

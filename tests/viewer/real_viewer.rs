@@ -1,9 +1,8 @@
 //! The real viewer of the wheel, without a screen: stopped, killed, started again, and photographed. Slow, and only where
 //! Python is and PyPI can be reached: `cargo test --release --test viewer -- --ignored --nocapture --test-threads 1`.
 
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -11,69 +10,10 @@ use column_twin::parameters::Value;
 
 use super::moments;
 use super::twin::{LiveColumn, PATIENCE, bits, parameters, without_viewer};
-use super::wheel::{program, viewer};
+use super::wheel::{Running, free_port, program, resident, viewer};
 
 /// Pictures are this large \[points\]; the file has four pixels for each.
 const WINDOW: &str = "1400x850";
-
-fn free_port() -> u16 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
-    listener.local_addr().expect("its address").port()
-}
-
-/// A process that is killed when the test ends.
-struct Running(Child);
-
-impl Running {
-    /// The viewer without a screen.
-    fn headless(port: u16) -> Self {
-        let mut headless = viewer(&program());
-        headless.arg("--headless");
-        Self::start(headless, port)
-    }
-
-    fn start(mut command: Command, port: u16) -> Self {
-        let child = command
-            .args(["--bind", "127.0.0.1", "--port", &port.to_string()])
-            .spawn()
-            .expect("starts");
-        let running = Self(child);
-        let given_up = Instant::now() + PATIENCE;
-        while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
-            assert!(Instant::now() < given_up, "the viewer does not listen");
-            std::thread::park_timeout(Duration::from_millis(50));
-        }
-        running
-    }
-
-    fn signal(&self, signal: &str) {
-        let status = Command::new("kill")
-            .args([format!("-{signal}"), self.0.id().to_string()])
-            .status()
-            .expect("runs");
-        assert!(status.success());
-    }
-
-    /// Memory of the process that is in use \[B\].
-    fn memory(&self) -> u64 {
-        resident(self.0.id())
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill(); // it may have ended
-        let _ = self.0.wait();
-    }
-}
-
-/// As the system says.
-fn resident(process: u32) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
-    let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
-    1024 * kilobytes.unwrap_or(0)
-}
 
 fn connecting(port: u16) -> LiveColumn {
     LiveColumn::start(&parameters(&[

@@ -1,7 +1,12 @@
 //! The real viewer from PyPI.
 
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// What has not listened by then never will.
+const LISTENS_WITHIN: Duration = Duration::from_secs(120);
 
 /// The viewer's program, installed when it is not there.
 pub fn program() -> PathBuf {
@@ -28,4 +33,64 @@ pub fn viewer(program: &Path) -> Command {
         .env("RUST_LOG", "error")
         .stdout(Stdio::null());
     command
+}
+
+/// A port that nobody listens on.
+pub fn free_port() -> u16 {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    listener.local_addr().expect("its address").port()
+}
+
+/// A process that is killed when the test ends.
+pub struct Running(Child);
+
+impl Running {
+    /// The viewer without a screen.
+    pub fn headless(port: u16) -> Self {
+        let mut headless = viewer(&program());
+        headless.arg("--headless");
+        Self::start(headless, port)
+    }
+
+    pub fn start(mut command: Command, port: u16) -> Self {
+        let child = command
+            .args(["--bind", "127.0.0.1", "--port", &port.to_string()])
+            .spawn()
+            .expect("starts");
+        let running = Self(child);
+        let given_up = Instant::now() + LISTENS_WITHIN;
+        while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
+            assert!(Instant::now() < given_up, "the viewer does not listen");
+            std::thread::park_timeout(Duration::from_millis(50));
+        }
+        running
+    }
+
+    pub fn signal(&self, signal: &str) {
+        let status = Command::new("kill")
+            .args([format!("-{signal}"), self.0.id().to_string()])
+            .status()
+            .expect("runs");
+        assert!(status.success());
+    }
+
+    /// Memory of the process that is in use \[B\].
+    pub fn memory(&self) -> u64 {
+        resident(self.0.id())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill(); // it may have ended
+        let _ = self.0.wait();
+    }
+}
+
+/// As the system says.
+pub fn resident(process: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+    1024 * kilobytes.unwrap_or(0)
 }
