@@ -59,7 +59,7 @@ fn entry(index: i64) -> Entry {
         log_time: index,
         publish_time: index,
         data,
-        starting_point: false,
+        checkpoint: false,
     }
 }
 

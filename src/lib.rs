@@ -15,9 +15,10 @@
 //! The mechanics is in [`mod@column`], what describes a column in [`parameters`], the damage that accumulates over impacts in
 //! [`twin`], the solver's thread in [`live`]. `ARCHITECTURE.md` is the map.
 
+pub use column_mechanics as column;
+
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod column;
 pub mod endpoints;
 #[cfg(feature = "record")]
 pub mod evidence;

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use column_twin::live::{Bell, Clock, SystemClock};
+use column_twin::live::{Clock, Notifier, SystemClock};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use column_twin::messages::std_msgs::Header;
@@ -110,12 +110,12 @@ fn publish(mut node: Node, count: u64) {
         .expect("a publisher");
     // Closed when the readers are there.
     let _ = std::io::stdin().read(&mut [0]);
-    let (clock, bell) = (SystemClock::new(), Bell::default());
+    let (clock, notifier) = (SystemClock::new(), Notifier::default());
     let first = clock.now() + 50 * PERIOD;
     for number in 0..count as i64 {
         let deadline = first + number * PERIOD;
         while clock.now() < deadline {
-            clock.wait_until(deadline, &bell);
+            clock.wait_until(deadline, &notifier);
         }
         let header = Header {
             stamp: Time::from_nanos(deadline).unwrap_or_default(),

@@ -52,7 +52,7 @@ const PATIENCE: Duration = Duration::from_secs(15);
 const ENDING: Duration = Duration::from_secs(5);
 
 /// Most folders of earlier demonstrations.
-const MOST_FOLDERS: u32 = 1000;
+const MAX_FOLDERS: u32 = 1000;
 
 /// Time of the response between two lines \[s\].
 const LINES_EVERY: f64 = 2e-3;
@@ -136,7 +136,7 @@ fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
 
 /// A folder that was not there before.
 fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
-    for number in 1..=MOST_FOLDERS {
+    for number in 1..=MAX_FOLDERS {
         let folder = match number {
             1 => wanted.to_owned(),
             _ => PathBuf::from(format!("{}_{number}", wanted.display())),
@@ -153,7 +153,7 @@ fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
     Err(Failure::plain(
         Exit::Failed,
         format!(
-            "{} and {MOST_FOLDERS} more exist; remove some, or name another folder with --output",
+            "{} and {MAX_FOLDERS} more exist; remove some, or name another folder with --output",
             wanted.display()
         ),
     ))

@@ -15,7 +15,7 @@ use crate::messages::{Message, cdr};
 use crate::parameters::Parameters;
 use crate::recording::{self, Reader, RecordedTopic};
 use crate::twin::Journal;
-use crate::viewer::{self, Item, Told};
+use crate::viewer::{self, Item, RecordedMessage};
 
 /// The column of a recording, and what happened to it.
 pub(super) struct Film {
@@ -43,7 +43,7 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
         if config.is_none() && topic.is_some_and(RecordedTopic::is_journal) {
             if let Some(column) = starting_column(&message.data) {
                 parameters.get_or_insert_with(|| Arc::clone(&column));
-                gathered.told.push(Told::Column(column));
+                gathered.told.push(RecordedMessage::Column(column));
             }
         } else {
             gathered.take(&message);
@@ -84,7 +84,7 @@ type Instant = (Time, String);
 /// What was found in a recording so far.
 #[derive(Default)]
 struct Gathered {
-    told: Vec<Told>,
+    told: Vec<RecordedMessage>,
     /// How many states with their hinges are in it.
     shown: usize,
     /// States whose hinges have not come.
@@ -111,15 +111,15 @@ impl Gathered {
                 None => drop(self.forces.insert(instant, forces)),
             }
         } else if let Some(report) = self.read::<ImpactReport>(message) {
-            self.told.push(Told::Report(Box::new(report)));
+            self.told.push(RecordedMessage::Report(Box::new(report)));
         } else if let Some(event) = self.read::<ImpactEvent>(message) {
-            self.told.push(Told::Event(Box::new(event)));
+            self.told.push(RecordedMessage::Event(Box::new(event)));
         }
     }
 
     fn pair(&mut self, state: ColumnState, forces: HingeForces) {
         self.shown += 1;
-        self.told.push(Told::State(state, forces));
+        self.told.push(RecordedMessage::State(state, forces));
     }
 
     /// A message of this type; `None` if it is of another one, or cannot be read.
@@ -154,7 +154,7 @@ impl Gathered {
 
 fn starting_column(bytes: &[u8]) -> Option<Arc<Parameters>> {
     match Line::decode(bytes).ok()?.entry {
-        LineEntry::Twin(Journal::StartingPoint(start)) => Some(Arc::clone(&start.parameters)),
+        LineEntry::Twin(Journal::Checkpoint(start)) => Some(Arc::clone(&start.parameters)),
         _ => None,
     }
 }

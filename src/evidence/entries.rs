@@ -34,13 +34,13 @@ impl Entries {
             log_time,
             publish_time,
             data,
-            starting_point: false,
+            checkpoint: false,
         })
     }
 
     /// An entry of the twin's journal.
     pub fn journal(&self, entry: &Journal, time: i64) -> Result<Option<Entry>, JournalError> {
-        let about = matches!(entry, Journal::StartingPoint(_)).then(|| self.about.clone());
+        let about = matches!(entry, Journal::Checkpoint(_)).then(|| self.about.clone());
         Self::line(&Line::new(LineEntry::Twin(entry.clone()), about), time)
     }
 
@@ -49,7 +49,7 @@ impl Entries {
         let data = line.encode()?.into();
         Ok(
             Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
-                starting_point: line.is_starting_point(),
+                checkpoint: line.is_starting_point(),
                 ..entry
             }),
         )

@@ -19,7 +19,7 @@ pub const JOURNAL_VERSION: u32 = 1;
 pub struct Line {
     format: String,
     version: u32,
-    /// With each starting point, so that every recording says whose it is.
+    /// With each checkpoint, so that every recording says whose it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
     /// What there is to say.
@@ -75,7 +75,7 @@ struct Label {
 }
 
 impl Line {
-    /// An entry; `about` with a starting point.
+    /// An entry; `about` with a checkpoint.
     #[must_use]
     pub fn new(entry: LineEntry, about: Option<About>) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl Line {
     /// Whether a recording can begin with it.
     #[must_use]
     pub fn is_starting_point(&self) -> bool {
-        matches!(self.entry, LineEntry::Twin(Journal::StartingPoint(_)))
+        matches!(self.entry, LineEntry::Twin(Journal::Checkpoint(_)))
     }
 
     /// Its bytes as a `std_msgs/msg/String`.

@@ -11,10 +11,10 @@
 mod about;
 mod comparison;
 mod entries;
-mod follower;
 mod journal_line;
 #[cfg(feature = "ros")]
 mod node_recording;
+mod replayer;
 mod simulated;
 mod topics;
 mod verification;

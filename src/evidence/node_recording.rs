@@ -21,7 +21,7 @@ use crate::twin::Journal;
 /// Takes a copy of everything that a node receives and sends; a thread of its own writes it.
 ///
 /// The mode `events` leaves out what only repeats itself while the column is at rest: status, and diagnostics in which
-/// no level changes. Every input, all that it leads to, and every starting point is recorded in both modes.
+/// no level changes. Every input, all that it leads to, and every checkpoint is recorded in both modes.
 pub struct NodeRecording {
     /// Until it is stopped.
     recorder: RwLock<Option<RecorderHandle>>,
@@ -170,12 +170,12 @@ impl Recording for NodeRecording {
 
     fn journal(&self, entry: &Journal) {
         match entry {
-            Journal::Handled(_) => self.going_on.store(true, Ordering::Relaxed),
+            Journal::CommandRecord(_) => self.going_on.store(true, Ordering::Relaxed),
             // It goes with the status that follows it, and that one is left out.
             Journal::Status(_) if self.events_only && !self.going_on.load(Ordering::Relaxed) => {
                 return;
             }
-            Journal::StartingPoint(_) | Journal::Status(_) => {}
+            Journal::Checkpoint(_) | Journal::Status(_) => {}
         }
         self.offer_line(self.entries.journal(entry, self.now()));
     }

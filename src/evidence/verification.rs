@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::about::{About, build};
 use super::comparison::Difference;
-use super::follower::{Follower, Recorded};
 use super::journal_line::{JournalError, Line};
+use super::replayer::{Recorded, Replayer};
 use crate::endpoints;
 use crate::outgoing::{Message, TOPICS};
 use crate::recording::{Reader, RecordingError};
@@ -21,8 +21,8 @@ pub struct Verification {
     pub about: Option<About>,
     /// Each topic that is recomputed, in the order of [`TOPICS`].
     pub topics: [TopicCheck; TOPICS.len()],
-    /// Starting points in the recording.
-    pub starting_points: u64,
+    /// Checkpoints in the recording.
+    pub checkpoints: u64,
     /// Of these, exact states that were compared with what the responses before them lead to.
     pub states_at_rest: u64,
     /// Inputs that the twin was given anew.
@@ -83,7 +83,7 @@ pub enum VerifyError {
     Journal(#[from] JournalError),
     /// Nothing to begin with.
     #[error(
-        "there is no starting point in the journal of the recording ({wholeness}), from which to compute it anew; verify the \
+        "there is no checkpoint in the journal of the recording ({wholeness}), from which to compute it anew; verify the \
          recording before or after it"
     )]
     NoStartingPoint {
@@ -187,7 +187,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
         .find(|it| it.is_journal())
         .map(|it| std::sync::Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
-    let mut follower = Follower::default();
+    let mut replayer = Replayer::default();
     let mut about: Option<About> = None;
     let mut before = [0_u64; TOPICS.len()];
     for message in reader.messages() {
@@ -197,7 +197,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
             if let Some(found) = &line.about {
                 about.get_or_insert_with(|| found.clone());
             }
-            follower.journal(&line.entry, &journal, message.log_time);
+            replayer.journal(&line.entry, &journal, message.log_time);
             continue;
         }
         let Some(topic) = topic_of(about.as_ref(), &message.topic, &message.type_name) else {
@@ -207,22 +207,22 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
             before[topic] += 1;
             continue;
         }
-        follower.message(&Recorded {
+        replayer.message(&Recorded {
             topic,
             name: &message.topic,
             log_time: message.log_time,
             bytes: &message.data,
         });
     }
-    let mut findings = follower.finish();
-    if findings.starting_points == 0 {
+    let mut findings = replayer.finish();
+    if findings.checkpoints == 0 {
         let wholeness = reader.wholeness().to_string();
         return Err(VerifyError::NoStartingPoint { wholeness });
     }
     let early: u64 = before.iter().sum();
     if early > 0 {
         findings.unchecked_because(format!(
-            "{early} messages stand before the first starting point"
+            "{early} messages stand before the first checkpoint"
         ));
         for (check, count) in findings.topics.iter_mut().zip(before) {
             check.recorded += count;
@@ -261,8 +261,8 @@ impl fmt::Display for Verification {
         }
         writeln!(
             f,
-            "Computed anew from {} starting points and {} inputs",
-            self.starting_points, self.inputs
+            "Computed anew from {} checkpoints and {} inputs",
+            self.checkpoints, self.inputs
         )?;
         writeln!(
             f,
@@ -284,7 +284,7 @@ impl fmt::Display for Verification {
         writeln!(
             f,
             "  {:<16} {:>9} {:>9}",
-            "states at rest", self.starting_points, self.states_at_rest
+            "states at rest", self.checkpoints, self.states_at_rest
         )?;
         for reason in &self.unchecked {
             writeln!(f, "Not checked: {reason}")?;

@@ -7,24 +7,24 @@ use std::time::Duration;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
-use super::bell::Bell;
+use super::notifier::Notifier;
 use crate::twin::Nanos;
 
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
-/// A wait that is longer than this is one at the bell, so that an input ends it \[ns\].
-const LONGEST_SLEEP: Nanos = 2_000_000;
+/// A wait that is longer than this is one at the notifier, so that an input ends it \[ns\].
+const MAX_SLEEP: Nanos = 2_000_000;
 
 /// Tells the time and waits for it.
 pub trait Clock: Send + Sync {
     /// Nanoseconds since the epoch.
     fn now(&self) -> Nanos;
 
-    /// Waits until `deadline`, or shorter: until the bell rings where the wait is a long one.
-    fn wait_until(&self, deadline: Nanos, bell: &Bell);
+    /// Waits until `deadline`, or shorter: until the notifier rings where the wait is a long one.
+    fn wait_until(&self, deadline: Nanos, notifier: &Notifier);
 
-    /// Told the bell of the thread that lives by this clock, before it waits for the first time.
-    fn serve(&self, _bell: &Arc<Bell>) {}
+    /// Told the notifier of the thread that lives by this clock, before it waits for the first time.
+    fn serve(&self, _bell: &Arc<Notifier>) {}
 
     /// Called while nothing depends on it that time goes on evenly: a clock that has been set may jump now.
     fn resynchronise(&self) {}
@@ -58,10 +58,10 @@ impl Clock for SystemClock {
         read(ClockId::Monotonic).saturating_add(self.offset.load(Ordering::Relaxed))
     }
 
-    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
+    fn wait_until(&self, deadline: Nanos, notifier: &Notifier) {
         let left = deadline.saturating_sub(self.now());
-        if left > LONGEST_SLEEP {
-            bell.wait(Duration::from_nanos(left.unsigned_abs()));
+        if left > MAX_SLEEP {
+            notifier.wait(Duration::from_nanos(left.unsigned_abs()));
         } else if left > 0 {
             let monotonic = deadline.saturating_sub(self.offset.load(Ordering::Relaxed));
             let request = Timespec {
@@ -115,7 +115,7 @@ fn read(clock: ClockId) -> i64 {
 #[derive(Debug, Default)]
 pub struct SimClock {
     now: AtomicI64,
-    bell: OnceLock<Arc<Bell>>,
+    notifier: OnceLock<Arc<Notifier>>,
 }
 
 impl SimClock {
@@ -124,15 +124,15 @@ impl SimClock {
     pub fn new(now: Nanos) -> Self {
         Self {
             now: AtomicI64::new(now),
-            bell: OnceLock::new(),
+            notifier: OnceLock::new(),
         }
     }
 
     /// Sets the time, forwards or backwards.
     pub fn set(&self, now: Nanos) {
         self.now.store(now, Ordering::SeqCst);
-        if let Some(bell) = self.bell.get() {
-            bell.ring();
+        if let Some(notifier) = self.notifier.get() {
+            notifier.notify();
         }
     }
 }
@@ -142,15 +142,15 @@ impl Clock for SimClock {
         self.now.load(Ordering::SeqCst)
     }
 
-    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
+    fn wait_until(&self, deadline: Nanos, notifier: &Notifier) {
         if self.now() < deadline {
-            bell.wait(Duration::MAX);
+            notifier.wait(Duration::MAX);
         }
     }
 
-    fn serve(&self, bell: &Arc<Bell>) {
+    fn serve(&self, notifier: &Arc<Notifier>) {
         // A clock serves one twin; a second one would have to look at it in its own time.
-        let _ = self.bell.set(Arc::clone(bell));
+        let _ = self.notifier.set(Arc::clone(notifier));
     }
 }
 
@@ -159,12 +159,12 @@ impl<C: Clock> Clock for Arc<C> {
         (**self).now()
     }
 
-    fn wait_until(&self, deadline: Nanos, bell: &Bell) {
-        (**self).wait_until(deadline, bell);
+    fn wait_until(&self, deadline: Nanos, notifier: &Notifier) {
+        (**self).wait_until(deadline, notifier);
     }
 
-    fn serve(&self, bell: &Arc<Bell>) {
-        (**self).serve(bell);
+    fn serve(&self, notifier: &Arc<Notifier>) {
+        (**self).serve(notifier);
     }
 
     fn resynchronise(&self) {

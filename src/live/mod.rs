@@ -6,13 +6,13 @@
 //! forecast is computed in slices between the deadlines. A what-if runs in the thread of whoever asks. The state file
 //! is written by a thread of its own.
 
-mod bell;
 mod clock;
-mod keeper;
 mod lateness;
+mod notifier;
 pub(crate) mod queue;
 mod real_time;
 mod solver;
+mod state_writer;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,19 +23,19 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-pub use bell::Bell;
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
-pub use keeper::KEEPER_THREAD;
 pub use lateness::{Lateness, lateness};
+pub use notifier::Notifier;
 pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, ask_for_sender};
 pub use solver::SOLVER_THREAD;
+pub use state_writer::STATE_WRITER_THREAD;
 
 use crate::parameters::{Parameters, Value};
 use crate::twin::{Blow, Change, Input, Prediction, Present, Twin};
-use keeper::Keeper;
 use queue::OutputQueues;
 use solver::{Shared, Sink, Solver};
+use state_writer::StateWriter;
 
 /// Most inputs that wait for the solver; more are refused.
 pub const MAX_INPUTS: usize = 64;
@@ -136,7 +136,7 @@ impl Live {
             .map(|it| Arc::new(OutputQueues::new(it)))
             .collect();
         let shared = Arc::new(Shared::new());
-        clock.serve(&shared.bell);
+        clock.serve(&shared.notifier);
         let mut handle = LiveHandle {
             receivers: Mutex::new(
                 queues
@@ -146,19 +146,26 @@ impl Live {
             ),
             queues: queues.clone(),
             shared: Arc::clone(&shared),
-            keeper: None,
+            state_writer: None,
             solver: None,
             real_time: RealTimeGrants::default(),
             parameters: Arc::new(RwLock::new(Arc::clone(twin.parameters()))),
         };
         if let Some(path) = options.state_file {
-            handle.keeper = Some(Keeper::start(path, queues.clone(), Arc::clone(&clock))?);
+            handle.state_writer = Some(StateWriter::start(
+                path,
+                queues.clone(),
+                Arc::clone(&clock),
+            )?);
         }
-        let keeper = handle.keeper.as_ref().map(|(keeper, _)| Arc::clone(keeper));
+        let state_writer = handle
+            .state_writer
+            .as_ref()
+            .map(|(state_writer, _)| Arc::clone(state_writer));
         let parameters = Arc::clone(&handle.parameters);
         let sink = Sink {
             queues,
-            keeper,
+            state_writer,
             parameters,
             unheard: false,
         };
@@ -189,7 +196,7 @@ pub struct LiveHandle {
     shared: Arc<Shared>,
     queues: Vec<Arc<OutputQueues>>,
     receivers: Mutex<Vec<Receiver>>,
-    keeper: Option<(Arc<Keeper>, JoinHandle<()>)>,
+    state_writer: Option<(Arc<StateWriter>, JoinHandle<()>)>,
     solver: Option<JoinHandle<()>>,
     real_time: RealTimeGrants,
     parameters: Arc<RwLock<Arc<Parameters>>>,
@@ -202,7 +209,7 @@ impl LiveHandle {
     /// Too much waits already.
     pub fn submit(&self, input: Input) -> Result<(), QueueFull> {
         let taken = self.shared.inputs.push(input);
-        self.shared.bell.ring();
+        self.shared.notifier.notify();
         if taken { Ok(()) } else { Err(QueueFull) }
     }
 
@@ -300,10 +307,13 @@ impl LiveHandle {
     pub fn statistics(&self) -> LiveStatistics {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let shared = &self.shared;
-        let keeper = self.keeper.as_ref().map(|(keeper, _)| keeper);
+        let state_writer = self
+            .state_writer
+            .as_ref()
+            .map(|(state_writer, _)| state_writer);
         let mut queues = vec![shared.inputs.stats()];
         queues.extend(self.queues.iter().flat_map(|it| it.stats()));
-        queues.extend(keeper.map(|it| it.stats()));
+        queues.extend(state_writer.map(|it| it.stats()));
         LiveStatistics {
             turns: read(&shared.turns),
             overruns: read(&shared.overruns),
@@ -311,7 +321,7 @@ impl LiveHandle {
             worst_lateness: read(&shared.worst_lateness),
             steps: read(&shared.steps),
             newton_corrections: read(&shared.corrections),
-            state_file_failures: keeper.map_or(0, |it| it.failures()),
+            state_file_failures: state_writer.map_or(0, |it| it.failures()),
             queues,
             real_time: self.real_time.clone(),
         }
@@ -337,18 +347,21 @@ impl LiveHandle {
 
     fn join(&mut self) -> Result<(), Panicked> {
         self.shared.stop.store(true, Ordering::SeqCst);
-        self.shared.bell.ring();
+        self.shared.notifier.notify();
         let solver = self
             .solver
             .take()
             .is_none_or(|thread| thread.join().is_ok());
-        let keeper = self.keeper.take().is_none_or(|(keeper, thread)| {
-            keeper.stop();
-            thread.join().is_ok()
-        });
-        match (solver, keeper) {
+        let state_writer = self
+            .state_writer
+            .take()
+            .is_none_or(|(state_writer, thread)| {
+                state_writer.stop();
+                thread.join().is_ok()
+            });
+        match (solver, state_writer) {
             (false, _) => Err(Panicked(SOLVER_THREAD)),
-            (_, false) => Err(Panicked(KEEPER_THREAD)),
+            (_, false) => Err(Panicked(STATE_WRITER_THREAD)),
             (true, true) => Ok(()),
         }
     }

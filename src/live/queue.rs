@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crossbeam_queue::ArrayQueue;
 
-use super::bell::Bell;
+use super::notifier::Notifier;
 use crate::twin::Output;
 
 /// What a full queue does.
@@ -126,7 +126,7 @@ pub(super) struct OutputQueues {
     pub name: String,
     ways: [Queue<Numbered>; WAYS],
     next_number: AtomicU64,
-    bell: Bell,
+    notifier: Notifier,
 }
 
 #[derive(Debug)]
@@ -153,7 +153,7 @@ impl OutputQueues {
                 way("journal", *others),
             ],
             next_number: AtomicU64::new(0),
-            bell: Bell::default(),
+            notifier: Notifier::default(),
         }
     }
 
@@ -171,8 +171,8 @@ impl OutputQueues {
         way.push(Numbered { number, output });
     }
 
-    pub fn ring(&self) {
-        self.bell.ring();
+    pub fn notify(&self) {
+        self.notifier.notify();
     }
 
     pub fn stats(&self) -> [QueueStats; WAYS] {
@@ -225,7 +225,7 @@ impl Receiver {
     /// Waits until there may be an output, for `most` at the longest. To be called by one thread.
     pub fn wait(&self, most: Duration) {
         if self.heads.iter().all(Option::is_none) {
-            self.queues.bell.wait(most);
+            self.queues.notifier.wait(most);
         }
     }
 }
@@ -256,9 +256,9 @@ mod tests {
 
     #[test]
     fn a_ring_before_the_wait_is_heard() {
-        let bell = Bell::default();
-        bell.ring();
-        bell.wait(Duration::MAX);
+        let notifier = Notifier::default();
+        notifier.notify();
+        notifier.wait(Duration::MAX);
     }
 
     /// A reader that looks while the outputs come: each goes another way than the one before, the earlier one first.

@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use super::MAX_INPUTS;
-use super::bell::Bell;
 use super::clock::Clock;
-use super::keeper::Keeper;
 use super::lateness::lateness;
+use super::notifier::Notifier;
 use super::queue::{OutputQueues, Queue, WhenFull};
+use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
 use crate::twin::{Input, Nanos, Notice, Output, Outputs, Severity, Twin};
 
@@ -32,7 +32,7 @@ const MAX_STEPS_AT_STOP: u64 = 200_000;
 #[derive(Debug)]
 pub(super) struct Shared {
     pub inputs: Queue<Input>,
-    pub bell: Arc<Bell>,
+    pub notifier: Arc<Notifier>,
     pub stop: AtomicBool,
     pub turns: AtomicU64,
     pub overruns: AtomicU64,
@@ -46,7 +46,7 @@ impl Shared {
     pub(super) fn new() -> Self {
         Self {
             inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
-            bell: Arc::default(),
+            notifier: Arc::default(),
             stop: AtomicBool::new(false),
             turns: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
@@ -80,14 +80,14 @@ impl Solver {
             self.note_lateness(planned);
             let disturbed = self.take_inputs();
             self.twin.advance_to(self.clock.now(), &mut self.sink);
-            self.sink.ring();
+            self.sink.notify();
             self.look_ahead();
             self.publish_statistics();
             planned = self.plan(planned, disturbed);
             // A thread that has a forecast to compute does not sleep: what is left to the deadline is less than a slice.
             if self.shared.inputs.is_empty() && !self.twin.is_looking_ahead() {
                 let deadline = self.twin.next_deadline(self.clock.now());
-                self.clock.wait_until(deadline, &self.shared.bell);
+                self.clock.wait_until(deadline, &self.shared.notifier);
             }
         }
         self.finish();
@@ -114,7 +114,7 @@ impl Solver {
         if self.twin.is_looking_ahead() && self.twin.next_deadline(before) <= before {
             self.twin
                 .run_ahead(SLICE_WHILE_BEHIND, before, &mut self.sink);
-            self.sink.ring();
+            self.sink.notify();
             return;
         }
         let mut slice_nanos = 0;
@@ -130,7 +130,7 @@ impl Solver {
                 break;
             }
         }
-        self.sink.ring();
+        self.sink.notify();
     }
 
     /// Whether somebody wants something of the solver.
@@ -196,7 +196,7 @@ impl Solver {
                 text: format!("lost by the stop: {}", lost.join("; ")).into(),
             }));
         }
-        self.sink.ring();
+        self.sink.notify();
     }
 
     /// What was accepted for the solver and never came to the twin, in words. Who only looked has lost nothing.
@@ -223,16 +223,16 @@ impl Solver {
 /// Sends what leaves the twin where it belongs.
 pub(super) struct Sink {
     pub queues: Vec<Arc<OutputQueues>>,
-    pub keeper: Option<Arc<Keeper>>,
+    pub state_writer: Option<Arc<StateWriter>>,
     /// As they were last set. Locked only while somebody copies the pointer, and by this thread only when they change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
     pub unheard: bool,
 }
 
 impl Sink {
-    fn ring(&mut self) {
+    fn notify(&mut self) {
         if std::mem::take(&mut self.unheard) {
-            self.queues.iter().for_each(|queues| queues.ring());
+            self.queues.iter().for_each(|queues| queues.notify());
         }
     }
 }
@@ -240,8 +240,8 @@ impl Sink {
 impl Outputs for Sink {
     fn put(&mut self, output: Output) {
         if let Output::Save(saved) = &output {
-            if let Some(keeper) = &self.keeper {
-                keeper.keep(Arc::clone(saved));
+            if let Some(state_writer) = &self.state_writer {
+                state_writer.keep(Arc::clone(saved));
             }
             return;
         }
@@ -306,7 +306,7 @@ mod tests {
             shared,
             sink: Sink {
                 queues: vec![Arc::clone(&queues)],
-                keeper: None,
+                state_writer: None,
                 parameters: Arc::default(),
                 unheard: false,
             },
@@ -338,7 +338,7 @@ mod tests {
             .to_vec();
         let mut sink = Sink {
             queues,
-            keeper: None,
+            state_writer: None,
             parameters: Arc::default(),
             unheard: false,
         };
@@ -347,7 +347,7 @@ mod tests {
         let memory = allocation_counter::measure(|| {
             for now in 1..40 {
                 twin.advance_to(now * 1_000_000, &mut sink);
-                sink.ring();
+                sink.notify();
             }
         });
         assert!(twin.is_responding() && twin.statistics().corrections > 0);

@@ -16,7 +16,7 @@ const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
 const HEADER_LENGTH: usize = 4;
 
 /// RTPS pads a payload to a multiple of four bytes, so up to three may follow the message.
-const LONGEST_PADDING: usize = 3;
+const MAX_PADDING: usize = 3;
 
 /// Why bytes are not a message, or a message cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -134,7 +134,7 @@ pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
         length: bytes.len(),
         source,
     })?;
-    if content.len() - consumed > LONGEST_PADDING {
+    if content.len() - consumed > MAX_PADDING {
         return Err(CdrError::TooLong {
             message: name(),
             expected: consumed + HEADER_LENGTH,

@@ -3,7 +3,7 @@
 //!
 //! Which outputs become which messages, and how often: states and hinge forces as they come; joint states and markers
 //! thinned, since they are to look at; reports, forecasts and status as they come. All of it depends on the outputs
-//! since the last starting point alone.
+//! since the last checkpoint alone.
 
 mod joint_states;
 mod markers;
@@ -171,12 +171,12 @@ impl Outgoing {
                 ));
             }
             Output::Status(status) => put(Message::TwinStatus(self.status(status))),
-            Output::Journal(Journal::StartingPoint(_)) => {
+            Output::Journal(Journal::Checkpoint(_)) => {
                 self.joints = JointStates::default();
                 self.joint_states = Thinning::new(JOINT_STATES_PERIOD);
                 self.markers = Thinning::new(MARKERS_PERIOD);
             }
-            Output::Journal(Journal::Handled(_) | Journal::Status(_))
+            Output::Journal(Journal::CommandRecord(_) | Journal::Status(_))
             | Output::Refused(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)

@@ -12,7 +12,7 @@ use super::{Parameters, values_of};
 
 /// Unknown names that are compared with all that there are; those that follow come without a suggestion: a list of many
 /// wrong names must not hold up who reads it.
-const MOST_COMPARED: usize = 16;
+const MAX_COMPARED: usize = 16;
 
 /// Values with where they came from, and the faults so far.
 pub(super) struct Draft {
@@ -119,7 +119,7 @@ impl Draft {
         if !members.is_empty() {
             return Problem::Group { members };
         }
-        let nearest = if self.compared < MOST_COMPARED {
+        let nearest = if self.compared < MAX_COMPARED {
             self.compared += 1;
             Parameter::nearest(name)
         } else {

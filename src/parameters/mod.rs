@@ -62,7 +62,7 @@ use draft::Draft;
 use file::Assignment;
 
 /// Longest name for which a similar one is looked for \[characters\].
-const LONGEST_MISSPELT: usize = 64;
+const MAX_MISSPELT: usize = 64;
 
 /// A complete and consistent set of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -397,7 +397,7 @@ fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
 
 /// Whether a wrong name is short enough to look for what it may have meant: looking costs the product of the lengths.
 fn may_be_misspelt(name: &str) -> bool {
-    name.chars().nth(LONGEST_MISSPELT).is_none()
+    name.chars().nth(MAX_MISSPELT).is_none()
 }
 
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {

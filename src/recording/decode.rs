@@ -13,7 +13,7 @@ use super::table;
 use crate::messages;
 
 /// Longest definition that is read \[bytes\].
-const LONGEST_DEFINITION: usize = 4 << 20;
+const MAX_DEFINITION: usize = 4 << 20;
 
 /// Most types inside each other.
 const DEEPEST: usize = 32;
@@ -234,9 +234,9 @@ fn parse_schema(topic: &RecordedTopic) -> Result<MessageSchema, RecordingError> 
             "expected messages in cdr and a definition in ros2msg, found {messages:?} and {schema:?}"
         )));
     }
-    if topic.schema.len() > LONGEST_DEFINITION {
+    if topic.schema.len() > MAX_DEFINITION {
         return Err(wrong(format!(
-            "expected at most {LONGEST_DEFINITION} bytes, found {}",
+            "expected at most {MAX_DEFINITION} bytes, found {}",
             topic.schema.len()
         )));
     }

@@ -10,7 +10,7 @@ use super::reader::Reader;
 use crate::messages::column_twin::ImpactReport;
 
 /// Most events of a summary.
-const MOST_EVENTS: usize = 100_000;
+const MAX_EVENTS: usize = 100_000;
 
 /// One impact event: what was announced, and what came of it. What the recording does not say is `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -95,7 +95,7 @@ impl Events {
         let key = (column_id.to_owned(), event_id.to_owned());
         let place = match self.places.get(&key) {
             Some(place) => *place,
-            None if self.list.len() >= MOST_EVENTS => {
+            None if self.list.len() >= MAX_EVENTS => {
                 self.beyond += 1;
                 return None;
             }

@@ -8,7 +8,7 @@
 //! What holds for a recording of ours:
 //! - Whatever ends the program, all but the last [`FLUSH_WITHIN`] are in the file, and the file ends with a whole record.
 //! - `metadata.yaml` is there if, and only if, the recording was finished.
-//! - It begins with a [starting point](Entry::starting_point) wherever one was recorded, so that it needs no other.
+//! - It begins with a [checkpoint](Entry::checkpoint) wherever one was recorded, so that it needs no other.
 //! - What is missing is counted, and the count stands in the file.
 //!
 //! Reading trusts nothing: no length, no index, no order. Its memory is bounded by [`MAX_CHUNK`] and the size of what is

@@ -20,13 +20,13 @@ use crate::parameters::Compression;
 pub const MAX_OUT_OF_ORDER: usize = 256 << 20;
 
 /// Most topics of a recording; MCAP numbers them with 16 bits.
-const MOST_TOPICS: usize = 65_536;
+const MAX_TOPICS: usize = 65_536;
 
 /// Most bytes of all schemas and metadata together.
-const MOST_TEXT: usize = 64 << 20;
+const MAX_TEXT: usize = 64 << 20;
 
 /// Most faults of which the words are kept; all are counted.
-const MOST_FAULTS: usize = 20;
+const MAX_FAULTS: usize = 20;
 
 /// A message of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -441,11 +441,11 @@ impl Contents {
     /// Counts text that is kept in memory.
     fn add_text(&mut self, bytes: usize) -> Result<(), String> {
         self.text += bytes;
-        match self.text <= MOST_TEXT {
+        match self.text <= MAX_TEXT {
             true => Ok(()),
             false => Err(format!(
                 "expected at most {} MiB of schemas and metadata, found more",
-                MOST_TEXT >> 20
+                MAX_TEXT >> 20
             )),
         }
     }
@@ -468,8 +468,8 @@ impl Contents {
         if let Some(index) = self.topics.iter().position(same) {
             return Ok(index);
         }
-        if self.topics.len() >= MOST_TOPICS {
-            return Err(format!("expected at most {MOST_TOPICS} topics, found more"));
+        if self.topics.len() >= MAX_TOPICS {
+            return Err(format!("expected at most {MAX_TOPICS} topics, found more"));
         }
         self.add_text(channel.topic.len() + text_length(&channel.metadata) + text.len())?;
         self.topics.push(RecordedTopic {
@@ -500,7 +500,7 @@ impl Contents {
 
     fn note_damage(&mut self, fault: &RecordingError) {
         self.wholeness.damaged += 1;
-        if self.wholeness.faults.len() < MOST_FAULTS
+        if self.wholeness.faults.len() < MAX_FAULTS
             && let RecordingError::Damaged { offset, reason, .. } = fault
         {
             self.wholeness

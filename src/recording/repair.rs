@@ -26,7 +26,7 @@ const SUFFIX: &str = "_repaired";
 const WORKSHOP: &str = ".column-twin-repair-";
 
 /// Most recordings that are repaired at a start, the newest first.
-const MOST_AT_START: usize = 16;
+const MAX_AT_START: usize = 16;
 
 /// A recording that was written anew.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -250,7 +250,7 @@ pub(super) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
         .map(|found| found.directory)
         .filter(|directory| is_unfinished(directory))
         .collect();
-    for directory in unfinished.into_iter().rev().take(MOST_AT_START) {
+    for directory in unfinished.into_iter().rev().take(MAX_AT_START) {
         let report = match repair_unless(&directory, None, stop) {
             Ok(None) => continue,
             Ok(Some(repaired)) => RecorderReport::Repaired(repaired),

@@ -1,4 +1,4 @@
-//! What a recorder does with each message, driven by the time it is given: begins recordings at starting points, ends them
+//! What a recorder does with each message, driven by the time it is given: begins recordings at checkpoints, ends them
 //! at their limits, goes on after a full disk, keeps to what may be kept.
 
 use std::collections::BTreeMap;
@@ -25,17 +25,17 @@ const FLUSH_PERIOD: Duration = Duration::from_millis(25);
 /// Shortest time between two notes of losses in the file.
 const NOTE_PERIOD: Duration = Duration::from_secs(1);
 
-/// Where no starting point comes, a recording ends at this multiple of its limits.
+/// Where no checkpoint comes, a recording ends at this multiple of its limits.
 const HARD_LIMIT: u32 = 2;
 
 /// Most chunks of one recording: each takes some 300 bytes of memory until its end.
-const MOST_CHUNKS: u64 = 250_000;
+const MAX_CHUNKS: u64 = 250_000;
 
 /// Room that must be there before recording goes on after a full disk \[bytes\].
 const ROOM_TO_RESUME: u64 = 2 << 20;
 
 /// Most recordings that begin in one second.
-const MOST_PER_SECOND: u32 = 100;
+const MAX_PER_SECOND: u32 = 100;
 
 /// Is told what happens to a recorder.
 pub type Telling = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
@@ -161,8 +161,8 @@ pub(super) struct Session {
     counters: Arc<Counters>,
     syncing: Syncing,
     writer: Option<Current>,
-    /// The newest starting point, with which a recording begins that could not wait for one.
-    starting_point: Option<Entry>,
+    /// The newest checkpoint, with which a recording begins that could not wait for one.
+    checkpoint: Option<Entry>,
     retry_at: Option<Duration>,
     /// Losses that stand in a file.
     noted: u64,
@@ -191,7 +191,7 @@ impl Session {
             counters,
             syncing: Syncing::start()?,
             writer: None,
-            starting_point: None,
+            checkpoint: None,
             retry_at: None,
             noted: 0,
             told: 0,
@@ -201,10 +201,10 @@ impl Session {
 
     /// Records a message at `now`, counted from the start.
     pub fn take(&mut self, entry: Entry, now: Duration) {
-        if entry.starting_point {
-            self.starting_point = Some(entry.clone());
+        if entry.checkpoint {
+            self.checkpoint = Some(entry.clone());
         }
-        let times = if entry.starting_point { 1 } else { HARD_LIMIT };
+        let times = if entry.checkpoint { 1 } else { HARD_LIMIT };
         if self
             .writer
             .as_ref()
@@ -227,7 +227,7 @@ impl Session {
             .map(|limit| limit.saturating_mul(times));
         current.writer.bytes() >= size
             || age.is_some_and(|age| now.saturating_sub(current.began) >= age)
-            || current.writer.chunks() >= MOST_CHUNKS * u64::from(times)
+            || current.writer.chunks() >= MAX_CHUNKS * u64::from(times)
     }
 
     /// Begins a recording, if it is time to try; `first` is what it is begun for.
@@ -243,11 +243,7 @@ impl Session {
         match self.create(now, room) {
             Ok(writer) => {
                 self.begun(writer, now);
-                if let Some(point) = self
-                    .starting_point
-                    .clone()
-                    .filter(|_| !first.starting_point)
-                {
+                if let Some(point) = self.checkpoint.clone().filter(|_| !first.checkpoint) {
                     self.write(&point, now);
                 }
                 self.writer.is_some()
@@ -301,7 +297,7 @@ impl Session {
     fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
         let parent = &self.options.directory;
         let name = directory_name(self.options.started + now);
-        for attempt in 0..MOST_PER_SECOND {
+        for attempt in 0..MAX_PER_SECOND {
             let directory = match attempt {
                 0 => parent.join(&name),
                 attempt => parent.join(format!("{name}_{attempt}")),
@@ -493,13 +489,13 @@ mod tests {
     use super::super::topic::OfferedQos;
     use super::*;
 
-    fn entry(starting_point: bool) -> Entry {
+    fn entry(checkpoint: bool) -> Entry {
         Entry {
             topic: 0,
             log_time: 0,
             publish_time: 0,
             data: [0, 1, 0, 0, 1, 0, 0, 0, 0].as_slice().into(),
-            starting_point,
+            checkpoint,
         }
     }
 
@@ -598,7 +594,7 @@ mod tests {
             names.sort();
             names
         };
-        for (second, starting_point, recordings) in [
+        for (second, checkpoint, recordings) in [
             (0, true, 1),
             (9, true, 1),
             (15, false, 1),
@@ -606,7 +602,7 @@ mod tests {
             (35, false, 2),
             (36, false, 3),
         ] {
-            session.take(entry(starting_point), Duration::from_secs(second));
+            session.take(entry(checkpoint), Duration::from_secs(second));
             assert_eq!(names().len(), recordings, "second {second}");
         }
         session.finish();
@@ -614,7 +610,7 @@ mod tests {
             names(),
             ["00", "16", "36"].map(|second| format!("column_twin_1970_01_01-00_00_{second}"))
         );
-        // The last began with the starting point of second 16.
+        // The last began with the checkpoint of second 16.
         assert_eq!(counters.written.load(Ordering::Relaxed), 6 + 1);
         assert_eq!(counters.finished.load(Ordering::Relaxed), 3);
     }

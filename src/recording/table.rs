@@ -3,10 +3,10 @@
 use super::decode::{Decoded, Shape, not_finite};
 
 /// Most columns of a table; an array that would make more becomes a cell.
-const MOST_COLUMNS: usize = 4096;
+const MAX_COLUMNS: usize = 4096;
 
 /// Most shapes inside each other that are looked at for these columns.
-const MOST_SHAPES: usize = 4 * MOST_COLUMNS;
+const MAX_SHAPES: usize = 4 * MAX_COLUMNS;
 
 /// Names of the columns below `shape`, `header.stamp.sec`, `moment[0]`.
 pub(super) fn columns(shape: &Shape) -> Vec<String> {
@@ -40,8 +40,8 @@ fn is_spread(length: usize) -> bool {
 /// Whether a table of that shape has few enough columns.
 pub(super) fn fits(shape: &Shape) -> bool {
     let mut left = Left {
-        columns: MOST_COLUMNS,
-        shapes: MOST_SHAPES,
+        columns: MAX_COLUMNS,
+        shapes: MAX_SHAPES,
     };
     left.spend(shape).is_some()
 }
@@ -126,8 +126,8 @@ mod tests {
     fn as_many_columns_as_are_allowed_fit() {
         let number = Shape::One(BuiltInType::Int32);
         let matrix = Shape::Array(Box::new(number.clone()), 16);
-        assert!(fits(&fields(&matrix, MOST_COLUMNS / 16)));
-        assert!(!fits(&fields(&matrix, MOST_COLUMNS / 16 + 1)));
+        assert!(fits(&fields(&matrix, MAX_COLUMNS / 16)));
+        assert!(!fits(&fields(&matrix, MAX_COLUMNS / 16 + 1)));
         assert_eq!(columns(&fields(&matrix, 2)).len(), 32);
         let long = Shape::Array(Box::new(number), 37);
         assert_eq!(columns(&fields(&long, 2)), ["f0", "f1"]);

@@ -69,7 +69,7 @@ pub struct Entry {
     /// Its bytes on the wire: encapsulation header, then CDR.
     pub data: Arc<[u8]>,
     /// Whether a recording may begin with it: it says all that is needed to understand what follows.
-    pub starting_point: bool,
+    pub checkpoint: bool,
 }
 
 /// How a recording is written.

@@ -27,7 +27,7 @@ use super::raw::Raw;
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
 /// Longest wait for an output, after which the thread looks whether it is to stop.
-const LONGEST_WAIT: Duration = Duration::from_millis(100);
+const MAX_WAIT: Duration = Duration::from_millis(100);
 
 /// Longest time that what is waiting at the end may take to be published.
 const LAST_WORDS: Duration = Duration::from_millis(300);
@@ -121,7 +121,7 @@ impl Publishing {
         }
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
         since.map_or(Duration::ZERO, |since| {
-            DIAGNOSTICS_PERIOD.saturating_sub(since).min(LONGEST_WAIT)
+            DIAGNOSTICS_PERIOD.saturating_sub(since).min(MAX_WAIT)
         })
     }
 

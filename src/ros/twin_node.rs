@@ -34,7 +34,7 @@ use super::rosout::RosoutQueue;
 use super::task::Task;
 
 /// Longest wait for a log message, after which the thread looks whether it is to stop.
-const LONGEST_WAIT: Duration = Duration::from_millis(100);
+const MAX_WAIT: Duration = Duration::from_millis(100);
 
 /// The running node. Ends with [`stop`](Self::stop).
 pub struct TwinNode {
@@ -159,7 +159,7 @@ fn publish_log(
     let (counters, stop) = (Arc::clone(counters), Arc::clone(stop));
     spawn("column_twin/log", move || {
         loop {
-            match queue.records.recv_timeout(LONGEST_WAIT) {
+            match queue.records.recv_timeout(MAX_WAIT) {
                 // A failure is not logged: it would be published too.
                 Ok(record) => {
                     let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));

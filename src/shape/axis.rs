@@ -8,7 +8,7 @@ use super::{Joints, PlanePoint};
 pub const BEND_LENGTH: f64 = 0.2;
 
 /// Most of a bar that is bent next to a joint \[m\].
-const LONGEST_BEND: f64 = 0.25;
+const MAX_BEND: f64 = 0.25;
 
 /// Pieces that a bend on one side of a joint is drawn in.
 const BEND_PIECES: usize = 4;
@@ -70,7 +70,7 @@ impl Axis {
 fn bend_length(joints: &Joints) -> f64 {
     let below = joints.impact.plus(-1.0, joints.base).norm();
     let above = joints.top.plus(-1.0, joints.impact).norm();
-    (BEND_LENGTH * below.min(above)).min(LONGEST_BEND)
+    (BEND_LENGTH * below.min(above)).min(MAX_BEND)
 }
 
 /// The direction at the impact point: turned by `rotation`, but not out of the bars' own directions, so that a section that

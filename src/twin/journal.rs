@@ -1,11 +1,11 @@
 //! What a recording needs so that everything can be computed anew: where the twin starts from, what it was given, and
 //! how far it had come by then.
 //!
-//! A twin that is made from a [`StartingPoint`] and given the same inputs at the same [`Position`]s gives out the same
+//! A twin that is made from a [`Checkpoint`] and given the same inputs at the same [`Position`]s gives out the same
 //! states, reports and status, bit for bit. Stamps of refusals and notices, and what computing took, are not among them.
 //!
-//! A starting point lacks the course of the last response. Where a late impact is taken back into it
-//! ([`Handled::taken_back`]), a twin that began there cannot follow.
+//! A checkpoint lacks the course of the last response. Where a late impact is taken back into it
+//! ([`CommandRecord::taken_back`]), a twin that began there cannot follow.
 
 use std::sync::Arc;
 
@@ -22,17 +22,17 @@ use super::{Life, MAX_STEPS_PER_CALL, Stopwatch, Twin, exact_number};
 use crate::column::{ModelError, State};
 use crate::parameters::{Parameters, Value};
 
-/// A twin at rest gives out a starting point at least this often \[ns\].
-pub const STARTING_POINT_PERIOD: Nanos = 60_000_000_000;
+/// A twin at rest gives out a checkpoint at least this often \[ns\].
+pub const CHECKPOINT_PERIOD: Nanos = 60_000_000_000;
 
 /// One entry of the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Journal {
     /// The column is at rest: what is needed to go on from here.
-    StartingPoint(Arc<StartingPoint>),
+    Checkpoint(Arc<Checkpoint>),
     /// The twin was given something.
-    Handled(Arc<Handled>),
+    CommandRecord(Arc<CommandRecord>),
     /// A status was taken.
     Status(StatusTaken),
 }
@@ -50,8 +50,8 @@ pub struct Position {
 /// Everything that what comes after depends on, of a twin at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct StartingPoint {
-    /// Consecutive number among starting points and inputs: a gap is a loss.
+pub struct Checkpoint {
+    /// Consecutive number among checkpoints and inputs: a gap is a loss.
     pub number: u64,
     /// When.
     pub stamp: Nanos,
@@ -89,15 +89,15 @@ pub struct StartingPoint {
 /// Something that the twin was given, and what became of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Handled {
-    /// Consecutive number among starting points and inputs: a gap is a loss.
+pub struct CommandRecord {
+    /// Consecutive number among checkpoints and inputs: a gap is a loss.
     pub number: u64,
     /// The instant that the twin took it for.
     pub now: Nanos,
     /// How far the twin had come.
     pub position: Position,
     /// What it was given.
-    pub given: Given,
+    pub given: Command,
     /// Why it was refused; `None`: it was not.
     pub refused: Option<Arc<str>>,
     /// It was taken back into a response that was over.
@@ -107,7 +107,7 @@ pub struct Handled {
 /// What a twin can be given that changes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Given {
+pub enum Command {
     /// Something hits the column.
     Impact(ImpactEvent),
     /// Changes of parameters, all or none.
@@ -132,7 +132,7 @@ pub enum Given {
     },
 }
 
-impl Given {
+impl Command {
     /// The same input, of somebody who waits for no reply.
     #[must_use]
     pub fn input(&self) -> Input {
@@ -156,7 +156,7 @@ impl Given {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatusTaken {
-    /// Number of the next starting point or input.
+    /// Number of the next checkpoint or input.
     pub next_number: u64,
     /// Stamp of the status.
     pub stamp: Nanos,
@@ -181,8 +181,8 @@ pub(super) struct Bookkeeping {
     next_number: u64,
     /// Responses that have begun.
     pub responses: u64,
-    /// Of the last starting point.
-    last_starting_point: Nanos,
+    /// Of the last checkpoint.
+    last_checkpoint: Nanos,
     /// The column at rest is another one since.
     pub due: bool,
     /// The present input is taken back into a response that was over.
@@ -194,13 +194,13 @@ impl Bookkeeping {
         Self {
             next_number: 0,
             responses: 0,
-            last_starting_point: now,
+            last_checkpoint: now,
             due: true,
             taken_back: false,
         }
     }
 
-    /// Of the next starting point or input.
+    /// Of the next checkpoint or input.
     pub fn next_number(&self) -> u64 {
         self.next_number
     }
@@ -213,14 +213,11 @@ impl Bookkeeping {
 }
 
 impl Twin {
-    /// The twin as it was at a starting point, without the course of the response before it.
+    /// The twin as it was at a checkpoint, without the course of the response before it.
     ///
     /// # Errors
     /// The column is impossible; none that a twin gave out is.
-    pub fn from_starting_point(
-        from: &StartingPoint,
-        stopwatch: Stopwatch,
-    ) -> Result<Self, ModelError> {
+    pub fn from_checkpoint(from: &Checkpoint, stopwatch: Stopwatch) -> Result<Self, ModelError> {
         let parameters = Parameters::clone(&from.parameters);
         let mut properties = parameters.column_properties();
         properties.length_below = from.length_below;
@@ -267,11 +264,11 @@ impl Twin {
 
     /// Everything that what comes after depends on; `None` while a response runs.
     #[must_use]
-    pub fn starting_point(&self, stamp: Nanos) -> Option<StartingPoint> {
+    pub fn checkpoint(&self, stamp: Nanos) -> Option<Checkpoint> {
         if self.run.is_some() {
             return None;
         }
-        Some(StartingPoint {
+        Some(Checkpoint {
             number: self.journal.next_number,
             stamp,
             response: self.journal.responses,
@@ -330,31 +327,31 @@ impl Twin {
         }
     }
 
-    /// Gives a starting point out where one is due.
-    pub(super) fn report_starting_point(&mut self, now: Nanos, out: &mut impl Outputs) {
-        let since = now.saturating_sub(self.journal.last_starting_point);
-        let long_ago = !(0..STARTING_POINT_PERIOD).contains(&since);
+    /// Gives a checkpoint out where one is due.
+    pub(super) fn report_checkpoint(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let since = now.saturating_sub(self.journal.last_checkpoint);
+        let long_ago = !(0..CHECKPOINT_PERIOD).contains(&since);
         if !(self.journal.due || long_ago) {
             return;
         }
-        if let Some(point) = self.starting_point(now) {
+        if let Some(point) = self.checkpoint(now) {
             self.journal.number();
             self.journal.due = false;
-            self.journal.last_starting_point = now;
-            out.put(Output::Journal(Journal::StartingPoint(Arc::new(point))));
+            self.journal.last_checkpoint = now;
+            out.put(Output::Journal(Journal::Checkpoint(Arc::new(point))));
         }
     }
 
     /// Notes what the twin was given at `position`.
     pub(super) fn note(
         &mut self,
-        given: Given,
+        given: Command,
         refused: Option<Arc<str>>,
         position: Position,
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        let handled = Handled {
+        let handled = CommandRecord {
             number: self.journal.number(),
             now,
             position,
@@ -362,7 +359,7 @@ impl Twin {
             refused,
             taken_back: std::mem::take(&mut self.journal.taken_back),
         };
-        out.put(Output::Journal(Journal::Handled(Arc::new(handled))));
+        out.put(Output::Journal(Journal::CommandRecord(Arc::new(handled))));
     }
 }
 

@@ -18,7 +18,7 @@
 //!   response that is over is taken up again in the same way, until the next one begins or a parameter of the column
 //!   changes.
 //! - An impact that lies before the one that the column responds to is refused. Once that response is over it meets the
-//!   column as the response left it: a starting point does not know when the last impact was.
+//!   column as the response left it: a checkpoint does not know when the last impact was.
 //! - An impact that lies ahead is accepted, and refused all the same if the column cannot take it when it comes (it has
 //!   collapsed by then): it then counts as refused only.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no
@@ -49,7 +49,7 @@ use std::sync::mpsc::SyncSender;
 
 pub use input::{ImpactEvent, Input, Nanos};
 pub use journal::{
-    Given, Handled, Journal, NotReached, Position, STARTING_POINT_PERIOD, StartingPoint,
+    CHECKPOINT_PERIOD, Checkpoint, Command, CommandRecord, Journal, NotReached, Position,
     StatusTaken,
 };
 pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
@@ -287,21 +287,21 @@ impl Twin {
     pub fn handle(&mut self, input: Input, now: Nanos, out: &mut impl Outputs) {
         let (given, reply) = match input {
             Input::Look { reply } => return answer(Some(&reply), self.present()),
-            Input::Impact(event) => (Given::Impact(event), Reply::None),
+            Input::Impact(event) => (Command::Impact(event), Reply::None),
             Input::Parameters {
                 changes,
                 source,
                 reply,
             } => (
-                Given::Parameters { changes, source },
+                Command::Parameters { changes, source },
                 Reply::Parameters(reply),
             ),
             Input::RefusedChange { reason, source } => {
-                (Given::RefusedChange { reason, source }, Reply::None)
+                (Command::RefusedChange { reason, source }, Reply::None)
             }
-            Input::Reset { source, reply } => (Given::Reset { source }, Reply::Reset(reply)),
+            Input::Reset { source, reply } => (Command::Reset { source }, Reply::Reset(reply)),
         };
-        self.report_starting_point(now, out);
+        self.report_checkpoint(now, out);
         let position = self.position();
         let result = self.take(&given, now, out);
         let refused = result.as_ref().err().map(Arc::clone);
@@ -315,26 +315,26 @@ impl Twin {
 
     fn take(
         &mut self,
-        given: &Given,
+        given: &Command,
         now: Nanos,
         out: &mut impl Outputs,
     ) -> Result<Change, Arc<str>> {
         match given {
-            Given::Impact(event) => match self.take_impact(event, now, out) {
+            Command::Impact(event) => match self.take_impact(event, now, out) {
                 Ok(()) => Ok(Change::Applied),
                 Err(reason) => {
                     self.refuse_impact(&event.event_id, reason, now, out);
                     Err(Arc::clone(&self.last_refusal_reason))
                 }
             },
-            Given::Parameters { changes, source } => self
+            Command::Parameters { changes, source } => self
                 .take_parameters(changes, source, now, out)
                 .map_err(|reason| self.refuse_change(reason, source, now, out)),
-            Given::Reset { source } => {
+            Command::Reset { source } => {
                 self.reset(source, now, out);
                 Ok(Change::Applied)
             }
-            Given::RefusedChange { reason, source } => {
+            Command::RefusedChange { reason, source } => {
                 Err(self.refuse_change(reason.to_string(), source, now, out))
             }
         }
@@ -350,7 +350,7 @@ impl Twin {
                 .nanos
                 .saturating_add((self.stopwatch)().saturating_sub(started));
         }
-        self.report_starting_point(now, out);
+        self.report_checkpoint(now, out);
         self.report_status(now, out);
     }
 

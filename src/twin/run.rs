@@ -12,7 +12,7 @@ use crate::column::{End, Model, Progress, Response, Sample, State, StepError};
 const CHECKPOINT_STEPS: u64 = 256;
 
 /// Longest time that is stepped over at once.
-const MOST_NANOS_PER_TURN: u64 = 1_000_000;
+const MAX_NANOS_PER_TURN: u64 = 1_000_000;
 
 /// Of the steps from one sample to the next, one in so many is left for the instant when the sample is due: a sample
 /// leaves earlier by what the others take, as long as a step takes a fifth of its own time at the most.
@@ -104,7 +104,7 @@ impl Run {
 
     /// Steps that are made at a time, so that few are left to make when a sample is due.
     pub fn steps_per_turn(&self) -> u64 {
-        let most = (MOST_NANOS_PER_TURN / self.model.properties.step_nanos).max(1);
+        let most = (MAX_NANOS_PER_TURN / self.model.properties.step_nanos).max(1);
         self.steps_per_sample.min(most)
     }
 
@@ -171,16 +171,16 @@ impl Run {
 }
 
 /// The column at a step.
-type Checkpoint = (State, Response);
+type Snapshot = (State, Response);
 
 /// Earlier states of a response, so that an impact that arrives late can meet the column as it was.
 #[derive(Debug, Default)]
 pub(super) struct History {
     /// Of the last steps, overwritten in turn.
-    recent: Vec<Checkpoint>,
+    recent: Vec<Snapshot>,
     next: usize,
     /// Of the whole response, in their order, step 0 first.
-    spread: Vec<Checkpoint>,
+    spread: Vec<Snapshot>,
     /// Steps from one of them to the next, at least.
     spacing: u64,
     last_step: u64,
@@ -230,7 +230,7 @@ impl History {
         step >= last + self.spacing
     }
 
-    fn latest_until(&self, step: u64) -> &Checkpoint {
+    fn latest_until(&self, step: u64) -> &Snapshot {
         self.recent
             .iter()
             .chain(&self.spread)

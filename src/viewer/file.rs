@@ -20,7 +20,7 @@ use crate::twin::{StateOutput, TwinPhase};
 const PICTURE_PERIOD: i64 = 500_000;
 
 /// Most pictures of the scene that one impact is worth.
-const MOST_PICTURES: i64 = 600;
+const MAX_PICTURES: i64 = 600;
 
 /// Time between two pictures of an approach \[s\].
 const APPROACH_PERIOD: f64 = 1e-3;
@@ -38,7 +38,7 @@ fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sam
             .filter(|it| it.phase == Phase::Approach);
         if let Some(from) = from {
             let pictures = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
-            let pictures = pictures.clamp(0.0, MOST_PICTURES as f64) as i64;
+            let pictures = pictures.clamp(0.0, MAX_PICTURES as f64) as i64;
             whole.extend((1..pictures).map(|picture| {
                 let part = picture as f64 / pictures as f64;
                 approaching(from, part * (sample.time - from.time))
@@ -101,7 +101,7 @@ pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
             Item::Rest { .. } | Item::Line { .. } | Item::Parameters(_) => {}
         }
     }
-    let spaced = super::timeline::nanos(longest) / MOST_PICTURES;
+    let spaced = super::timeline::nanos(longest) / MAX_PICTURES;
     FilmOptions {
         picture_period: PICTURE_PERIOD.max(spaced),
         budget: None,

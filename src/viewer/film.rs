@@ -10,8 +10,8 @@ use rerun::{
 
 use super::blueprint;
 use super::colour::{self, Rgb};
+use super::events::{Event, Events, summary};
 use super::fixtures;
-use super::happenings::{Happening, Happenings, summary};
 use super::item::{Announcement, Item};
 use super::pictures::{self, ShownTop};
 use super::plots::{self, Ranges};
@@ -93,7 +93,7 @@ struct Going {
     traced: Option<Sample>,
     /// Time of the last picture of the scene \[s\].
     pictured: Option<f64>,
-    happenings: Happenings,
+    events: Events,
     /// The event, for what a report tells.
     event_id: Option<Arc<str>>,
     stamp: i64,
@@ -220,7 +220,7 @@ impl Film {
                 ranges.reach_report(&forecast.report);
                 // A running twin computes it while the first states come.
                 if self.going.event_id.as_deref() == Some(&*forecast.event_id) {
-                    self.going.happenings.announce(&forecast.report);
+                    self.going.events.announce(&forecast.report);
                 } else {
                     self.forecast = Some(forecast);
                 }
@@ -271,7 +271,7 @@ impl Film {
         self.shown_top = ShownTop::default();
         let announced = self.forecast.take();
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
-            self.going.happenings.announce(&forecast.report);
+            self.going.events.announce(&forecast.report);
         }
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
         let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
@@ -376,7 +376,7 @@ impl Film {
         self.percussions(&batch)?;
         self.stresses(&batch)?;
         for (moment, state) in &batch {
-            for Happening { time, text } in self.going.happenings.until(&state.sample) {
+            for Event { time, text } in self.going.events.until(&state.sample) {
                 let moment = if time == state.sample.time {
                     *moment
                 } else {

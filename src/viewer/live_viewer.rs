@@ -23,13 +23,13 @@ pub const VIEWER_THREAD: &str = "viewer";
 const PERIOD: Duration = Duration::from_nanos(16_666_667);
 
 /// Longest wait for something to show.
-const LONGEST_WAIT: Duration = Duration::from_millis(100);
+const MAX_WAIT: Duration = Duration::from_millis(100);
 
 /// How long the end of the thread is waited for.
 const ENDS_WITHIN: Duration = Duration::from_millis(700);
 
 /// Most outputs that are shown at once, so that a flood does not grow the memory.
-const MOST_AT_ONCE: usize = 2048;
+const MAX_AT_ONCE: usize = 2048;
 
 /// Where the viewer's thread says what goes well and what does not.
 pub type Telling = Arc<dyn Fn(Severity, String) + Send + Sync>;
@@ -138,7 +138,7 @@ fn run(
         let next = Instant::now() + PERIOD;
         let last = stop.load(Ordering::SeqCst);
         let mut items = Vec::new();
-        while items.len() < MOST_AT_ONCE
+        while items.len() < MAX_AT_ONCE
             && let Some(output) = outputs.try_next()
         {
             items.extend(Item::of_twin(output));
@@ -156,7 +156,7 @@ fn run(
             return;
         }
         if idle {
-            outputs.wait(LONGEST_WAIT);
+            outputs.wait(MAX_WAIT);
         }
         thread::sleep(next.saturating_duration_since(Instant::now()));
     }

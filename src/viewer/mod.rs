@@ -15,34 +15,34 @@ mod blueprint;
 mod colour;
 mod connection;
 mod destination;
+mod events;
 mod file;
 mod film;
 mod fixtures;
-mod happenings;
 mod item;
 mod live_viewer;
 mod pictures;
 pub mod plots;
+mod recorded_message;
 mod scene;
 mod server;
 mod spawned;
 mod timeline;
-mod told;
 
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 pub use blueprint::APPLICATION;
+pub use events::{Event, Events, summary};
 pub use file::{from_samples, write_rrd};
 pub use film::{Budget, Film, FilmOptions};
-pub use happenings::{Happening, Happenings, summary};
 pub use item::{Announcement, Item};
 pub use live_viewer::{LiveViewer, Telling, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
+pub use recorded_message::{RecordedMessage, from_messages};
 pub use scene::{Arrow, Body, Drawing, FULL_ARC, HingeMark, Scene, VEHICLE};
 pub use server::{Served, serve};
 pub use timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
-pub use told::{Told, from_messages};
 
 /// Version of Rerun that a viewer must have.
 pub const RERUN_VERSION: &str = "0.36.3";

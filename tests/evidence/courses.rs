@@ -15,7 +15,7 @@ fn one_impact() {
     let found = twin.finish().is_proven();
     assert!(found.topics.iter().all(|it| it.compared > 0), "{found}");
     assert_eq!(
-        (found.starting_points, found.states_at_rest, found.inputs),
+        (found.checkpoints, found.states_at_rest, found.inputs),
         (2, 1, 1)
     );
 }
@@ -190,7 +190,7 @@ fn of_size(max_file_size: u64) -> RecordedTwin {
     RecordedTwin::with_options(parameters(), RecordMode::Always, limited)
 }
 
-/// Each begins with a starting point and can be proven without the others; what reaches back before it is said.
+/// Each begins with a checkpoint and can be proven without the others; what reaches back before it is said.
 #[test]
 fn every_recording_stands_for_itself() {
     // Passed by most impacts, and never twice by one: there a recording ends in any case. When a limit is seen to be
@@ -212,7 +212,7 @@ fn every_recording_stands_for_itself() {
     for (index, path) in paths.iter().enumerate() {
         let found = verify(path).expect("can be verified");
         assert!(found.is_equal(), "{found}");
-        assert!(found.starting_points > 0, "{found}");
+        assert!(found.checkpoints > 0, "{found}");
         let whole = found.unchecked.is_empty();
         let all = found.topics.iter().map(|it| it.recorded).sum::<u64>();
         assert_eq!(found.compared() == all, whole, "{index}: {found}");

@@ -44,7 +44,7 @@ fn forged(
             log_time: message.log_time,
             publish_time: message.publish_time,
             data: data.into(),
-            starting_point: false,
+            checkpoint: false,
         };
         writer.write(&entry).unwrap();
     }
@@ -164,7 +164,7 @@ fn a_changed_state_at_rest_is_found() {
             return Some(message.data.clone());
         }
         let mut line = Line::decode(&message.data).unwrap();
-        if let LineEntry::Twin(Journal::StartingPoint(point)) = &mut line.entry {
+        if let LineEntry::Twin(Journal::Checkpoint(point)) = &mut line.entry {
             points += 1;
             if points == 2 {
                 let mut other = (**point).clone();
@@ -226,7 +226,7 @@ fn messages_that_were_put_in_are_found() {
             log_time: message.log_time,
             publish_time: message.publish_time,
             data: message.data.into(),
-            starting_point: false,
+            checkpoint: false,
         };
         writer.write(&entry).unwrap();
         if is_report && !twice {
@@ -243,7 +243,7 @@ fn messages_that_were_put_in_are_found() {
 #[test]
 fn what_cannot_be_checked_is_said() {
     let original = recording();
-    // Without its first starting point.
+    // Without its first checkpoint.
     let mut points = 0;
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal")
@@ -262,7 +262,7 @@ fn what_cannot_be_checked_is_said() {
         "{found}"
     );
     assert!(
-        found.unchecked[0].contains("before the first starting point"),
+        found.unchecked[0].contains("before the first checkpoint"),
         "{found}"
     );
     assert!(found.compared() > 20, "{found}");
@@ -277,7 +277,7 @@ fn what_cannot_be_checked_is_said() {
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
             let line = Line::decode(&message.data).unwrap();
-            if matches!(line.entry, LineEntry::Twin(Journal::Handled(_))) {
+            if matches!(line.entry, LineEntry::Twin(Journal::CommandRecord(_))) {
                 inputs += 1;
                 if inputs == 1 {
                     return None;
@@ -291,7 +291,7 @@ fn what_cannot_be_checked_is_said() {
     assert_eq!(found.missing_entries, 1, "{found}");
 }
 
-/// Each entry that the twin numbers, but the last, which nothing shows to be missing, and the first starting point, from
+/// Each entry that the twin numbers, but the last, which nothing shows to be missing, and the first checkpoint, from
 /// which a recording may also begin.
 #[test]
 fn an_entry_of_the_journal_that_was_taken_out_is_missed() {
@@ -330,7 +330,7 @@ fn a_number_beyond_all_others_is_not_equal() {
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
             let mut line = Line::decode(&message.data).unwrap();
-            if let LineEntry::Twin(Journal::Handled(handled)) = &mut line.entry {
+            if let LineEntry::Twin(Journal::CommandRecord(handled)) = &mut line.entry {
                 inputs += 1;
                 if inputs == 2 {
                     Arc::make_mut(handled).number = u64::MAX;
@@ -345,7 +345,7 @@ fn a_number_beyond_all_others_is_not_equal() {
     assert!(!found.is_equal() && found.missing() > 1_000_000, "{found}");
 }
 
-/// Nothing but the first starting point is left of what the journal said of it.
+/// Nothing but the first checkpoint is left of what the journal said of it.
 #[test]
 fn messages_of_which_none_can_be_compared_are_not_equal() {
     let original = recording();

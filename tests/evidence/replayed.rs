@@ -224,7 +224,7 @@ fn written(directory: &Path, count: i64) -> (PathBuf, Vec<i64>) {
             log_time: *time,
             publish_time: *time,
             data: cdr::encode(&state).unwrap().into(),
-            starting_point: false,
+            checkpoint: false,
         };
         writer.write(&entry).unwrap();
     }

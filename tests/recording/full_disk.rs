@@ -51,12 +51,12 @@ fn a_full_disk_ends_a_recording_well_and_room_begins_a_new_one() {
         let recorder = Recorder::start(options, text_topics()).unwrap();
         std::fs::write(&ballast, vec![1; 6 << 20]).unwrap();
         let mut sent = 0;
-        let mut send = |starting_point| {
+        let mut send = |checkpoint| {
             // Waits for the recorder here: it is the disk that is to be the narrow place.
             until("room in the queue", || {
                 recorder.statistics().queue.len < 1000
             });
-            assert!(recorder.record(text_entry(0, sent, &text(sent), starting_point)));
+            assert!(recorder.record(text_entry(0, sent, &text(sent), checkpoint)));
             sent += 1;
         };
         send(true);
@@ -102,7 +102,7 @@ fn check_the_second(disk: &Path, first: &Path, statistics: &RecorderStatistics, 
         .unwrap();
     let reader = Reader::open(&second).unwrap();
     assert!(reader.wholeness().is_whole());
-    // It begins with the last starting point, which is in both.
+    // It begins with the last checkpoint, which is in both.
     let times: Vec<i64> = reader.messages().map(|it| it.unwrap().log_time).collect();
     assert_eq!(times[0], 0);
     assert!(times.len() >= 100);

@@ -97,7 +97,7 @@ fn others_read_what_a_kill_left() {
                 log_time: message.log_time,
                 publish_time: message.publish_time,
                 data: message.data.into(),
-                starting_point: false,
+                checkpoint: false,
             },
         };
         let messages: Vec<Expected> = reader

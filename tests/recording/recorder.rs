@@ -64,7 +64,7 @@ fn plain(index: i64) -> Entry {
     text_entry(0, index, &format!("{index}"), false)
 }
 
-fn starting_point(index: i64) -> Entry {
+fn checkpoint(index: i64) -> Entry {
     text_entry(0, index, &format!("start {index}"), true)
 }
 
@@ -119,7 +119,7 @@ fn no_message_no_recording() {
     assert!(recordings(folder.path()).is_empty());
 }
 
-/// A new recording waits for a starting point, so that it needs no other.
+/// A new recording waits for a checkpoint, so that it needs no other.
 #[test]
 fn a_recording_that_is_long_enough_goes_on_at_the_next_starting_point() {
     let folder = tempfile::tempdir().unwrap();
@@ -127,13 +127,13 @@ fn a_recording_that_is_long_enough_goes_on_at_the_next_starting_point() {
     options.max_file_size = 400_000;
     let recorder = Recorder::start(options, text_topics()).unwrap();
     let text = "x".repeat(10_000);
-    assert!(recorder.record(starting_point(0)));
+    assert!(recorder.record(checkpoint(0)));
     for round in 1..=3 {
         // Longer than the limit, shorter than its double.
         for index in 0..45 {
             assert!(recorder.record(text_entry(0, 100 * round + index, &text, false)));
         }
-        assert!(recorder.record(starting_point(100 * round + 99)));
+        assert!(recorder.record(checkpoint(100 * round + 99)));
     }
     let statistics = recorder.stop();
     assert_eq!((statistics.finished, statistics.lost), (4, 0));
@@ -145,7 +145,7 @@ fn a_recording_that_is_long_enough_goes_on_at_the_next_starting_point() {
     }
 }
 
-/// Without starting points a recording ends all the same, and the next begins with the last one that there was.
+/// Without checkpoints a recording ends all the same, and the next begins with the last one that there was.
 #[test]
 fn a_recording_does_not_grow_without_bound() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,7 +153,7 @@ fn a_recording_does_not_grow_without_bound() {
     options.max_file_size = 400_000;
     let recorder = Recorder::start(options, text_topics()).unwrap();
     let text = "x".repeat(10_000);
-    assert!(recorder.record(starting_point(0)));
+    assert!(recorder.record(checkpoint(0)));
     for index in 1..=200 {
         assert!(recorder.record(text_entry(0, index, &text, false)));
     }
@@ -210,7 +210,7 @@ fn a_full_queue_drops_what_comes_and_the_file_says_how_much() {
     let told = Told::default();
     told.listen(&mut options);
     let recorder = Recorder::start(options, text_topics()).unwrap();
-    assert!(recorder.record(starting_point(0)));
+    assert!(recorder.record(checkpoint(0)));
     // More than may ever wait.
     let large = text_entry(0, 1, &"x".repeat(200_000), false);
     for _ in 0..5 {

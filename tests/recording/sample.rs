@@ -117,7 +117,7 @@ fn expect<M: Message>(topic: usize, log_time: i64, message: &M) -> Expected {
             log_time,
             publish_time: log_time - 1_000,
             data: cdr::encode(message).unwrap().into(),
-            starting_point: topic == 9,
+            checkpoint: topic == 9,
         },
         content: serde_json::to_value(message).unwrap(),
     }
@@ -359,7 +359,7 @@ pub fn expected_lines(messages: &[Expected], topics: &[TopicInfo]) -> String {
 }
 
 /// An entry with nothing but a text in it.
-pub fn text_entry(topic: usize, log_time: i64, text: &str, starting_point: bool) -> Entry {
+pub fn text_entry(topic: usize, log_time: i64, text: &str, checkpoint: bool) -> Entry {
     let data: Arc<[u8]> = cdr::encode(&Text {
         data: text.to_owned(),
     })
@@ -370,7 +370,7 @@ pub fn text_entry(topic: usize, log_time: i64, text: &str, starting_point: bool)
         log_time,
         publish_time: log_time,
         data,
-        starting_point,
+        checkpoint,
     }
 }
 

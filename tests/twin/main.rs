@@ -21,24 +21,24 @@ pub const START: Nanos = 1_800_000_000_000_000_000;
 pub const MS: Nanos = 1_000_000;
 
 /// A twin with its clock, and all that has left it.
-pub struct Bench {
-    pub twin: Twin,
-    pub now: Nanos,
-    pub out: Vec<Output>,
+pub(crate) struct Bench {
+    pub(crate) twin: Twin,
+    pub(crate) now: Nanos,
+    pub(crate) out: Vec<Output>,
 }
 
-pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
+pub(crate) fn parameters(changes: &[(&str, Value)]) -> Parameters {
     // Coarse steps keep the tests short.
     let coarse = [("solver.dt", Value::from(1e-4))];
     Parameters::from_values(coarse.iter().chain(changes).cloned()).expect("admissible")
 }
 
 impl Bench {
-    pub fn new(changes: &[(&str, Value)]) -> Self {
+    pub(crate) fn new(changes: &[(&str, Value)]) -> Self {
         Self::with(parameters(changes), None)
     }
 
-    pub fn with(parameters: Parameters, saved: Option<&SavedState>) -> Self {
+    pub(crate) fn with(parameters: Parameters, saved: Option<&SavedState>) -> Self {
         let stopwatch = Box::new(|| 0);
         let twin = Twin::new(parameters, saved, stopwatch, START).expect("the column stands");
         Self {
@@ -48,16 +48,16 @@ impl Bench {
         }
     }
 
-    pub fn handle(&mut self, input: Input) {
+    pub(crate) fn handle(&mut self, input: Input) {
         self.twin.handle(input, self.now, &mut self.out);
     }
 
-    pub fn hit(&mut self, event: ImpactEvent) {
+    pub(crate) fn hit(&mut self, event: ImpactEvent) {
         self.handle(Input::Impact(event));
     }
 
     /// Goes on to an instant, as the solver's thread would: in turns, the forecast first.
-    pub fn go_to(&mut self, instant: Nanos) {
+    pub(crate) fn go_to(&mut self, instant: Nanos) {
         while self.now < instant {
             self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
             let due = self.twin.next_deadline(self.now);
@@ -66,12 +66,12 @@ impl Bench {
         }
     }
 
-    pub fn go_on(&mut self, nanos: Nanos) {
+    pub(crate) fn go_on(&mut self, nanos: Nanos) {
         self.go_to(self.now + nanos);
     }
 
     /// Goes on until no response is under way.
-    pub fn rest(&mut self) {
+    pub(crate) fn rest(&mut self) {
         self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
         for _ in 0..10_000 {
             if !self.twin.is_responding() {
@@ -82,7 +82,7 @@ impl Bench {
         panic!("no end of the response");
     }
 
-    pub fn change(&mut self, changes: &[(&str, Value)]) {
+    pub(crate) fn change(&mut self, changes: &[(&str, Value)]) {
         let changes = changes
             .iter()
             .map(|(name, value)| ((*name).to_owned(), value.clone()));
@@ -94,14 +94,14 @@ impl Bench {
         });
     }
 
-    pub fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.handle(Input::Reset {
             source: "test".into(),
             reply: None,
         });
     }
 
-    pub fn states(&self) -> Vec<&StateOutput> {
+    pub(crate) fn states(&self) -> Vec<&StateOutput> {
         self.all(|it| {
             if let Output::State(state) = it {
                 Some(state)
@@ -111,7 +111,7 @@ impl Bench {
         })
     }
 
-    pub fn forecasts(&self) -> Vec<&ReportOutput> {
+    pub(crate) fn forecasts(&self) -> Vec<&ReportOutput> {
         self.all(|it| {
             if let Output::Forecast(report) = it {
                 Some(report)
@@ -121,7 +121,7 @@ impl Bench {
         })
     }
 
-    pub fn reports(&self) -> Vec<&ReportOutput> {
+    pub(crate) fn reports(&self) -> Vec<&ReportOutput> {
         self.all(|it| {
             if let Output::Report(report) = it {
                 Some(report)
@@ -131,7 +131,7 @@ impl Bench {
         })
     }
 
-    pub fn refusals(&self) -> Vec<&Refused> {
+    pub(crate) fn refusals(&self) -> Vec<&Refused> {
         self.all(|it| {
             if let Output::Refused(refused) = it {
                 Some(refused)
@@ -141,7 +141,7 @@ impl Bench {
         })
     }
 
-    pub fn saved(&self) -> Vec<&Arc<SavedState>> {
+    pub(crate) fn saved(&self) -> Vec<&Arc<SavedState>> {
         self.all(|it| {
             if let Output::Save(saved) = it {
                 Some(saved)
@@ -151,7 +151,7 @@ impl Bench {
         })
     }
 
-    pub fn statuses(&self) -> Vec<&Status> {
+    pub(crate) fn statuses(&self) -> Vec<&Status> {
         self.all(|it| {
             if let Output::Status(status) = it {
                 Some(status)
@@ -162,7 +162,7 @@ impl Bench {
     }
 
     /// The status as it is now.
-    pub fn status(&self) -> Status {
+    pub(crate) fn status(&self) -> Status {
         self.twin.status(self.now)
     }
 
@@ -172,7 +172,7 @@ impl Bench {
 }
 
 /// 1.5 t at 36 km/h, now.
-pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
+pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactEvent {
     ImpactEvent {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
@@ -186,7 +186,7 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
 }
 
 /// Too light to leave a trace.
-pub fn light(id: &str, stamp: Nanos) -> ImpactEvent {
+pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactEvent {
     ImpactEvent {
         impact_mass: 10.0,
         velocity: 0.5,

@@ -8,7 +8,7 @@ use column_twin::column::{Impact, Report, Sample, simulate};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::viewer::{
-    Drawing, Item, Timeline, Told, ViewerError, from_messages, from_samples, write_rrd,
+    Drawing, Item, RecordedMessage, Timeline, ViewerError, from_messages, from_samples, write_rrd,
 };
 
 fn impact() -> (Vec<Sample>, Report) {
@@ -25,15 +25,15 @@ fn impact() -> (Vec<Sample>, Report) {
 }
 
 /// What the messages of one impact tell, a state each millisecond, and both of its reports.
-fn recorded(event_id: &str) -> (Vec<Told>, [Told; 2]) {
+fn recorded(event_id: &str) -> (Vec<RecordedMessage>, [RecordedMessage; 2]) {
     let (samples, report) = impact();
     let states = samples.iter().step_by(50).map(|sample| {
         let mut state = ColumnState::from(sample);
         state.event_id = event_id.to_owned();
-        Told::State(state, HingeForces::from(sample))
+        RecordedMessage::State(state, HingeForces::from(sample))
     });
     let report = |kind| {
-        Told::Report(Box::new(ImpactReport {
+        RecordedMessage::Report(Box::new(ImpactReport {
             kind,
             event_id: event_id.to_owned(),
             ..ImpactReport::from(&report)
@@ -85,10 +85,10 @@ fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
         ..ImpactEvent::default()
     };
     let told = [
-        Told::Column(Arc::default()),
+        RecordedMessage::Column(Arc::default()),
         recorded("a").0[0].clone(),
-        Told::Column(Arc::clone(&taller)),
-        Told::Event(Box::new(event)),
+        RecordedMessage::Column(Arc::clone(&taller)),
+        RecordedMessage::Event(Box::new(event)),
         recorded("b").0[0].clone(),
     ];
     let items = from_messages(&Arc::default(), told.to_vec());

@@ -11,7 +11,7 @@ use super::contact::percussion;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::Motion;
-use super::newton::{self, Stage};
+use super::newton::{self, NonlinearSystem};
 use super::state::State;
 use super::statics;
 use super::stepping::Part;
@@ -35,7 +35,7 @@ struct Point {
     returned: PerBar<Returned>,
 }
 
-impl Stage for Midpoint<'_> {
+impl NonlinearSystem for Midpoint<'_> {
     type Point = Point;
 
     fn evaluate(&self, increment: &Displacement) -> (Point, Vector4<f64>) {

@@ -35,7 +35,7 @@ const MAX_BISECTIONS: u32 = 60;
 const JOINT_BALANCES: u32 = 8;
 
 /// How far `beta1` is looked for \[rad\].
-const MOST_ROTATION: f64 = 1.0;
+const MAX_ROTATION: f64 = 1.0;
 
 /// Row of `beta1`.
 const BETA1: usize = 2;
@@ -48,7 +48,7 @@ const U2: usize = 3;
 const MAX_CORRECTION: f64 = 0.05;
 
 /// A stage whose equations are solved for the increment of `U`.
-pub(crate) trait Stage {
+pub(crate) trait NonlinearSystem {
     /// What an evaluation leaves for the tangent and for the end of the step.
     type Point;
 
@@ -80,7 +80,10 @@ pub(crate) struct Solved<P> {
 /// The residual is, but for terms of the order of the step, the gradient of a convex potential with kinks in its
 /// second derivative. Where a full correction does not halve the residual, the potential is minimised along it: the
 /// masses' rows would hide a massless unknown that is thrown to and fro between two kinks.
-pub(crate) fn solve<S: Stage>(stage: &S, guess: Displacement) -> Option<Solved<S::Point>> {
+pub(crate) fn solve<S: NonlinearSystem>(
+    stage: &S,
+    guess: Displacement,
+) -> Option<Solved<S::Point>> {
     let inverse_scale = stage.scale().map(|s| 1.0 / s);
     let size_of = |residual: &Vector4<f64>| residual.component_mul(&inverse_scale).amax();
     let mut increment = guess;
@@ -160,7 +163,7 @@ fn limited(correction: Displacement, length: f64) -> Displacement {
 
 /// Minimises the potential along a correction: bisection on the slope `residual . direction`, which grows from below
 /// zero.
-fn search_line<S: Stage>(
+fn search_line<S: NonlinearSystem>(
     stage: &S,
     from: Displacement,
     correction: Displacement,
@@ -199,7 +202,7 @@ fn search_line<S: Stage>(
 /// Solves the equations of the massless unknowns, the others held. `M_1b - M_1a` never falls with `beta1`, nor does the
 /// force on the top with `u2` while the column carries the load: brackets find where they vanish. Where both hinges of
 /// the joint flow and their moments differ, one has to unload, and no tangent tells how far that is.
-fn balance_massless<S: Stage>(
+fn balance_massless<S: NonlinearSystem>(
     stage: &S,
     from: Displacement,
     with_top: bool,
@@ -211,7 +214,7 @@ fn balance_massless<S: Stage>(
             ..u
         };
         let unbalanced = |turn: f64| stage.evaluate(&turned(turn)).1[BETA1];
-        turned(zero_near(unbalanced, joint, MOST_ROTATION))
+        turned(zero_near(unbalanced, joint, MAX_ROTATION))
     };
     let increment = if with_top && stage.model().top_is_massless() {
         let lowered = |fall: f64| {

@@ -12,7 +12,7 @@ use super::bar::{Bar, BarForces, Returned};
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::Motion;
-use super::newton::{self, Stage};
+use super::newton::{self, NonlinearSystem};
 use super::state::State;
 use super::stepping::{NEGLIGIBLE_PART, Part};
 
@@ -58,7 +58,7 @@ struct Point {
     mean: PerBar<BarForces>,
 }
 
-impl Stage for Conserving<'_> {
+impl NonlinearSystem for Conserving<'_> {
     type Point = Point;
 
     fn evaluate(&self, increment: &Displacement) -> (Point, Vector4<f64>) {

@@ -27,7 +27,7 @@ const QUIET_PERIODS: f64 = 2.25;
 
 /// Longest approach to a column that moves which does not count as part of its response \[s\]: unlike one to a column at
 /// rest, every step of it is computed.
-pub const LONGEST_APPROACH_TO_MOVING: f64 = 60.0;
+pub const MAX_APPROACH_TO_MOVING: f64 = 60.0;
 
 /// Whether a response goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl Response {
             max_duration,
             counted_from: 0.0,
             approach_until: match moves {
-                true => (impact.gap / impact.velocity).min(LONGEST_APPROACH_TO_MOVING),
+                true => (impact.gap / impact.velocity).min(MAX_APPROACH_TO_MOVING),
                 false => 0.0,
             },
             max_v1: state.displacement.v1,

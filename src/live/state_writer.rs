@@ -6,54 +6,54 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use super::bell::Bell;
 use super::clock::Clock;
+use super::notifier::Notifier;
 use super::queue::{OutputQueues, Queue, QueueStats, WhenFull};
 use crate::twin::{Notice, Output, SavedState, Severity, state_file};
 
 /// The thread's name.
-pub const KEEPER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
+pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
 
 /// How long it sleeps at a time.
 const NAP: Duration = Duration::from_secs(1);
 
 /// What is to be written: only the newest matters.
 #[derive(Debug)]
-pub(super) struct Keeper {
+pub(super) struct StateWriter {
     newest: Queue<Arc<SavedState>>,
-    bell: Bell,
+    notifier: Notifier,
     stop: AtomicBool,
     failures: AtomicU64,
 }
 
-impl Keeper {
+impl StateWriter {
     pub fn start(
         path: PathBuf,
         outputs: Vec<Arc<OutputQueues>>,
         clock: Arc<dyn Clock>,
     ) -> std::io::Result<(Arc<Self>, JoinHandle<()>)> {
-        let keeper = Arc::new(Self {
+        let state_writer = Arc::new(Self {
             newest: Queue::new("state file".to_owned(), 1, WhenFull::DropOldest),
-            bell: Bell::default(),
+            notifier: Notifier::default(),
             stop: AtomicBool::new(false),
             failures: AtomicU64::new(0),
         });
-        let shared = Arc::clone(&keeper);
+        let shared = Arc::clone(&state_writer);
         let thread = thread::Builder::new()
-            .name(KEEPER_THREAD.to_owned())
+            .name(STATE_WRITER_THREAD.to_owned())
             .spawn(move || shared.run(&path, &outputs, &*clock))?;
-        Ok((keeper, thread))
+        Ok((state_writer, thread))
     }
 
     pub fn keep(&self, saved: Arc<SavedState>) {
         self.newest.push(saved);
-        self.bell.ring();
+        self.notifier.notify();
     }
 
     /// Writes what is left and ends.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::SeqCst);
-        self.bell.ring();
+        self.notifier.notify();
     }
 
     /// Files that could not be written.
@@ -77,7 +77,7 @@ impl Keeper {
                 if stop {
                     return;
                 }
-                self.bell.wait(NAP);
+                self.notifier.wait(NAP);
                 continue;
             };
             let result = state_file::store(path, &saved);
@@ -101,6 +101,6 @@ fn say(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
             severity: Severity::Error,
             text,
         }));
-        queues.ring();
+        queues.notify();
     }
 }

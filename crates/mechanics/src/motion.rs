@@ -9,13 +9,13 @@ use super::model::Model;
 use super::state::{State, Velocity};
 
 /// A bar whose extent along the column has shrunk to this fraction of its length has lost its shape.
-pub const LEAST_EXTENT: f64 = 0.01;
+pub const MIN_EXTENT: f64 = 0.01;
 
 /// A bar compressed or stretched beyond these fractions of its length has lost its shape.
 pub const LENGTH_RANGE: [f64; 2] = [0.2, 5.0];
 
 /// A top that has come down by this fraction of the column's height does so without bound.
-pub const MOST_SHORTENING: f64 = 0.5;
+pub const MAX_SHORTENING: f64 = 0.5;
 
 /// Floor of the size of forces, relative to `N^p`.
 const FORCE_FLOOR: f64 = 1e-9;
@@ -200,7 +200,7 @@ fn damping(model: &Model) -> Matrix4<f64> {
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
     for (bar, shortening) in [(&model.below, u.u1), (&model.above, u.u2 - u.u1)] {
         let x = bar.length - shortening;
-        if x.is_nan() || x < LEAST_EXTENT * bar.length {
+        if x.is_nan() || x < MIN_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
         let relative = (x * x + u.v1 * u.v1) / (bar.length * bar.length);
@@ -210,5 +210,5 @@ pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
         }
     }
     let height = model.below.length + model.above.length;
-    (u.u2 > MOST_SHORTENING * height).then_some(Collapse::Shortening)
+    (u.u2 > MAX_SHORTENING * height).then_some(Collapse::Shortening)
 }

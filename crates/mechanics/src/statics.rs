@@ -8,7 +8,7 @@ use super::bar::{Bar, BarForces, PlasticFlow};
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
-use super::newton::{self, Stage};
+use super::newton::{self, NonlinearSystem};
 use super::properties::Scheme;
 use super::state::State;
 
@@ -32,7 +32,7 @@ struct Frozen<'a> {
     plastic: &'a PerBar<PlasticFlow>,
 }
 
-impl Stage for Frozen<'_> {
+impl NonlinearSystem for Frozen<'_> {
     type Point = (PerBar<Chord>, PerBar<BarForces>);
 
     fn evaluate(&self, u: &Displacement) -> (Self::Point, Vector4<f64>) {

@@ -47,7 +47,7 @@ pub use energy::MAX_EVENTS_PER_STEP;
 pub use geometry::Displacement;
 pub use ledger::{Energies, Ledger, energies};
 pub use model::{Model, ModelError, RestState};
-pub use motion::{Collapse, LEAST_EXTENT, LENGTH_RANGE, MOST_SHORTENING, StepError};
+pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
 pub use report::{End, HingeReport, Outcome, Report};
 pub use response::{Progress, Response, SimulationError, simulate};

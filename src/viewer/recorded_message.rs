@@ -14,7 +14,7 @@ use crate::shape::Lengths;
     clippy::large_enum_variant,
     reason = "nearly all are states, which are not to be allocated one by one"
 )]
-pub enum Told {
+pub enum RecordedMessage {
     /// The column at one instant: two messages of the same stamp.
     State(ColumnState, HingeForces),
     /// A forecast or a result.
@@ -28,13 +28,13 @@ pub enum Told {
 /// What a recording of the column with these `parameters` shows, in the order of its states. A report stands before the first
 /// state of its impact if it is a forecast, and after the last one if it is a result; a report without states is left out.
 #[must_use]
-pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item> {
+pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<RecordedMessage>) -> Vec<Item> {
     let mut forecasts = HashMap::new();
     let mut results = HashMap::new();
     let mut heights = HashMap::new();
     for told in &told {
         match told {
-            Told::Report(report) => {
+            RecordedMessage::Report(report) => {
                 let of_kind = match report.kind {
                     ImpactReport::FORECAST => &mut forecasts,
                     ImpactReport::RESULT => &mut results,
@@ -43,12 +43,13 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item>
                 of_kind.insert(report.event_id.clone(), report.clone());
             }
             // A repeat of its identifier was refused.
-            Told::Event(event) if event.column_id == parameters.settings().column_id => {
+            RecordedMessage::Event(event) if event.column_id == parameters.settings().column_id => {
                 heights
                     .entry(event.event_id.clone())
                     .or_insert(event.height);
             }
-            Told::Event(_) | Told::State(..) | Told::Column(_) => {}
+            RecordedMessage::Event(_) | RecordedMessage::State(..) | RecordedMessage::Column(_) => {
+            }
         }
     }
     let mut parameters = Arc::clone(parameters);
@@ -57,7 +58,7 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item>
     let mut lengths = None;
     for told in told {
         match told {
-            Told::State(state, forces) => {
+            RecordedMessage::State(state, forces) => {
                 if going.as_ref() != Some(&state.event_id) {
                     let ended = going.replace(state.event_id.clone());
                     let result = ended.and_then(|event_id| results.remove(&event_id));
@@ -75,13 +76,14 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<Told>) -> Vec<Item>
                 }
                 items.push(Item::of_messages(&state, &forces, lengths));
             }
-            Told::Column(other) if *other != *parameters => {
+            RecordedMessage::Column(other) if *other != *parameters => {
                 let result = going.take().and_then(|event_id| results.remove(&event_id));
                 items.extend(result.map(|it| Item::Result(announcement(*it))));
                 items.push(Item::Parameters(Arc::clone(&other)));
                 parameters = other;
             }
-            Told::Column(_) | Told::Report(_) | Told::Event(_) => {}
+            RecordedMessage::Column(_) | RecordedMessage::Report(_) | RecordedMessage::Event(_) => {
+            }
         }
     }
     let result = going.and_then(|event_id| results.remove(&event_id));

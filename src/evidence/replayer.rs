@@ -9,7 +9,7 @@ use crate::column::ModelError;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, TOPICS};
-use crate::twin::{Handled, Journal, Output, Position, StartingPoint, StatusTaken, Twin};
+use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusTaken, Twin};
 
 /// Places in [`TOPICS`].
 const FORECAST: usize = 2;
@@ -25,12 +25,12 @@ pub(super) struct Recorded<'a> {
 
 /// Reads a recording in its order.
 #[derive(Default)]
-pub(super) struct Follower {
+pub(super) struct Replayer {
     /// `None` while it is not known where the recorded twin is.
     course: Option<Course>,
-    /// What the next starting point or input is to be numbered; `None` before the first.
+    /// What the next checkpoint or input is to be numbered; `None` before the first.
     next_number: Option<u64>,
-    /// Nothing numbered has come behind the first starting point.
+    /// Nothing numbered has come behind the first checkpoint.
     is_beginning: bool,
     pub findings: Verification,
 }
@@ -51,7 +51,7 @@ struct Course {
 
 /// Recorded messages that a twin does not give out: forged where the journal is complete, and else such that belong to
 /// what is missing in it. A recording that begins in the middle of a response (the one before could not go on: a full
-/// disk) begins with the last starting point, and lacks what the twin was given since.
+/// disk) begins with the last checkpoint, and lacks what the twin was given since.
 #[derive(Default)]
 struct Foreign {
     count: [u64; TOPICS.len()],
@@ -63,32 +63,32 @@ struct Computed {
     message: Message,
 }
 
-impl Follower {
+impl Replayer {
     /// Takes an entry of the journal; `name` is the topic's.
     pub fn journal(&mut self, entry: &LineEntry, name: &str, log_time: i64) {
         let place = Place { name, log_time };
         match entry {
-            LineEntry::Twin(Journal::StartingPoint(point)) => self.starting_point(point, &place),
-            LineEntry::Twin(Journal::Handled(handled)) => self.handled(handled, &place),
+            LineEntry::Twin(Journal::Checkpoint(point)) => self.checkpoint(point, &place),
+            LineEntry::Twin(Journal::CommandRecord(handled)) => self.handled(handled, &place),
             LineEntry::Twin(Journal::Status(taken)) => self.status_taken(*taken, &place),
             LineEntry::RefusedByNode { .. } => self.findings.refused_by_node += 1,
         }
     }
 
-    fn starting_point(&mut self, point: &StartingPoint, place: &Place<'_>) {
-        self.findings.starting_points += 1;
+    fn checkpoint(&mut self, point: &Checkpoint, place: &Place<'_>) {
+        self.findings.checkpoints += 1;
         let here = Position {
             response: point.response,
             step: None,
         };
         self.number_is(point.number, place);
         self.next_number = Some(point.number.saturating_add(1));
-        self.is_beginning = self.findings.starting_points == 1;
+        self.is_beginning = self.findings.checkpoints == 1;
         self.come_to(here, place);
         let Some(course) = &mut self.course else {
             return self.begin(point, place);
         };
-        let Some(mut computed) = course.twin.starting_point(point.stamp) else {
+        let Some(mut computed) = course.twin.checkpoint(point.stamp) else {
             return;
         };
         computed.number = point.number;
@@ -96,7 +96,7 @@ impl Follower {
         match first_difference(point, &computed) {
             None => {
                 // As the node's does at this place.
-                let passed = Journal::StartingPoint(std::sync::Arc::new(computed));
+                let passed = Journal::Checkpoint(std::sync::Arc::new(computed));
                 course.outgoing.convert(&Output::Journal(passed), |_| {});
             }
             Some(found) => {
@@ -109,20 +109,20 @@ impl Follower {
     }
 
     /// Begins anew where the recorded twin was.
-    fn begin(&mut self, point: &StartingPoint, place: &Place<'_>) {
+    fn begin(&mut self, point: &Checkpoint, place: &Place<'_>) {
         self.end_course();
         match Course::new(point) {
             Ok(course) => self.course = Some(course),
             Err(error) => {
                 let time = super::comparison::seconds(place.log_time);
                 self.findings.unchecked_because(format!(
-                    "the starting point at {time} s is of no possible column: {error}"
+                    "the checkpoint at {time} s is of no possible column: {error}"
                 ));
             }
         }
     }
 
-    fn handled(&mut self, handled: &Handled, place: &Place<'_>) {
+    fn handled(&mut self, handled: &CommandRecord, place: &Place<'_>) {
         self.findings.inputs += 1;
         self.number_is(handled.number, place);
         self.next_number = Some(handled.number.saturating_add(1));
@@ -143,11 +143,11 @@ impl Follower {
         course.twin.run_ahead(u64::MAX, handled.now, &mut out);
         course.gave_out(&out);
         let own = out.iter().find_map(|output| match output {
-            Output::Journal(Journal::Handled(own)) => Some(own),
+            Output::Journal(Journal::CommandRecord(own)) => Some(own),
             _ => None,
         });
         let Some(own) = own else { return };
-        let outcome = |it: &Handled| (it.refused.clone(), it.taken_back);
+        let outcome = |it: &CommandRecord| (it.refused.clone(), it.taken_back);
         if let Some(found) = first_difference(&outcome(handled), &outcome(own)) {
             let found = super::comparison::FieldDifference {
                 field: "what became of an input".to_owned(),
@@ -183,7 +183,7 @@ impl Follower {
         }
         let lost = number - expected;
         if lost > 0 {
-            // A recording that had to begin in the middle of a response begins with the last starting point, and what the
+            // A recording that had to begin in the middle of a response begins with the last checkpoint, and what the
             // twin was given since stands in the recording before. Anywhere else each number must be there.
             if !is_beginning {
                 let missing = &mut self.findings.missing_entries;
@@ -283,7 +283,7 @@ impl Follower {
     fn lose_track(&mut self, why: String) {
         self.end_course();
         self.findings
-            .unchecked_because(format!("{why}; not checked until the next starting point"));
+            .unchecked_because(format!("{why}; not checked until the next checkpoint"));
     }
 
     /// What was computed and should have been recorded by now is missing.
@@ -313,10 +313,10 @@ impl Follower {
 }
 
 impl Course {
-    fn new(point: &StartingPoint) -> Result<Self, ModelError> {
+    fn new(point: &Checkpoint) -> Result<Self, ModelError> {
         let stopwatch = Box::new(monotonic_nanos);
         Ok(Self {
-            twin: Twin::from_starting_point(point, stopwatch)?,
+            twin: Twin::from_checkpoint(point, stopwatch)?,
             outgoing: Outgoing::new(&point.parameters),
             computed: Default::default(),
             count: 0,

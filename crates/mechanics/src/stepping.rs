@@ -16,7 +16,7 @@ pub const MAX_HALVINGS: u32 = 12;
 pub const MAX_PARTS: u32 = 8192;
 
 /// Most that a bar may turn in one part, as the sine of the angle.
-pub const MOST_TURN: f64 = 0.3;
+pub const MAX_TURN: f64 = 0.3;
 
 /// A rest of a step below this fraction of it is round-off.
 pub(crate) const NEGLIGIBLE_PART: f64 = 1e-9;
@@ -46,20 +46,20 @@ pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
     }
 }
 
-/// Whether both bars turn by less than [`MOST_TURN`].
+/// Whether both bars turn by less than [`MAX_TURN`].
 fn turns_little(model: &Model, from: &State, to: &State) -> bool {
     let moved = to.displacement.minus(from.displacement);
     let [least_length, _] = LENGTH_RANGE;
     if moved.v1.abs() + moved.u1.abs() + moved.u2.abs()
-        < MOST_TURN * least_length * model.shorter_bar()
+        < MAX_TURN * least_length * model.shorter_bar()
     {
         // No bar that has kept its shape is short enough to turn far by this.
         return true;
     }
     let before = assembly::chords(model, &from.displacement);
     let after = assembly::chords(model, &to.displacement);
-    before.below.turns_less(&after.below, MOST_TURN)
-        && before.above.turns_less(&after.above, MOST_TURN)
+    before.below.turns_less(&after.below, MAX_TURN)
+        && before.above.turns_less(&after.above, MAX_TURN)
 }
 
 fn in_parts(

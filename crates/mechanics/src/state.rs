@@ -148,7 +148,7 @@ impl State {
     }
 
     /// A column without motion or impactor; `displacement` should be its static equilibrium.
-    pub(crate) fn settled(
+    pub fn settled(
         model: &Model,
         displacement: Displacement,
         plastic: PerBar<PlasticFlow>,

@@ -7,7 +7,7 @@ use super::scene::{HINGE_PLACES, force};
 
 /// Something that happens.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Happening {
+pub struct Event {
     /// Since the event \[s\].
     pub time: f64,
     /// In words.
@@ -16,9 +16,9 @@ pub struct Happening {
 
 /// Finds what happens while the states of one impact pass.
 #[derive(Debug, Clone, Default)]
-pub struct Happenings {
+pub struct Events {
     /// Of the report, what has not been told yet, the latest first.
-    announced: Vec<Happening>,
+    announced: Vec<Event>,
     /// Whether a report tells the times.
     has_report: bool,
     touched: bool,
@@ -28,7 +28,7 @@ pub struct Happenings {
     last: Option<Sample>,
 }
 
-impl Happenings {
+impl Events {
     /// A report of the impact whose states begin now, or have begun: what it tells is not looked for in the states.
     pub fn announce(&mut self, report: &ImpactReport) {
         if self.has_report {
@@ -43,9 +43,9 @@ impl Happenings {
     }
 
     /// What has happened until this state and has not been told.
-    pub fn until(&mut self, sample: &Sample) -> Vec<Happening> {
+    pub fn until(&mut self, sample: &Sample) -> Vec<Event> {
         let mut found = Vec::new();
-        let mut tell = |time, text: String| found.push(Happening { time, text });
+        let mut tell = |time, text: String| found.push(Event { time, text });
         if !self.touched && (sample.phase == Phase::Contact || sample.impulse > 0.0) {
             self.touched = true;
             tell(sample.time, contact(sample));
@@ -87,7 +87,7 @@ impl Happenings {
 }
 
 /// What a report tells, in no order.
-fn of_report(report: &ImpactReport) -> Vec<Happening> {
+fn of_report(report: &ImpactReport) -> Vec<Event> {
     let mut told: Vec<_> = (0..HINGES)
         .map(|index| (report.first_yield_time[index], first_yield(index)))
         .collect();
@@ -96,7 +96,7 @@ fn of_report(report: &ImpactReport) -> Vec<Happening> {
     told.push((report.end_time, end(report)));
     told.into_iter()
         .filter(|(time, _)| time.is_finite())
-        .map(|(time, text)| Happening { time, text })
+        .map(|(time, text)| Event { time, text })
         .collect()
 }
 
@@ -172,10 +172,10 @@ mod tests {
         (samples, ImpactReport::from(&report.expect("simulated")))
     }
 
-    fn all(happenings: &mut Happenings, samples: &[Sample]) -> Vec<Happening> {
+    fn all(events: &mut Events, samples: &[Sample]) -> Vec<Event> {
         samples
             .iter()
-            .flat_map(|sample| happenings.until(sample))
+            .flat_map(|sample| events.until(sample))
             .collect()
     }
 
@@ -194,9 +194,9 @@ mod tests {
     #[test]
     fn a_report_tells_when_things_happen() {
         let (samples, report) = impact();
-        let mut happenings = Happenings::default();
-        happenings.announce(&report);
-        let told = all(&mut happenings, &samples);
+        let mut events = Events::default();
+        events.announce(&report);
+        let told = all(&mut events, &samples);
         for (told, expected) in told.iter().zip(EVERYTHING) {
             assert!(told.text.starts_with(expected), "{told:?} {expected}");
         }
@@ -211,10 +211,10 @@ mod tests {
     fn a_report_may_come_late() {
         let (samples, report) = impact();
         for late in [1, 30, 600] {
-            let mut happenings = Happenings::default();
-            let mut told = all(&mut happenings, &samples[..late]);
-            happenings.announce(&report);
-            told.extend(all(&mut happenings, &samples[late..]));
+            let mut events = Events::default();
+            let mut told = all(&mut events, &samples[..late]);
+            events.announce(&report);
+            told.extend(all(&mut events, &samples[late..]));
             for (told, expected) in told.iter().zip(EVERYTHING) {
                 assert!(told.text.starts_with(expected), "{told:?} {expected}");
             }
@@ -226,11 +226,11 @@ mod tests {
     #[test]
     fn states_alone_tell_the_same() {
         let (samples, report) = impact();
-        let mut with = Happenings::default();
+        let mut with = Events::default();
         with.announce(&report);
         let mut with = all(&mut with, &samples);
         with.retain(|it| !it.text.starts_with("rest"));
-        let alone = all(&mut Happenings::default(), &samples);
+        let alone = all(&mut Events::default(), &samples);
         assert_eq!(alone.len(), with.len(), "{alone:#?}");
         for (alone, with) in alone.iter().zip(&with) {
             assert_eq!(alone.text.split(':').next(), with.text.split(':').next());

@@ -5,22 +5,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, Thread};
 use std::time::Duration;
 
-/// How long a thread that the bell does not know sleeps at a time.
+/// How long a thread that the notifier does not know sleeps at a time.
 const UNKNOWN_NAP: Duration = Duration::from_millis(1);
 
 /// How long a thread sleeps at the most, so that a ring that crosses with its very first wait is heard in the end.
-const LONGEST_NAP: Duration = Duration::from_millis(100);
+const MAX_NAP: Duration = Duration::from_millis(100);
 
 /// Wakes the one thread that waits at it. Ringing takes no lock and no memory; rings before the next wait are one.
 #[derive(Debug, Default)]
-pub struct Bell {
+pub struct Notifier {
     rung: AtomicBool,
     sleeper: OnceLock<Thread>,
 }
 
-impl Bell {
+impl Notifier {
     /// Wakes the thread that waits, or lets its next wait return at once.
-    pub fn ring(&self) {
+    pub fn notify(&self) {
         self.rung.store(true, Ordering::SeqCst);
         if let Some(sleeper) = self.sleeper.get() {
             sleeper.unpark();
@@ -33,7 +33,7 @@ impl Bell {
         let me = thread::current();
         let known = self.sleeper.get_or_init(|| me.clone()).id() == me.id();
         if !self.rung.swap(false, Ordering::SeqCst) {
-            thread::park_timeout(most.min(if known { LONGEST_NAP } else { UNKNOWN_NAP }));
+            thread::park_timeout(most.min(if known { MAX_NAP } else { UNKNOWN_NAP }));
             self.rung.store(false, Ordering::SeqCst);
         }
     }
