@@ -2,18 +2,20 @@
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+use column_twin::column::ImpactSpecification;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use column_twin::live::{
-    AskError, Clock, Grant, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver,
-    SOLVER_THREAD, SimClock, SystemClock, WhenFull,
+    Clock, Grant, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver, SOLVER_THREAD,
+    SimClock, SystemClock, WhenFull,
 };
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Blow, Change, ImpactEvent, Input, Nanos, Output, Severity, StateOutput, Twin,
+    Accepted, Command, ImpactCommand, Nanos, Output, Refusal, RefusalCode, Severity, StateOutput,
+    Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;
@@ -37,16 +39,18 @@ fn options() -> LiveOptions {
     }
 }
 
-fn event(id: &str, stamp: Nanos) -> ImpactEvent {
-    ImpactEvent {
+fn event(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
-        impact_mass: 1500.0,
-        velocity: 10.0,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
     }
 }
 
@@ -83,10 +87,10 @@ fn is_report(output: &Output) -> bool {
 }
 
 /// What a twin without a thread gives out.
-fn expected(event: &ImpactEvent) -> Vec<Output> {
+fn expected(event: &ImpactCommand) -> Vec<Output> {
     let mut twin = twin(event.stamp);
     let mut out = Vec::new();
-    twin.handle(Input::Impact(event.clone()), event.stamp, &mut out);
+    twin.handle(Command::Impact(event.clone()), event.stamp, &mut out);
     let mut now = event.stamp;
     while twin.is_responding() {
         now += MS;
@@ -95,7 +99,7 @@ fn expected(event: &ImpactEvent) -> Vec<Output> {
     out
 }
 
-fn check_stream(received: &[Output], event: &ImpactEvent) {
+fn check_stream(received: &[Output], event: &ImpactCommand) {
     let values = |outputs: &[Output]| -> Vec<_> {
         states(outputs)
             .iter()
@@ -119,7 +123,7 @@ fn it_follows_a_simulated_clock() {
     let mut receiver = live.outputs("ros").expect("the first time");
     assert!(live.outputs("ros").is_none() && live.outputs("nobody").is_none());
     let event = event("a", START);
-    live.submit(Input::Impact(event.clone())).expect("room");
+    live.submit(Command::Impact(event.clone())).expect("room");
     let mut received = receive(&mut receiver, |it| matches!(it, Output::Forecast(_)));
     // A bag that is played in jumps.
     let player = thread::spawn({
@@ -139,11 +143,11 @@ fn it_follows_the_time_of_day() {
     let live = Live::start(twin(now), clock, options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("the first time");
     let event = event("a", now);
-    live.submit(Input::Impact(event.clone())).expect("room");
+    live.submit(Command::Impact(event.clone())).expect("room");
     let received = receive(&mut receiver, is_report);
     check_stream(&received, &event);
     let statistics = live.statistics();
-    assert!(statistics.turns > 1 && statistics.newton_corrections > 0);
+    assert!(statistics.turns > 1 && statistics.newton_iterations > 0);
     assert!(live.is_running());
     live.stop().expect("no panic");
 }
@@ -169,7 +173,7 @@ fn a_slow_reader_loses_its_own_samples_only() {
     };
     let live = Live::start(twin(START), Arc::clone(&clock), options).expect("starts");
     let event = event("a", START);
-    live.submit(Input::Impact(event.clone())).expect("room");
+    live.submit(Command::Impact(event.clone())).expect("room");
     let mut all = live.outputs("all").expect("there");
     let mut received = receive(&mut all, |it| matches!(it, Output::Forecast(_)));
     clock.set(START + 1_000 * MS);
@@ -201,24 +205,32 @@ fn a_slow_reader_loses_its_own_samples_only() {
     live.stop().expect("no panic");
 }
 
+fn change(name: &str, value: Value) -> Command {
+    Command::SetParameters {
+        changes: vec![(name.to_owned(), value)],
+        source: "test".into(),
+    }
+}
+
 #[test]
 fn questions_are_answered() {
     let live = Live::start(twin(START), SimClock::new(START), options()).expect("starts");
-    let change = |name: &str, value: f64| vec![(name.to_owned(), Value::from(value))];
     assert_eq!(
-        live.change_parameters(change("impact.gap", 0.1), "test"),
-        Ok(Change::Applied)
+        live.execute(change("impact.gap", 0.1.into())),
+        Ok(Accepted::Applied)
     );
-    let refused = live.change_parameters(change("impact.velocity", -1.0), "test");
-    assert!(matches!(&refused, Err(AskError::Refused(reason)) if reason.contains("out of range")));
-    let blow = Blow {
+    let refused = live.execute(change("impact.velocity", (-1.0).into()));
+    let Refusal { code, reason } = refused.expect_err("a velocity below zero");
+    assert_eq!(code, RefusalCode::ParametersInvalid);
+    assert!(reason.contains("out of range"), "{reason}");
+    let impact = ImpactSpecification {
         mass: 1500.0,
         velocity: 10.0,
         gap: None,
         restitution: None,
         height: None,
     };
-    let prediction = live.predict("", &blow).expect("a prediction");
+    let prediction = live.predict("", &impact).expect("a prediction");
     assert_eq!(
         prediction
             .report
@@ -229,14 +241,17 @@ fn questions_are_answered() {
     assert!(
         live.predict(
             "",
-            &Blow {
+            &ImpactSpecification {
                 mass: f64::NAN,
-                ..blow
+                ..impact
             }
         )
         .is_err()
     );
-    assert_eq!(live.reset("test"), Ok(()));
+    let reset = Command::Reset {
+        source: "test".into(),
+    };
+    assert_eq!(live.execute(reset), Ok(Accepted::Applied));
     live.stop().expect("no panic");
 }
 
@@ -247,15 +262,16 @@ fn the_latest_parameters_are_those_that_were_set() {
     let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("the first time");
     let section = || live.parameters().get("section.name");
-    live.submit(Input::Impact(event("a", START))).expect("room");
+    live.submit(Command::Impact(event("a", START)))
+        .expect("room");
     receive(&mut receiver, |it| matches!(it, Output::Forecast(_)));
-    let change = vec![("section.name".to_owned(), Value::from("HEB300"))];
-    assert_eq!(live.change_parameters(change, "test"), Ok(Change::Waits));
+    let waits = live.execute(change("section.name", "HEB300".into()));
+    assert_eq!(waits, Ok(Accepted::Waiting));
     assert_eq!(section(), Some(Value::from("HEB300")));
     clock.set(START + 1_000 * MS);
     // The column is damaged by then.
     receive(&mut receiver, |it| matches!(it, Output::Refused(_)));
-    live.look().expect("an answer: what followed is over");
+    live.snapshot().expect("an answer: what followed is over");
     assert_eq!(section(), Some(Value::from("HEB220")));
     live.stop().expect("no panic");
 }
@@ -274,11 +290,14 @@ fn a_flood_of_events_is_bounded_and_counted() {
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
     let refused = (0..10_000)
         .filter(|k| {
-            let bad = ImpactEvent {
-                velocity: 0.0,
+            let bad = ImpactCommand {
+                impact: ImpactSpecification {
+                    velocity: 0.0,
+                    ..event(&k.to_string(), START).impact
+                },
                 ..event(&k.to_string(), START)
             };
-            live.submit(Input::Impact(bad)).is_err()
+            live.submit(Command::Impact(bad)).is_err()
         })
         .count();
     let mut answers = 0;
@@ -292,7 +311,10 @@ fn a_flood_of_events_is_bounded_and_counted() {
     let inputs = live.statistics().queues[0].clone();
     assert_eq!((inputs.pushed, inputs.dropped), (10_000, refused as u64));
     assert_eq!((inputs.capacity, inputs.when_full), (64, WhenFull::Refuse));
-    assert_eq!(live.reset("test"), Ok(()));
+    let reset = Command::Reset {
+        source: "test".into(),
+    };
+    assert_eq!(live.execute(reset), Ok(Accepted::Applied));
     live.stop().expect("no panic");
 }
 
@@ -311,8 +333,8 @@ fn a_stop_during_a_response_keeps_its_damage() {
     };
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
     let event = event("a", START);
-    live.submit(Input::Impact(event.clone())).expect("room");
-    live.look().expect("an answer: the event was taken");
+    live.submit(Command::Impact(event.clone())).expect("room");
+    live.snapshot().expect("an answer: the event was taken");
     let Loaded::Damage(saved) = stopped(live, &path) else {
         panic!("no damage");
     };
@@ -339,16 +361,19 @@ fn a_long_forecast_hears_questions_and_a_stop() {
     let live = Live::start(twin, SimClock::new(START), options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("there");
     // It leans against the slender column for seconds: tens of millions of steps.
-    let heavy = ImpactEvent {
-        impact_mass: 1e6,
-        velocity: 0.01,
+    let heavy = ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 1e6,
+            velocity: 0.01,
+            ..event("a", START).impact
+        },
         ..event("a", START)
     };
-    live.submit(Input::Impact(heavy)).expect("room");
-    live.submit(Input::Impact(event("b", START + 500 * MS)))
+    live.submit(Command::Impact(heavy)).expect("room");
+    live.submit(Command::Impact(event("b", START + 500 * MS)))
         .expect("room");
-    assert!(live.look().is_ok());
-    assert!(live.look().is_ok());
+    assert!(live.snapshot().is_ok());
+    assert!(live.snapshot().is_ok());
     live.stop().expect("no panic");
     let received = receive(
         &mut receiver,
@@ -377,7 +402,10 @@ fn a_state_file_that_cannot_be_written_is_said() {
     };
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
     let mut receiver = live.outputs("ros").expect("there");
-    live.reset("test").expect("an answer");
+    let reset = Command::Reset {
+        source: "test".into(),
+    };
+    live.execute(reset).expect("an answer");
     receive(&mut receiver, |it| {
         matches!(it, Output::Notice(notice)
             if notice.severity == Severity::Error && notice.text.contains("cannot be written"))
@@ -405,7 +433,7 @@ fn what_is_not_granted_is_a_warning() {
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("SCHED_FIFO not granted") && warnings[0].contains("limits.conf"));
     assert!(warnings[1].contains("no processor 100000"));
-    assert!(live.look().is_ok());
+    assert!(live.snapshot().is_ok());
     live.stop().expect("no panic");
 }
 
@@ -420,7 +448,7 @@ fn threads_have_names() {
         ..options()
     };
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
-    live.look().expect("an answer");
+    live.snapshot().expect("an answer");
     let names: Vec<_> = std::fs::read_dir("/proc/self/task")
         .expect("readable")
         .filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok())

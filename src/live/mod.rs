@@ -7,6 +7,7 @@
 //! is written by a thread of its own.
 
 mod clock;
+mod inbox;
 mod lateness;
 mod notifier;
 pub(crate) mod queue;
@@ -24,6 +25,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
+pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
 pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
@@ -31,14 +33,13 @@ pub use real_time::{Grant, RealTime, RealTimeGrants, ask_for_sender};
 pub use solver::SOLVER_THREAD;
 pub use state_writer::STATE_WRITER_THREAD;
 
-use crate::parameters::{Parameters, Value};
-use crate::twin::{Blow, Change, Input, Prediction, Present, Twin};
+use crate::column::ImpactSpecification;
+use crate::parameters::Parameters;
+use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, RefusalCode, Twin};
+use inbox::{Reply, Request};
 use queue::OutputQueues;
 use solver::{Shared, Sink, Solver};
 use state_writer::StateWriter;
-
-/// Most inputs that wait for the solver; more are refused.
-pub const MAX_INPUTS: usize = 64;
 
 /// How long an answer of the solver is waited for.
 const ANSWER_WITHIN: Duration = Duration::from_secs(2);
@@ -64,33 +65,9 @@ impl Default for LiveOptions {
     }
 }
 
-/// The queue of inputs is full: the solver has more to do than it can.
+/// A thread of the twin panicked; its message is on the standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error(
-    "{MAX_INPUTS} inputs wait already for the solver; send fewer events and changes, or try again"
-)]
-pub struct QueueFull;
-
-/// Why a question has no answer.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum AskError {
-    /// The queue of inputs is full.
-    #[error(transparent)]
-    QueueFull(#[from] QueueFull),
-    /// The solver does not answer in time, or has stopped.
-    #[error(
-        "the solver did not answer within {} s; what was asked may still be done, look at twin_status",
-        ANSWER_WITHIN.as_secs()
-    )]
-    NoAnswer,
-    /// What was asked for is refused.
-    #[error("{0}")]
-    Refused(Arc<str>),
-}
-
-/// The solver's thread ended by a panic; what it left is on the standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the thread {0} ended by a panic; please report what it wrote")]
+#[error("thread {0} panicked; please report the message on the standard error")]
 pub struct Panicked(&'static str);
 
 /// How the live twin does.
@@ -106,8 +83,8 @@ pub struct LiveStatistics {
     pub worst_lateness: u64,
     /// Steps of all responses.
     pub steps: u64,
-    /// Newton corrections of these steps.
-    pub newton_corrections: u64,
+    /// Newton iterations of these steps.
+    pub newton_iterations: u64,
     /// State files that could not be written.
     pub state_file_failures: u64,
     /// Every queue.
@@ -136,7 +113,7 @@ impl Live {
             .map(|it| Arc::new(OutputQueues::new(it)))
             .collect();
         let shared = Arc::new(Shared::new());
-        clock.serve(&shared.notifier);
+        clock.serve(shared.inbox.notifier());
         let mut handle = LiveHandle {
             receivers: Mutex::new(
                 queues
@@ -203,14 +180,35 @@ pub struct LiveHandle {
 }
 
 impl LiveHandle {
-    /// Gives the twin something to do; does not wait for it.
+    /// Gives the twin a command without waiting for the outcome, which comes with the outputs.
     ///
     /// # Errors
-    /// Too much waits already.
-    pub fn submit(&self, input: Input) -> Result<(), QueueFull> {
-        let taken = self.shared.inputs.push(input);
-        self.shared.notifier.notify();
-        if taken { Ok(()) } else { Err(QueueFull) }
+    /// Too many commands wait already.
+    pub fn submit(&self, command: Command) -> Result<(), Refusal> {
+        self.shared.inbox.submit(Request::Command {
+            command,
+            reply: Reply::none(),
+        })
+    }
+
+    /// Gives the twin a command and waits for the outcome.
+    ///
+    /// # Errors
+    /// The command is refused, or there is no answer in time.
+    pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
+        self.ask(|reply| Request::Command { command, reply })?
+    }
+
+    fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
+        let (reply, answer) = Reply::channel();
+        self.shared.inbox.submit(request(reply))?;
+        answer.wait(ANSWER_WITHIN).map_err(|_| {
+            let reason = format!(
+                "the solver did not answer within {} s; the command may still be executed, see twin_status",
+                ANSWER_WITHIN.as_secs()
+            );
+            Refusal::new(RefusalCode::NoAnswer, reason)
+        })
     }
 
     /// The outputs for the reader of this name; `None` where there is none, or it was taken before.
@@ -223,39 +221,6 @@ impl LiveHandle {
         Some(receivers.swap_remove(index))
     }
 
-    /// Changes parameters, all or none, and waits for the answer.
-    ///
-    /// # Errors
-    /// They are refused, or there is no answer.
-    pub fn change_parameters(
-        &self,
-        changes: Vec<(String, Value)>,
-        source: &str,
-    ) -> Result<Change, AskError> {
-        let (reply, answer) = sync_channel(1);
-        self.submit(Input::Parameters {
-            changes,
-            source: source.into(),
-            reply: Some(reply),
-        })?;
-        let result = answer
-            .recv_timeout(ANSWER_WITHIN)
-            .map_err(|_| AskError::NoAnswer)?;
-        result.map_err(AskError::Refused)
-    }
-
-    /// Refuses a change of parameters that cannot even be asked for: it cannot be read, or is for another column. It is
-    /// counted and said as what the twin refuses itself.
-    ///
-    /// # Errors
-    /// Too much waits already.
-    pub fn refuse_change(&self, reason: &str, source: &str) -> Result<(), QueueFull> {
-        self.submit(Input::RefusedChange {
-            reason: reason.into(),
-            source: source.into(),
-        })
-    }
-
     /// The parameters as they were last set; those that wait for the end of a response count as set, until they are
     /// refused then.
     #[must_use]
@@ -264,43 +229,26 @@ impl LiveHandle {
         Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Makes the column virgin, and waits until it is.
-    ///
-    /// # Errors
-    /// There is no answer.
-    pub fn reset(&self, source: &str) -> Result<(), AskError> {
-        let (reply, answer) = sync_channel(1);
-        self.submit(Input::Reset {
-            source: source.into(),
-            reply: Some(reply),
-        })?;
-        answer
-            .recv_timeout(ANSWER_WITHIN)
-            .map_err(|_| AskError::NoAnswer)
-    }
-
     /// A copy of the column as it is now.
     ///
     /// # Errors
-    /// There is no answer.
-    pub fn look(&self) -> Result<Present, AskError> {
-        let (reply, answer) = sync_channel(1);
-        self.submit(Input::Look { reply })?;
-        answer
-            .recv_timeout(ANSWER_WITHIN)
-            .map_err(|_| AskError::NoAnswer)
+    /// There is no answer in time.
+    pub fn snapshot(&self) -> Result<ColumnSnapshot, Refusal> {
+        self.ask(|reply| Request::Look { reply })
     }
 
-    /// What a blow would do to the column as it is now, computed in the caller's thread. `column_id` empty means the
-    /// twin's own.
+    /// What an impact would do to the column as it is now, computed in the caller's thread. An empty `column_id` means
+    /// the twin's own.
     ///
     /// # Errors
-    /// The blow would be refused, or there is no answer.
-    pub fn predict(&self, column_id: &str, blow: &Blow) -> Result<Prediction, AskError> {
-        let present = self.look()?;
-        present
-            .predict(column_id, blow, &monotonic_nanos)
-            .map_err(|reason| AskError::Refused(reason.into()))
+    /// The impact would be refused, its response cannot be computed, or there is no answer in time.
+    pub fn predict(
+        &self,
+        column_id: &str,
+        impact: &ImpactSpecification,
+    ) -> Result<Prediction, Refusal> {
+        self.snapshot()?
+            .predict(column_id, impact, &monotonic_nanos)
     }
 
     /// How the twin does.
@@ -311,7 +259,7 @@ impl LiveHandle {
             .state_writer
             .as_ref()
             .map(|(state_writer, _)| state_writer);
-        let mut queues = vec![shared.inputs.stats()];
+        let mut queues = vec![shared.inbox.stats()];
         queues.extend(self.queues.iter().flat_map(|it| it.stats()));
         queues.extend(state_writer.map(|it| it.stats()));
         LiveStatistics {
@@ -320,7 +268,7 @@ impl LiveHandle {
             skipped_periods: read(&shared.skipped_periods),
             worst_lateness: read(&shared.worst_lateness),
             steps: read(&shared.steps),
-            newton_corrections: read(&shared.corrections),
+            newton_iterations: read(&shared.newton_iterations),
             state_file_failures: state_writer.map_or(0, |it| it.failures()),
             queues,
             real_time: self.real_time.clone(),
@@ -347,7 +295,7 @@ impl LiveHandle {
 
     fn join(&mut self) -> Result<(), Panicked> {
         self.shared.stop.store(true, Ordering::SeqCst);
-        self.shared.notifier.notify();
+        self.shared.inbox.notifier().notify();
         let solver = self
             .solver
             .take()

@@ -233,7 +233,7 @@ impl Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::twin::{Journal, Notice, Position, Severity, StatusTaken};
+    use crate::twin::{Journal, Notice, Position, Severity, StatusRecord};
 
     #[test]
     fn a_full_queue_follows_its_policy_and_counts() {
@@ -269,7 +269,7 @@ mod tests {
         let mut receiver = Receiver::new(Arc::clone(&queues));
         let full =
             |queues: &OutputQueues| queues.stats().iter().any(|it| it.len + 1 >= it.capacity);
-        let status = |stamp| StatusTaken {
+        let status = |stamp| StatusRecord {
             next_number: 0,
             stamp,
             position: Position {

@@ -3,14 +3,13 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-use super::MAX_INPUTS;
 use super::clock::Clock;
+use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
-use super::notifier::Notifier;
-use super::queue::{OutputQueues, Queue, WhenFull};
+use super::queue::OutputQueues;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{Input, Nanos, Notice, Output, Outputs, Severity, Twin};
+use crate::twin::{Command, Nanos, Output, Outputs, Severity, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -31,29 +30,27 @@ const MAX_STEPS_AT_STOP: u64 = 200_000;
 /// What the solver's thread shares with all others.
 #[derive(Debug)]
 pub(super) struct Shared {
-    pub inputs: Queue<Input>,
-    pub notifier: Arc<Notifier>,
+    pub inbox: Inbox,
     pub stop: AtomicBool,
     pub turns: AtomicU64,
     pub overruns: AtomicU64,
     pub skipped_periods: AtomicU64,
     pub worst_lateness: AtomicU64,
     pub steps: AtomicU64,
-    pub corrections: AtomicU64,
+    pub newton_iterations: AtomicU64,
 }
 
 impl Shared {
     pub(super) fn new() -> Self {
         Self {
-            inputs: Queue::new("inputs".to_owned(), MAX_INPUTS, WhenFull::Refuse),
-            notifier: Arc::default(),
+            inbox: Inbox::new(),
             stop: AtomicBool::new(false),
             turns: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
             skipped_periods: AtomicU64::new(0),
             worst_lateness: AtomicU64::new(0),
             steps: AtomicU64::new(0),
-            corrections: AtomicU64::new(0),
+            newton_iterations: AtomicU64::new(0),
         }
     }
 }
@@ -85,9 +82,10 @@ impl Solver {
             self.publish_statistics();
             planned = self.plan(planned, disturbed);
             // A thread that has a forecast to compute does not sleep: what is left to the deadline is less than a slice.
-            if self.shared.inputs.is_empty() && !self.twin.is_looking_ahead() {
+            if self.shared.inbox.is_empty() && !self.twin.is_looking_ahead() {
                 let deadline = self.twin.next_deadline(self.clock.now());
-                self.clock.wait_until(deadline, &self.shared.notifier);
+                self.clock
+                    .wait_until(deadline, self.shared.inbox.notifier());
             }
         }
         self.finish();
@@ -100,10 +98,16 @@ impl Solver {
         }
         let mut any = false;
         for _ in 0..MAX_INPUTS_PER_TURN {
-            let Some(input) = self.shared.inputs.pop() else {
+            let Some(request) = self.shared.inbox.take() else {
                 break;
             };
-            self.twin.handle(input, self.clock.now(), &mut self.sink);
+            match request {
+                Request::Command { command, reply } => {
+                    let result = self.twin.handle(command, self.clock.now(), &mut self.sink);
+                    reply.send(result);
+                }
+                Request::Look { reply } => reply.send(self.twin.snapshot()),
+            }
             any = true;
         }
         any
@@ -135,7 +139,7 @@ impl Solver {
 
     /// Whether somebody wants something of the solver.
     fn is_called(&self) -> bool {
-        !self.shared.inputs.is_empty() || self.shared.stop.load(Ordering::SeqCst)
+        !self.shared.inbox.is_empty() || self.shared.stop.load(Ordering::SeqCst)
     }
 
     /// A deadline in the past counts only where the response was on time before: one that catches up with a late event
@@ -175,8 +179,8 @@ impl Solver {
         self.shared.turns.fetch_add(1, Ordering::Relaxed);
         self.shared.steps.store(statistics.steps, Ordering::Relaxed);
         self.shared
-            .corrections
-            .store(statistics.corrections, Ordering::Relaxed);
+            .newton_iterations
+            .store(statistics.newton_iterations, Ordering::Relaxed);
     }
 
     /// A response that a stop breaks off has its damage kept as it is forecast. What is lost all the same is said.
@@ -190,32 +194,27 @@ impl Solver {
         let mut lost = self.twin.lost_by_a_stop();
         lost.extend(self.inputs_left());
         if !lost.is_empty() {
-            self.sink.put(Output::Notice(Notice {
-                stamp: now,
-                severity: Severity::Error,
-                text: format!("lost by the stop: {}", lost.join("; ")).into(),
-            }));
+            let text = format!("lost by the stop: {}", lost.join("; "));
+            self.sink.notice(Severity::Error, now, text);
         }
         self.sink.notify();
     }
 
-    /// What was accepted for the solver and never came to the twin, in words. Who only looked has lost nothing.
+    /// The commands that were accepted for the solver and never reached the twin, in words.
     fn inputs_left(&self) -> Option<String> {
-        let left = std::iter::from_fn(|| self.shared.inputs.pop()).take(MAX_INPUTS);
         let (mut impacts, mut others) = (0, 0);
-        for input in left {
-            match input {
-                Input::Impact(_) => impacts += 1,
-                Input::Look { .. } => {}
-                Input::Parameters { .. } | Input::RefusedChange { .. } | Input::Reset { .. } => {
-                    others += 1;
-                }
+        for request in std::iter::from_fn(|| self.shared.inbox.take()).take(MAX_COMMANDS) {
+            match request {
+                Request::Command {
+                    command: Command::Impact(_),
+                    ..
+                } => impacts += 1,
+                Request::Command { .. } => others += 1,
+                Request::Look { .. } => {}
             }
         }
         (impacts + others > 0).then(|| {
-            format!(
-                "{impacts} impact events and {others} other inputs that still waited for the solver"
-            )
+            format!("{impacts} impacts and {others} other commands that waited for the solver")
         })
     }
 }
@@ -263,21 +262,25 @@ impl Outputs for Sink {
 #[cfg(test)]
 mod tests {
     use super::super::clock::SimClock;
-    use super::super::queue::{OutputQueue, Receiver};
+    use super::super::inbox::Reply;
+    use super::super::queue::{OutputQueue, Receiver, WhenFull};
     use super::*;
-    use crate::twin::ImpactEvent;
+    use crate::column::ImpactSpecification;
+    use crate::twin::ImpactCommand;
 
-    fn event(event_id: &str) -> ImpactEvent {
-        ImpactEvent {
+    fn impact(event_id: &str) -> Command {
+        Command::Impact(ImpactCommand {
             event_id: event_id.to_owned(),
             column_id: "column".to_owned(),
             stamp: 0,
-            impact_mass: 1500.0,
-            velocity: 10.0,
-            gap: Some(0.1),
-            restitution: None,
-            height: None,
-        }
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity: 10.0,
+                gap: Some(0.1),
+                restitution: None,
+                height: None,
+            },
+        })
     }
 
     /// An input that was accepted for the solver is not lost without a word.
@@ -287,18 +290,17 @@ mod tests {
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let shared = Arc::new(Shared::new());
         shared.stop.store(true, Ordering::Relaxed);
-        let (reply, _answer) = std::sync::mpsc::sync_channel(1);
-        let reset = Input::Reset {
+        let (reply, _answer) = Reply::channel();
+        assert!(shared.inbox.submit(Request::Look { reply }).is_ok());
+        let reset = Command::Reset {
             source: "test".into(),
-            reply: None,
         };
-        for input in [
-            Input::Impact(event("a")),
-            Input::Look { reply },
-            reset,
-            Input::Impact(event("b")),
-        ] {
-            assert!(shared.inputs.push(input));
+        for command in [impact("a"), reset, impact("b")] {
+            let request = Request::Command {
+                command,
+                reply: Reply::none(),
+            };
+            assert!(shared.inbox.submit(request).is_ok());
         }
         let solver = Solver {
             twin,
@@ -318,7 +320,7 @@ mod tests {
         };
         assert_eq!(notice.severity, Severity::Error);
         assert!(
-            notice.text.contains("2 impact events and 1 other inputs"),
+            notice.text.contains("2 impacts and 1 other commands"),
             "{}",
             notice.text
         );
@@ -343,14 +345,14 @@ mod tests {
             unheard: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
-        twin.handle(Input::Impact(event("a")), 0, &mut sink);
+        twin.handle(impact("a"), 0, &mut sink).expect("accepted");
         let memory = allocation_counter::measure(|| {
             for now in 1..40 {
                 twin.advance_to(now * 1_000_000, &mut sink);
                 sink.notify();
             }
         });
-        assert!(twin.is_responding() && twin.statistics().corrections > 0);
+        assert!(twin.is_responding() && twin.statistics().newton_iterations > 0);
         assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
     }
 }

@@ -316,6 +316,7 @@ pub struct TwinStatus {
     pub events_refused: u64,
     pub parameters_accepted: u64,
     pub parameters_refused: u64,
+    pub last_refusal_code: u16,
     pub last_refusal_reason: String,
     pub last_refusal_event_id: String,
     pub fault: String,
@@ -345,6 +346,27 @@ impl TwinStatus {
     pub const REST: u8 = 4;
     pub const COLLAPSED: u8 = 5;
     pub const FAULTED: u8 = 6;
+    pub const REFUSED_NONE: u16 = 0;
+    pub const REFUSED_OTHER_COLUMN: u16 = 1;
+    pub const REFUSED_EVENT_ID_INVALID: u16 = 2;
+    pub const REFUSED_EVENT_ID_REPEATED: u16 = 3;
+    pub const REFUSED_STAMP_TOO_OLD: u16 = 4;
+    pub const REFUSED_STAMP_TOO_FAR_AHEAD: u16 = 5;
+    pub const REFUSED_STAMP_OUT_OF_ORDER: u16 = 6;
+    pub const REFUSED_TOO_MANY_IMPACTS_AHEAD: u16 = 7;
+    pub const REFUSED_IMPACT_OUT_OF_RANGE: u16 = 8;
+    pub const REFUSED_HEIGHT_NOT_POSSIBLE: u16 = 9;
+    pub const REFUSED_COLUMN_COLLAPSED: u16 = 10;
+    pub const REFUSED_TWIN_FAULTED: u16 = 11;
+    pub const REFUSED_COLUMN_IMPOSSIBLE: u16 = 12;
+    pub const REFUSED_PARAMETERS_INVALID: u16 = 13;
+    pub const REFUSED_PARAMETERS_READ_ONLY: u16 = 14;
+    pub const REFUSED_COLUMN_DAMAGED: u16 = 15;
+    pub const REFUSED_NO_EQUILIBRIUM: u16 = 16;
+    pub const REFUSED_NOT_COMPUTED: u16 = 17;
+    pub const REFUSED_QUEUE_FULL: u16 = 18;
+    pub const REFUSED_NO_ANSWER: u16 = 19;
+    pub const REFUSED_STOPPING: u16 = 20;
 }
 
 /// What would this impact do?
@@ -371,6 +393,7 @@ pub struct PredictImpactRequest {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PredictImpactResponse {
     pub success: bool,
+    pub refusal_code: u16,
     pub message: String,
     pub report: ImpactReport,
 }

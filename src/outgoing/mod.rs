@@ -16,7 +16,9 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
-use crate::twin::{Journal, Lengths, Output, ReportOutput, StateOutput, Status, TwinPhase};
+use crate::twin::{
+    Journal, Lengths, Output, RefusalCode, ReportOutput, StateOutput, Status, TwinPhase,
+};
 use joint_states::JointStates;
 use markers::markers;
 
@@ -176,7 +178,7 @@ impl Outgoing {
                 self.joint_states = Thinning::new(JOINT_STATES_PERIOD);
                 self.markers = Thinning::new(MARKERS_PERIOD);
             }
-            Output::Journal(Journal::CommandRecord(_) | Journal::Status(_))
+            Output::Journal(Journal::Command(_) | Journal::Status(_))
             | Output::Refused(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
@@ -239,6 +241,9 @@ impl Outgoing {
             events_refused: status.counts.events_refused,
             parameters_accepted: status.counts.parameters_accepted,
             parameters_refused: status.counts.parameters_refused,
+            last_refusal_code: status
+                .last_refusal_code
+                .map_or(TwinStatus::REFUSED_NONE, RefusalCode::number),
             last_refusal_reason: status.last_refusal_reason.to_string(),
             last_refusal_event_id: status.last_refusal_event_id.to_string(),
             fault: status.fault.to_string(),

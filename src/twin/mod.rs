@@ -1,157 +1,125 @@
-//! THE TWIN: one column over its life, from event to event.
+//! The digital twin of one column over its life, from impact to impact.
 //!
-//! At rest it is in equilibrium under its load, with all the plastic deformation that it has suffered so far. An
-//! [`ImpactEvent`] is checked; then a copy of the column runs ahead ([`Twin::run_ahead`]) to the [`Output::Forecast`],
-//! while the column itself is stepped with the clock ([`Twin::advance_to`]) and gives an [`Output::State`] at every
-//! instant of `publish_rate`. When the response is over the [`Output::Report`] goes out and the column is at rest again,
-//! with its damage.
+//! At rest the column is in equilibrium under its load, with all plastic deformation that it has suffered so far. A
+//! [`Command::Impact`] is checked; then a copy of the column runs ahead ([`Twin::run_ahead`]) to the
+//! [`Output::Forecast`], while the column itself is stepped with the clock ([`Twin::advance_to`]) and gives an
+//! [`Output::State`] at every instant of `publish_rate`. When the response is over, the [`Output::Report`] follows and
+//! the column is at rest again, with its damage.
 //!
-//! What is deliberately absent: ROS, threads, locks, clocks. Time is passed in, as nanoseconds since the epoch; what
-//! leaves goes into [`Outputs`]. Files are touched by [`state_file`] alone, and only when its functions are called.
-//! While a response runs, [`Twin::advance_to`] allocates no memory.
+//! | part | responsibility | knows nothing of |
+//! |---|---|---|
+//! | `plant` | the column and what strikes it: state, step, equilibrium, condition | clock, identifiers |
+//! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the forecast | identifiers |
+//! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
+//! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
+//! | `journal` | what a recording needs, numbered | what the entries mean |
+//! | [`Twin`] | the order in which these act on a command and on the clock | |
 //!
-//! Rules that are nowhere else:
-//! - A sample's stamp is the event's plus a whole number of steps; the period of `publish_rate` is rounded to whole
+//! Deliberately absent: ROS, threads, locks, channels, clocks. Time is passed in, as nanoseconds since the epoch; what
+//! leaves goes into [`Outputs`]. Only the functions of [`state_file`] touch files. While a response runs,
+//! [`Twin::advance_to`] allocates no memory.
+//!
+//! Rules:
+//! - The stamp of a sample is the event's plus a whole number of steps; the period of `publish_rate` is rounded to whole
 //!   steps.
-//! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. Where it
-//!   arrives late, the column is taken back to there, and the samples since are computed anew under the new event. A
-//!   response that is over is taken up again in the same way, until the next one begins or a parameter of the column
-//!   changes.
-//! - An impact that lies before the one that the column responds to is refused. Once that response is over it meets the
-//!   column as the response left it: a checkpoint does not know when the last impact was.
-//! - An impact that lies ahead is accepted, and refused all the same if the column cannot take it when it comes (it has
-//!   collapsed by then): it then counts as refused only.
-//! - An impact that ends the response to another one takes its place: the other one has no report, or one that no
-//!   longer holds, which is said.
-//! - Of the parameters, those that say so wait for the end of a response, and with them all others of the same request.
-//!   What the column is made of cannot change while it is damaged.
+//! - A second impact meets the moving column as it was at the last step at or before the impact's stamp. If it arrives
+//!   late, the column is taken back to that step, and the samples since then are recomputed under the new event. A
+//!   response that is over is resumed in the same way, until the next one begins or a parameter of the column changes.
+//! - An impact that is earlier than the one to which the column is responding is refused. Once that response is over,
+//!   the impact meets the column as the response left it: a checkpoint does not contain the time of the last impact.
+//! - An impact that is still to come is accepted, and refused after all if the column cannot take it when it comes, for
+//!   example because it has collapsed by then. It then counts as refused only.
+//! - An impact that ends the response to another one takes its place: the other one has no report, or one that no longer
+//!   holds; a notice tells which.
+//! - Parameters that apply after the response wait for its end, together with all others of the same request. The
+//!   properties to which a damage belongs cannot change while the column is damaged.
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
-//!   reset breaks off has no successor.
+//!   reset ends is not followed by another one.
 
-mod changes;
+mod command;
 mod exact_number;
-mod impacts;
-mod input;
 mod journal;
-mod look_ahead;
 mod output;
-mod parameter_change;
-mod present;
-mod run;
+mod parameter_set;
+mod plant;
+mod refusal;
+mod registry;
+mod reproduction;
 mod saved_state;
 mod seen_ids;
 pub mod state_file;
 mod status;
-mod stepping;
+mod timeline;
+mod what_if;
 
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 
-pub use input::{ImpactEvent, Input, Nanos};
+pub use command::{Accepted, Command, ImpactCommand, Nanos};
 pub use journal::{
-    CHECKPOINT_PERIOD, Checkpoint, Command, CommandRecord, Journal, NotReached, Position,
-    StatusTaken,
+    CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
 };
-pub use look_ahead::MAX_LOOK_AHEAD_STEPS;
 pub use output::{
     Lengths, Notice, Output, Outputs, ParametersChanged, Refused, RefusedInput, ReportOutput,
     Severity, StateOutput,
 };
-pub use parameter_change::Change;
-pub use present::{Blow, Condition, HEIGHT_TOLERANCE, Prediction, Present};
-pub use saved_state::{SavedCondition, SavedState, SavedStateError};
+pub use plant::{Condition, HEIGHT_TOLERANCE};
+pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
+pub use registry::{Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD};
+pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;
-pub use status::{Counts, Status, TwinPhase};
+pub use status::{Status, TwinPhase};
+pub use timeline::MAX_LOOK_AHEAD_STEPS;
+pub use what_if::{ColumnSnapshot, Prediction};
 
-use crate::column::{Impact, Model, ModelError, State};
-use crate::parameters::Parameters;
-use journal::Bookkeeping;
-use look_ahead::{LookAhead, Outlook};
-use parameter_change::{AtRest, Waiting};
-use run::Run;
-use seen_ids::SeenIds;
+use crate::column::{End, HINGES, ModelError, StepError};
+use crate::parameters::{Parameters, Value};
+use journal::JournalClock;
+use parameter_set::ParameterSet;
+use plant::{Plant, Struck, condition_after};
+use registry::{PendingImpact, Registry, check_column_id, check_stamp};
+use status::StatusClock;
+use timeline::{Advanced, History, Outlook, Timeline};
 
-/// A status goes out at least this often \[ns\].
+/// A status is reported at least this often \[ns\].
 pub const STATUS_PERIOD: Nanos = NANOS_PER_SECOND;
 
-/// Most steps of one call of [`Twin::advance_to`]: some milliseconds of computing, so that a twin that catches up
-/// still listens.
+/// Most steps of one call of [`Twin::advance_to`]: some milliseconds of computing, so that a twin that catches up still
+/// takes commands.
 pub const MAX_STEPS_PER_CALL: u32 = 2_000;
-
-/// Longest identifier of an event.
-pub const MAX_EVENT_ID_CHARS: usize = 255;
-
-/// Most impacts that may lie ahead of a column that responds to another one.
-pub const MAX_IMPACTS_AHEAD: usize = 8;
-
-/// Longest reason of a refusal; a longer one is cut.
-pub const MAX_REASON_CHARS: usize = 2_000;
 
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
-/// Tells monotonic nanoseconds: what computing takes is measured with it, nothing else.
+/// Gives monotonic nanoseconds; used only to measure compute times.
 pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
 
 /// One column over its life.
 pub struct Twin {
-    column_id: Arc<str>,
-    parameters: Arc<Parameters>,
-    /// Digest of what the column is, as the state file has it.
-    fingerprint: Arc<str>,
-    waiting_parameters: Option<Waiting>,
-    /// The column without motion, as the last response or a reset left it.
-    at_rest: AtRest,
-    condition: Condition,
-    run: Option<Run>,
-    ahead: Option<LookAhead>,
-    impacts_ahead: Vec<Arriving>,
+    registry: Registry,
+    parameters: ParameterSet,
+    /// The column at rest, as the last response or a reset left it.
+    at_rest: Plant,
+    response: Option<ActiveResponse>,
     /// The last response that is over.
-    last: Option<Last>,
-    seen: SeenIds,
-    life: Life,
-    counts: Counts,
-    steps: u64,
-    corrections: u64,
-    last_refusal_reason: Arc<str>,
-    last_refusal_event_id: Arc<str>,
-    reported: Reported,
-    journal: Bookkeeping,
+    last: Option<LastResponse>,
+    journal: JournalClock,
+    status: StatusClock,
+    solver: SolverStatistics,
     stopwatch: Stopwatch,
 }
 
-/// What the column has been through since the last reset, the responses that are over.
-#[derive(Debug, Clone, Default)]
-struct Life {
-    impacts: u32,
-    refused: u64,
-    plastic_work: f64,
-    last_event_id: Arc<str>,
+/// The response to an impact.
+#[derive(Debug)]
+struct ActiveResponse {
+    event_id: Arc<str>,
+    timeline: Timeline,
 }
 
 /// A response that is over.
 #[derive(Debug)]
-struct Last {
-    run: Run,
-    /// Work dissipated before it, while it can still be taken back to where a late impact belongs \[J\].
+struct LastResponse {
+    response: ActiveResponse,
+    /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
     resumable: Option<f64>,
-}
-
-/// The last status.
-#[derive(Debug, Clone, Copy)]
-struct Reported {
-    at: Nanos,
-    phase: TwinPhase,
-    /// Something changed since.
-    due: bool,
-}
-
-/// An accepted impact that has not begun.
-#[derive(Debug)]
-struct Arriving {
-    event_id: Arc<str>,
-    stamp: Nanos,
-    impact: Impact,
-    height: Option<f64>,
 }
 
 /// What the solver has done since the start.
@@ -159,13 +127,20 @@ struct Arriving {
 pub struct SolverStatistics {
     /// Steps of the responses that were followed with the clock.
     pub steps: u64,
-    /// Newton corrections of these steps.
-    pub corrections: u64,
+    /// Newton iterations of these steps.
+    pub newton_iterations: u64,
+}
+
+/// What becomes of the report of an impact whose response another impact ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum EarlierReport {
+    WillNotFollow,
+    NoLongerHolds,
 }
 
 impl Twin {
-    /// The twin of the column that has these parameters: virgin, or with the damage that [`state_file::load`] returned
-    /// for the same parameters.
+    /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`] returned for
+    /// the same parameters.
     ///
     /// # Errors
     /// The column is impossible, or does not stand under its load.
@@ -175,260 +150,744 @@ impl Twin {
         stopwatch: Stopwatch,
         now: Nanos,
     ) -> Result<Self, ModelError> {
-        let model = Model::new(&parameters.column_properties())?;
-        let mut twin = Self {
-            column_id: parameters.settings().column_id.as_str().into(),
-            fingerprint: saved_state::fingerprint(&parameters).into(),
-            parameters: Arc::new(parameters),
-            waiting_parameters: None,
-            at_rest: AtRest {
-                model,
-                state: State::at_rest(&model),
-            },
-            condition: Condition::Standing,
-            run: None,
-            ahead: None,
-            impacts_ahead: Vec::with_capacity(MAX_IMPACTS_AHEAD),
-            last: None,
-            seen: SeenIds::of(saved.map_or(&[], |it| &it.seen_ids)),
-            life: Life::default(),
-            counts: Counts::default(),
-            steps: 0,
-            corrections: 0,
-            last_refusal_reason: "".into(),
-            last_refusal_event_id: "".into(),
-            reported: Reported {
-                at: now,
-                phase: TwinPhase::Idle,
-                due: true,
-            },
-            journal: Bookkeeping::new(now),
-            stopwatch,
+        let mut registry = Registry::new(&parameters.settings().column_id);
+        let properties = parameters.column_properties();
+        let at_rest = match saved {
+            None => Plant::virgin(&properties)?,
+            Some(saved) => {
+                registry.restore_seen_ids(&saved.seen_ids);
+                registry.life = saved.life();
+                saved.plant(&properties)?
+            }
         };
-        if let Some(saved) = saved {
-            twin.restore(saved)?;
-        }
-        Ok(twin)
+        Ok(Self {
+            registry,
+            parameters: ParameterSet::new(parameters),
+            at_rest,
+            response: None,
+            last: None,
+            journal: JournalClock::new(now),
+            status: StatusClock::new(now),
+            solver: SolverStatistics::default(),
+            stopwatch,
+        })
     }
 
     /// The column's name.
     pub fn column_id(&self) -> &Arc<str> {
-        &self.column_id
+        self.registry.column_id()
     }
 
-    /// The parameters that apply now.
+    /// The parameters that hold now.
     pub fn parameters(&self) -> &Arc<Parameters> {
-        &self.parameters
+        self.parameters.current()
     }
 
     /// What the solver has done since the start.
     pub fn statistics(&self) -> SolverStatistics {
-        let corrections = self.run.as_ref().map_or(0, |run| run.state.corrections);
+        let iterations = self
+            .response
+            .as_ref()
+            .map_or(0, |response| response.newton_iterations());
         SolverStatistics {
-            steps: self.steps,
-            corrections: self.corrections + corrections,
+            newton_iterations: self.solver.newton_iterations + iterations,
+            ..self.solver
         }
     }
 
-    /// Whether the column responds to an impact.
+    /// Whether the column is responding to an impact.
     pub fn is_responding(&self) -> bool {
-        self.run.is_some()
+        self.response.is_some()
     }
 
     /// Whether a forecast is being computed: [`Twin::run_ahead`] carries it on.
     pub fn is_looking_ahead(&self) -> bool {
-        self.ahead.is_some()
+        self.response
+            .as_ref()
+            .is_some_and(|response| response.timeline.is_looking_ahead())
     }
 
-    /// What a program that ends now takes along although it was accepted, in words: damage that is not kept, impacts that
-    /// have not begun.
+    /// What is lost if the program ends now, in words: damage that is not saved, impacts that have not begun.
     #[must_use]
     pub fn lost_by_a_stop(&self) -> Vec<String> {
-        let unkept = self.run.as_ref().filter(|run| run.last_step.is_none()).map(|run| {
-            format!(
-                "the damage by impact \"{}\", which the column responds to and whose forecast is not complete",
-                run.event_id
-            )
-        });
-        unkept
+        let unsaved = self
+            .response
+            .as_ref()
+            .filter(|response| !response.timeline.has_forecast())
+            .map(|response| {
+                format!(
+                    "the damage of impact \"{}\", to which the column is responding and whose forecast is not complete",
+                    response.event_id
+                )
+            });
+        unsaved
             .into_iter()
-            .chain(self.named_impacts_ahead())
+            .chain(self.registry.pending_in_words())
             .collect()
     }
 
-    /// The impacts that have not begun; `None` if there are none.
-    fn named_impacts_ahead(&self) -> Option<String> {
-        let names: Vec<_> = self
-            .impacts_ahead
-            .iter()
-            .map(|arriving| format!("\"{}\"", arriving.event_id))
-            .collect();
-        (!names.is_empty())
-            .then(|| format!("accepted impacts that lie ahead: {}", names.join(", ")))
+    /// The column as it is now, for [`ColumnSnapshot::predict`] in any thread.
+    pub fn snapshot(&self) -> ColumnSnapshot {
+        let mut plant = self.at_rest.clone();
+        if let Some(response) = &self.response {
+            let Struck { model, state, .. } = *response.timeline.plant();
+            plant.model = model;
+            plant.state = state;
+        }
+        self.snapshot_of(plant)
     }
 
-    /// The column as it is now.
-    pub fn present(&self) -> Present {
-        let (model, state) = match &self.run {
-            Some(run) => (run.model, run.state),
-            None => (self.at_rest.model, self.at_rest.state),
-        };
-        Present {
-            column_id: Arc::clone(&self.column_id),
-            parameters: Arc::clone(&self.parameters),
-            model,
-            state,
-            condition: self.condition.clone(),
+    fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
+        ColumnSnapshot {
+            column_id: Arc::clone(self.registry.column_id()),
+            parameters: Arc::clone(self.parameters.current()),
+            plant,
         }
     }
 
-    /// Does what it is asked, at the instant `now`. What follows from it with time is left to [`Twin::advance_to`] and
+    /// Executes a command at the instant `now`. What follows from it in time is left to [`Twin::advance_to`] and
     /// [`Twin::run_ahead`].
-    pub fn handle(&mut self, input: Input, now: Nanos, out: &mut impl Outputs) {
-        let (given, reply) = match input {
-            Input::Look { reply } => return answer(Some(&reply), self.present()),
-            Input::Impact(event) => (Command::Impact(event), Reply::None),
-            Input::Parameters {
-                changes,
-                source,
-                reply,
-            } => (
-                Command::Parameters { changes, source },
-                Reply::Parameters(reply),
-            ),
-            Input::RefusedChange { reason, source } => {
-                (Command::RefusedChange { reason, source }, Reply::None)
-            }
-            Input::Reset { source, reply } => (Command::Reset { source }, Reply::Reset(reply)),
-        };
-        self.report_checkpoint(now, out);
-        let position = self.position();
-        let result = self.take(&given, now, out);
-        let refused = result.as_ref().err().map(Arc::clone);
-        self.note(given, refused, position, now, out);
-        match reply {
-            Reply::None => {}
-            Reply::Parameters(reply) => answer(reply.as_ref(), result),
-            Reply::Reset(reply) => answer(reply.as_ref(), ()),
-        }
-    }
-
-    fn take(
+    ///
+    /// # Errors
+    /// The command is refused and has changed nothing; the refusal has been counted and given out.
+    pub fn handle(
         &mut self,
-        given: &Command,
+        command: Command,
         now: Nanos,
         out: &mut impl Outputs,
-    ) -> Result<Change, Arc<str>> {
-        match given {
-            Command::Impact(event) => match self.take_impact(event, now, out) {
-                Ok(()) => Ok(Change::Applied),
-                Err(reason) => {
-                    self.refuse_impact(&event.event_id, reason, now, out);
-                    Err(Arc::clone(&self.last_refusal_reason))
-                }
-            },
-            Command::Parameters { changes, source } => self
-                .take_parameters(changes, source, now, out)
-                .map_err(|reason| self.refuse_change(reason, source, now, out)),
+    ) -> Result<Accepted, Refusal> {
+        self.report_checkpoint(now, out);
+        let position = self.position();
+        let result = match &command {
+            Command::Impact(impact) => self.take_impact(impact, now, out).map_err(|refusal| {
+                self.status.set_changed();
+                out.put(
+                    self.registry
+                        .refuse_impact(&impact.event_id, refusal.clone(), now),
+                );
+                refusal
+            }),
+            Command::SetParameters { changes, source } => self
+                .set_parameters(changes, source, now, out)
+                .map_err(|refusal| self.refuse_change(refusal, source, now, out)),
+            Command::RejectedChange { refusal, source } => {
+                Err(self.refuse_change(refusal.clone(), source, now, out))
+            }
             Command::Reset { source } => {
                 self.reset(source, now, out);
-                Ok(Change::Applied)
+                Ok(Accepted::Applied)
             }
-            Command::RefusedChange { reason, source } => {
-                Err(self.refuse_change(reason.to_string(), source, now, out))
-            }
-        }
+        };
+        let refusal = result.as_ref().err().cloned();
+        out.put(Output::Journal(
+            self.journal.command(command, refusal, position, now),
+        ));
+        result
     }
 
-    /// Steps the column to the instant `now`, [`MAX_STEPS_PER_CALL`] steps at the most: a twin that is further behind
-    /// has its [`Twin::next_deadline`] in the past. Samples that are due go out, then what has changed.
+    /// Steps the column to the instant `now`, by at most [`MAX_STEPS_PER_CALL`] steps: a twin that is further behind has
+    /// its [`Twin::next_deadline`] in the past. Samples that are due are given out, then what has changed.
     pub fn advance_to(&mut self, now: Nanos, out: &mut impl Outputs) {
         let started = (self.stopwatch)();
         self.step_to(now, out);
-        if let Some(run) = &mut self.run {
-            run.nanos = run
-                .nanos
-                .saturating_add((self.stopwatch)().saturating_sub(started));
+        if let Some(response) = &mut self.response {
+            let taken = (self.stopwatch)().saturating_sub(started);
+            response.timeline.add_compute_time(taken);
         }
         self.report_checkpoint(now, out);
         self.report_status(now, out);
     }
 
-    /// Carries the forecast on by `most_steps` at the most, and gives it out when it is complete.
-    pub fn run_ahead(&mut self, most_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let (Some(run), Some(ahead)) = (&mut self.run, &mut self.ahead) else {
+    /// Carries the forecast on by at most `max_steps`, and gives it out when it is complete.
+    pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
+        let Some(ActiveResponse { event_id, timeline }) = &mut self.response else {
             return;
         };
-        let outlook = ahead.run(most_steps, &self.stopwatch);
-        let (event_id, stamp) = (Arc::clone(&run.event_id), run.stamp);
-        let compute_time = ahead.compute_time();
+        let Some((outlook, compute_nanos)) = timeline.look_ahead(max_steps, &self.stopwatch) else {
+            return;
+        };
         match outlook {
-            Outlook::Running => return,
+            Outlook::Running => {}
             Outlook::Over { report, residual } => {
                 out.put(Output::Forecast(ReportOutput {
-                    stamp,
-                    event_id,
+                    stamp: timeline.origin(),
+                    event_id: Arc::clone(event_id),
                     report,
-                    compute_time,
+                    compute_time: seconds(compute_nanos),
                 }));
-                run.last_step = Some(ahead.step());
-                // Kept now: a machine that stops before the response is over has the damage all the same.
-                self.save_forecast(&report, residual, now, out);
+                // Saved now: if the machine stops before the response is over, the damage is known all the same.
+                let condition = condition_after(report.end, residual.as_ref());
+                let expected = timeline.plant().settled(residual, condition);
+                self.save_plant(&expected, residual.is_some(), report.plastic_work, now, out);
             }
             Outlook::Failed(reason) => {
                 let text = format!("no forecast of impact \"{event_id}\": {reason}");
-                self.notice(Severity::Warning, text, now, out);
+                out.notice(Severity::Warning, now, text);
             }
         }
-        self.ahead = None;
     }
 
     /// When [`Twin::advance_to`] is to be called again: the instant of the next sample or status; not after `now` where
     /// the twin is behind.
     pub fn next_deadline(&self, now: Nanos) -> Nanos {
-        let status = if self.reported.due {
-            now
-        } else {
-            self.reported
-                .at
-                .saturating_add(STATUS_PERIOD)
-                .min(now.saturating_add(STATUS_PERIOD))
-        };
-        let Some(run) = &self.run else {
+        let status = self.status.next_deadline(now);
+        let Some(response) = &self.response else {
             return status;
         };
-        if run
-            .step_at(now)
-            .is_some_and(|step| step > run.state.step + run.steps_per_turn())
-        {
-            return now;
-        }
-        let next_turn = run.instant_of(run.next_turn());
-        let next_impact = self
-            .impacts_ahead
-            .first()
-            .map_or(Nanos::MAX, |next| next.stamp);
+        let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
+        let next_turn = response.timeline.next_deadline(now);
         status.min(next_turn).min(next_impact)
     }
 
-    /// How often the column is stepped: while it responds once per sample, or more often where samples are rare; else
-    /// once per status \[ns\], > 0.
+    /// How often [`Twin::advance_to`] is to be called \[ns\], > 0: once per sample during a response, or more often where
+    /// samples are rare; otherwise once per status.
     pub fn period(&self) -> u64 {
-        let of = |run: &Run| run.steps_per_turn() * run.model.properties.step_nanos;
-        self.run.as_ref().map_or(STATUS_PERIOD.unsigned_abs(), of)
+        self.response
+            .as_ref()
+            .map_or(STATUS_PERIOD.unsigned_abs(), |response| {
+                response.timeline.period()
+            })
+    }
+
+    /// The state of the twin now.
+    pub fn status(&self, now: Nanos) -> Status {
+        let at_rest = self.at_rest.state.sample(&self.at_rest.model);
+        let (hinges, plastic_work) = match &self.response {
+            None => (at_rest.hinges, 0.0),
+            Some(response) => {
+                let Struck { model, state, .. } = response.timeline.plant();
+                (state.sample(model).hinges, state.ledger.plastic_work)
+            }
+        };
+        let mut plastic_rotation = [0.0; HINGES];
+        let mut plastic_elongation = [0.0; HINGES];
+        for (index, hinge) in hinges.iter().enumerate() {
+            plastic_rotation[index] = hinge.plastic_rotation;
+            plastic_elongation[index] = hinge.plastic_elongation;
+        }
+        let Life {
+            impacts_since_reset,
+            plastic_work_since_reset,
+            last_event_id,
+            ..
+        } = &self.registry.life;
+        let refused = self.registry.last_refusal.as_ref();
+        Status {
+            stamp: now,
+            phase: self.phase(),
+            event_id: Arc::clone(last_event_id),
+            counts: self.registry.counts,
+            last_refusal_code: refused.map(|it| it.refusal.code),
+            last_refusal_reason: refused
+                .map(|it| Arc::clone(&it.refusal.reason))
+                .unwrap_or_default(),
+            last_refusal_event_id: refused
+                .map(|it| Arc::clone(&it.event_id))
+                .unwrap_or_default(),
+            fault: match &self.at_rest.condition {
+                Condition::Faulted(reason) => Arc::clone(reason),
+                Condition::Standing | Condition::Collapsed => Arc::default(),
+            },
+            impacts_since_reset: *impacts_since_reset,
+            residual_v1: at_rest.v1,
+            residual_u2: at_rest.u2,
+            plastic_work_since_reset: plastic_work_since_reset + plastic_work,
+            plastic_rotation,
+            plastic_elongation,
+        }
+    }
+
+    /// The damage to be saved, without what the present response will add.
+    pub fn saved_state(&self, now: Nanos) -> SavedState {
+        SavedState::new(
+            &self.registry,
+            self.parameters.fingerprint(),
+            &self.at_rest,
+            now,
+        )
+    }
+
+    fn phase(&self) -> TwinPhase {
+        match (&self.at_rest.condition, &self.response) {
+            (Condition::Collapsed, _) => TwinPhase::Collapsed,
+            (Condition::Faulted(_), _) => TwinPhase::Faulted,
+            (Condition::Standing, None) => TwinPhase::Idle,
+            (Condition::Standing, Some(response)) => {
+                let Struck { model, state, .. } = response.timeline.plant();
+                state.sample(model).phase.into()
+            }
+        }
+    }
+
+    fn report_status(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let phase = self.phase();
+        if self.status.is_due(now, phase) {
+            out.put(Output::Journal(Journal::Status(StatusRecord {
+                next_number: self.journal.next_number(),
+                stamp: now,
+                position: self.position(),
+            })));
+            out.put(Output::Status(self.status(now)));
+        }
+    }
+
+    fn save(&self, now: Nanos, out: &mut impl Outputs) {
+        out.put(Output::Save(Arc::new(self.saved_state(now))));
+    }
+
+    // Impacts
+
+    fn take_impact(
+        &mut self,
+        command: &ImpactCommand,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        let ImpactCommand {
+            event_id,
+            column_id,
+            stamp,
+            impact: specification,
+        } = command;
+        check_column_id(self.registry.column_id(), column_id)?;
+        self.registry.check_event_id(event_id)?;
+        check_stamp(*stamp, now, self.parameters.current())?;
+        let snapshot = self.snapshot();
+        let impact = snapshot.complete(specification)?;
+        let struck = snapshot.strike(impact, specification.height)?;
+        let event_id: Arc<str> = event_id.as_str().into();
+        let pending = PendingImpact {
+            event_id: Arc::clone(&event_id),
+            stamp: *stamp,
+            impact,
+            height: specification.height,
+        };
+        let response = self.response.as_ref().map(|response| &response.timeline);
+        match response.map(|it| (it.origin(), it.step_at(*stamp), it.step())) {
+            None => match self.resume(*stamp, &struck) {
+                Some(step) => {
+                    self.hit_moving_column(pending, step, EarlierReport::NoLongerHolds, now, out);
+                }
+                None => self.begin(pending.event_id, *stamp, struck, now, out),
+            },
+            Some((_, Some(step), reached)) if step <= reached => {
+                self.hit_moving_column(pending, step, EarlierReport::WillNotFollow, now, out);
+            }
+            Some((_, Some(_), _)) => self.registry.keep_pending(pending)?,
+            Some((first, None, _)) => {
+                let reason = format!(
+                    "the stamp is {} s before that of the impact to which the column is responding; \
+                     send impacts in the order of their stamps",
+                    seconds(first.abs_diff(*stamp))
+                );
+                return Err(Refusal::new(RefusalCode::StampOutOfOrder, reason));
+            }
+        }
+        self.registry.accept(event_id);
+        self.status.set_changed();
+        Ok(Accepted::Applied)
+    }
+
+    /// Resumes the last response for an impact that is so late that it belongs there; the step where it does.
+    fn resume(&mut self, stamp: Nanos, struck: &Struck) -> Option<u64> {
+        let last = self.last.as_ref()?;
+        let plastic_work = last.resumable?;
+        let timeline = &last.response.timeline;
+        let step = timeline
+            .step_at(stamp)
+            .filter(|&step| step < timeline.step())?;
+        if timeline.plant().model != struck.model {
+            return None;
+        }
+        let response = self.last.take()?.response;
+        self.journal.taken_back = true;
+        self.registry.life.plastic_work_since_reset = plastic_work;
+        self.solver.newton_iterations -= response.newton_iterations();
+        self.response = Some(response);
+        Some(step)
+    }
+
+    /// The response to another impact ends where the column was at `step`.
+    fn hit_moving_column(
+        &mut self,
+        pending: PendingImpact,
+        step: u64,
+        earlier_report: EarlierReport,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        response.timeline.rewind(step);
+        let Struck { model, state, .. } = *response.timeline.plant();
+        self.registry.life.plastic_work_since_reset += state.ledger.plastic_work;
+        self.solver.newton_iterations += response.newton_iterations();
+        let since = seconds(pending.stamp.abs_diff(response.timeline.origin()));
+        let report = match earlier_report {
+            EarlierReport::WillNotFollow => "for which no report will follow",
+            EarlierReport::NoLongerHolds => "whose report no longer holds",
+        };
+        let text = format!(
+            "impact \"{}\" hits the column {since} s after impact \"{}\", {report}",
+            pending.event_id, response.event_id,
+        );
+        out.notice(Severity::Info, now, text);
+        self.last = Some(LastResponse {
+            response,
+            resumable: None,
+        });
+        let plant = Plant {
+            model,
+            state,
+            ..self.at_rest.clone()
+        };
+        // Its height was found to be that of these hinges when it was accepted.
+        let pending = PendingImpact {
+            height: Some(plant.impact_height()),
+            ..pending
+        };
+        self.begin_pending(plant, pending, now, out);
+    }
+
+    fn begin_pending(
+        &mut self,
+        plant: Plant,
+        pending: PendingImpact,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let PendingImpact {
+            event_id,
+            stamp,
+            impact,
+            height,
+        } = pending;
+        match self.snapshot_of(plant).strike(impact, height) {
+            Ok(struck) => self.begin(event_id, stamp, struck, now, out),
+            Err(refusal) => {
+                self.registry.withdraw();
+                self.status.set_changed();
+                out.put(self.registry.refuse_impact(&event_id, refusal, now));
+            }
+        }
+    }
+
+    fn begin(
+        &mut self,
+        event_id: Arc<str>,
+        stamp: Nanos,
+        struck: Struck,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        out.notice(
+            Severity::Info,
+            now,
+            format!("impact \"{event_id}\" accepted"),
+        );
+        self.registry.life.last_event_id = Arc::clone(&event_id);
+        self.journal.responses += 1;
+        let period = 1e9 / self.parameters.current().settings().publish_rate;
+        let steps = period / struck.model.properties.step_nanos as f64;
+        let steps_per_sample = steps.round().max(1.0) as u64;
+        let history = self.last.take().map_or_else(History::default, |last| {
+            last.response.timeline.into_history()
+        });
+        self.response = Some(ActiveResponse {
+            event_id,
+            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
+        });
+        self.status.set_changed();
+    }
+
+    // The response with the clock
+
+    fn step_to(&mut self, now: Nanos, out: &mut impl Outputs) {
+        for _ in 0..MAX_STEPS_PER_CALL {
+            let Some(target) = self.arrive(now, out) else {
+                return;
+            };
+            let Some(ActiveResponse { timeline, .. }) = &mut self.response else {
+                return;
+            };
+            let before = timeline.step();
+            let advanced = timeline.advance(target);
+            self.solver.steps += timeline.step() - before;
+            match advanced {
+                Advanced::Running => {}
+                Advanced::Over(end) => self.end(end, now, out),
+                Advanced::Failed(error) => self.fail(&error, now, out),
+            }
+        }
+        // Between two calls everything that belongs to the step that was reached has been done.
+        self.arrive(now, out);
+    }
+
+    /// Does what is due where the column is: its sample, and the impacts that meet it here. The step to advance to from
+    /// here; `None` where `now` is not beyond it.
+    fn arrive(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
+        loop {
+            let next_impact = self.registry.next_pending();
+            let response = self.response.as_mut()?;
+            let now_step = response.timeline.step_at(now)?;
+            let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
+            let target = next_impact.unwrap_or(u64::MAX).min(now_step);
+            if response.timeline.is_sample_due() {
+                response.put_state(None, out);
+            }
+            if response.timeline.step() < target {
+                return Some(target);
+            }
+            if next_impact.is_none_or(|step| step > now_step) {
+                return None;
+            }
+            // There are few of them, and each is taken out: the loop ends.
+            let next = self.registry.take_pending()?;
+            self.hit_moving_column(next, target, EarlierReport::WillNotFollow, now, out);
+        }
+    }
+
+    fn end(&mut self, end: End, now: Nanos, out: &mut impl Outputs) {
+        self.run_ahead(u64::MAX, now, out); // a forecast never comes after its report
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        let plant = *response.timeline.plant();
+        let report = plant.report(end);
+        let residual = plant.residual();
+        let condition = condition_after(report.end, residual.as_ref());
+        response.put_state(Some(condition.final_phase()), out);
+        out.put(Output::Report(ReportOutput {
+            stamp: response.timeline.origin(),
+            event_id: Arc::clone(&response.event_id),
+            report,
+            compute_time: seconds(response.timeline.compute_nanos()),
+        }));
+        self.settle(response, plant.settled(residual, condition), now, out);
+    }
+
+    fn fail(&mut self, error: &StepError, now: Nanos, out: &mut impl Outputs) {
+        self.run_ahead(u64::MAX, now, out);
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        let text = format!(
+            "the response to impact \"{}\" cannot be computed: {error}",
+            response.event_id
+        );
+        let condition = Condition::Faulted(text.as_str().into());
+        response.put_state(Some(condition.final_phase()), out);
+        out.notice(Severity::Error, now, text);
+        let settled = response.timeline.plant().settled(None, condition);
+        self.settle(response, settled, now, out);
+    }
+
+    /// Back to rest after a response; what has waited for its end follows.
+    fn settle(
+        &mut self,
+        response: ActiveResponse,
+        settled: Plant,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let plastic_work = self.registry.life.plastic_work_since_reset;
+        let added = response.timeline.plant().state.ledger.plastic_work;
+        self.registry.life.plastic_work_since_reset += added;
+        self.solver.newton_iterations += response.newton_iterations();
+        self.at_rest = settled;
+        self.last = Some(LastResponse {
+            response,
+            resumable: Some(plastic_work),
+        });
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        self.apply_waiting_parameters(now, out);
+        self.save(now, out);
+        while self.response.is_none()
+            && let Some(next) = self.registry.take_pending()
+        {
+            self.begin_pending(self.at_rest.clone(), next, now, out);
+            if self.response.is_none() {
+                self.save(now, out); // it was refused: fewer impacts than were saved
+            }
+        }
+    }
+
+    /// Saves the damage that the present response will leave according to its forecast.
+    fn save_plant(
+        &self,
+        expected: &Plant,
+        has_residual: bool,
+        plastic_work: f64,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        // Without a residual equilibrium the damage before the response is the last that can be saved.
+        let plant = match has_residual {
+            true => expected.clone(),
+            false => Plant {
+                model: expected.model,
+                condition: expected.condition.clone(),
+                ..self.at_rest.clone()
+            },
+        };
+        let mut saved = SavedState::new(&self.registry, self.parameters.fingerprint(), &plant, now);
+        saved.plastic_work_since_reset += plastic_work;
+        out.put(Output::Save(Arc::new(saved)));
+    }
+
+    // Parameters and reset
+
+    fn set_parameters(
+        &mut self,
+        changes: &[(String, Value)],
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        let planned = self.parameters.plan(changes)?;
+        if planned.changed.is_empty() {
+            self.registry.counts.parameters_accepted += 1;
+            return Ok(Accepted::Unchanged);
+        }
+        let column = self.column_with(&planned.parameters)?;
+        let change = if self.response.is_some() && planned.must_wait() {
+            self.parameters.make_wait(&planned.parameters, source);
+            Accepted::Waiting
+        } else {
+            self.parameters.apply(&planned.parameters, changes)?;
+            if self.response.is_none() {
+                self.replace_column(column);
+            }
+            Accepted::Applied
+        };
+        self.registry.counts.parameters_accepted += 1;
+        self.status.set_changed();
+        out.put(Output::ParametersChanged(ParametersChanged {
+            stamp: now,
+            names: planned.names(),
+            change,
+            parameters: planned.parameters,
+            source: Arc::clone(source),
+        }));
+        if change == Accepted::Applied && self.response.is_none() {
+            self.save(now, out);
+        }
+        Ok(change)
+    }
+
+    /// The column at rest with other parameters.
+    fn column_with(&self, wanted: &Parameters) -> Result<Plant, Refusal> {
+        let from = self.parameters.current().column_properties();
+        self.at_rest
+            .with_properties(&from, &wanted.column_properties())
+    }
+
+    /// Replaces the column at rest. The last response can be resumed only if it was that of the same column.
+    fn replace_column(&mut self, column: Plant) {
+        if column.model != self.at_rest.model {
+            self.forbid_resuming();
+        }
+        self.at_rest = column;
+    }
+
+    fn forbid_resuming(&mut self) {
+        if let Some(last) = &mut self.last {
+            last.resumable = None;
+        }
+    }
+
+    fn apply_waiting_parameters(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let Some((waiting, names)) = self.parameters.take_waiting() else {
+            return;
+        };
+        match self.column_with(&waiting.parameters) {
+            Ok(column) => {
+                self.replace_column(column);
+                self.parameters.replace(waiting.parameters);
+            }
+            Err(Refusal { code, reason }) => {
+                let reason =
+                    format!("the change that waited for the end of the response: {reason}");
+                self.refuse_change(Refusal::new(code, reason), &waiting.source, now, out);
+            }
+        }
+        // A change that is refused now was announced when it began to wait: the parameters return to what they were.
+        self.status.set_changed();
+        out.put(Output::ParametersChanged(ParametersChanged {
+            stamp: now,
+            names,
+            change: Accepted::Applied,
+            parameters: Arc::clone(self.parameters.current()),
+            source: waiting.source,
+        }));
+    }
+
+    fn refuse_change(
+        &mut self,
+        refusal: Refusal,
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Refusal {
+        self.status.set_changed();
+        out.put(self.registry.refuse_change(refusal.clone(), source, now));
+        refusal
+    }
+
+    fn reset(&mut self, source: &str, now: Nanos, out: &mut impl Outputs) {
+        if let Some(response) = self.response.take() {
+            let text = format!(
+                "a reset ends the response to impact \"{}\"",
+                response.event_id
+            );
+            out.notice(Severity::Warning, now, text);
+            self.solver.newton_iterations += response.newton_iterations();
+            self.last = Some(LastResponse {
+                response,
+                resumable: None,
+            });
+        }
+        self.forbid_resuming();
+        if let Some(forgotten) = self.registry.pending_in_words() {
+            let text = format!("the reset drops {forgotten}");
+            out.notice(Severity::Warning, now, text);
+        }
+        self.registry.reset();
+        // The parameters were checked when they came; if they failed now, the old model would still be a column.
+        let properties = self.parameters.current().column_properties();
+        self.at_rest =
+            Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
+        self.apply_waiting_parameters(now, out);
+        let text = format!("reset by {source}: the column is virgin");
+        out.notice(Severity::Info, now, text);
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        self.save(now, out);
     }
 }
 
-/// Who waits for a reply.
-enum Reply {
-    None,
-    Parameters(Option<SyncSender<Result<Change, Arc<str>>>>),
-    Reset(Option<SyncSender<()>>),
-}
+impl ActiveResponse {
+    fn newton_iterations(&self) -> u64 {
+        self.timeline.plant().state.corrections
+    }
 
-fn answer<T>(reply: Option<&SyncSender<T>>, value: T) {
-    if let Some(reply) = reply {
-        let _ = reply.try_send(value); // whoever does not wait for it does not want it
+    /// Gives out the state of the present step; `phase` where it is not that of the sample.
+    fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
+        let sample = self.timeline.take_sample();
+        let properties = &self.timeline.plant().model.properties;
+        let lengths = Lengths {
+            below: properties.length_below,
+            above: properties.length_above,
+        };
+        out.put(Output::State(StateOutput {
+            stamp: self.timeline.instant_of(self.timeline.step()),
+            event_id: Arc::clone(&self.event_id),
+            phase: phase.unwrap_or(sample.phase.into()),
+            sample,
+            lengths: Some(lengths),
+        }));
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::input::Nanos;
+use super::command::{Accepted, Nanos};
 use super::journal::Journal;
-use super::parameter_change::Change;
+use super::refusal::Refusal;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
 use crate::column::{Report, Sample};
@@ -19,17 +19,18 @@ pub enum Output {
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
-    /// How the twin itself is: on every change, and once in [`STATUS_PERIOD`](super::STATUS_PERIOD).
+    /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
-    /// Something was refused and has changed nothing.
+    /// A command was refused and has changed nothing.
     Refused(Refused),
-    /// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
+    /// Parameters were changed, will be when the response has ended, or return to what they were because a change that
+    /// waited was refused.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
-    /// The damage changed: to be kept outside of the thread that drives the twin.
+    /// The damage has changed: to be saved outside of the thread that drives the twin.
     Save(Arc<SavedState>),
-    /// For a recording, so that everything can be computed anew.
+    /// For a recording, so that everything can be recomputed.
     Journal(Journal),
 }
 
@@ -38,14 +39,14 @@ pub enum Output {
 pub struct StateOutput {
     /// The instant: that of the event plus a whole number of steps.
     pub stamp: Nanos,
-    /// The impact that the column responds to.
+    /// The impact to which the column is responding.
     pub event_id: Arc<str>,
-    /// As that of the sample; in the last sample of a response `Rest`, `Collapsed` or `Faulted`.
+    /// That of the sample; in the last sample of a response `Rest`, `Collapsed` or `Faulted`.
     pub phase: TwinPhase,
     /// The values. `percussion` is the sum since the sample before.
     pub sample: Sample,
     /// Undeformed lengths of the bars: an impact at another height than the parameters' has moved hinges 1a and 1b.
-    /// `None` where only messages are known, which do not say: as the parameters have them.
+    /// `None` where only messages are known, which do not contain them: as the parameters have them.
     pub lengths: Option<Lengths>,
 }
 
@@ -71,7 +72,7 @@ pub struct ReportOutput {
     pub compute_time: f64,
 }
 
-/// What was refused.
+/// Which kind of command was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RefusedInput {
     /// An impact event.
@@ -80,7 +81,7 @@ pub enum RefusedInput {
     Parameters,
 }
 
-/// Something that was refused and has changed nothing.
+/// A command that was refused and has changed nothing.
 #[derive(Debug, Clone)]
 pub struct Refused {
     /// When.
@@ -88,25 +89,25 @@ pub struct Refused {
     /// What.
     pub what: RefusedInput,
     /// Why, for its sender.
-    pub reason: Arc<str>,
-    /// Of a refused impact, shortened where it is too long; else empty.
+    pub refusal: Refusal,
+    /// Identifier of a refused impact, shortened where it is too long; otherwise empty.
     pub event_id: Arc<str>,
-    /// Who asked for a change of parameters; else empty.
+    /// The sender of a change of parameters; otherwise empty.
     pub source: Arc<str>,
 }
 
-/// Parameters were changed, or wait for the end of the response to be, or go back because they were refused then.
+/// Parameters were changed, will be when the response has ended, or return to what they were.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.
     pub stamp: Nanos,
-    /// Which of them have new values.
+    /// The parameters that have new values.
     pub names: Vec<&'static str>,
-    /// Applied now, or waiting.
-    pub change: Change,
+    /// Whether they apply now or wait.
+    pub change: Accepted,
     /// All parameters: as they are now, or as they will be.
     pub parameters: Arc<Parameters>,
-    /// Who asked for it.
+    /// The sender of the change.
     pub source: Arc<str>,
 }
 
@@ -117,7 +118,7 @@ pub enum Severity {
     Info,
     /// Something is not as it should be.
     Warning,
-    /// Something was lost, or the twin cannot go on.
+    /// Something was lost, or the twin cannot continue.
     Error,
 }
 
@@ -128,7 +129,7 @@ pub struct Notice {
     pub stamp: Nanos,
     /// How much it matters.
     pub severity: Severity,
-    /// What there is to say.
+    /// The text.
     pub text: Arc<str>,
 }
 
@@ -137,6 +138,15 @@ pub struct Notice {
 pub trait Outputs {
     /// Takes one output.
     fn put(&mut self, output: Output);
+
+    /// Takes a notice for the log.
+    fn notice(&mut self, severity: Severity, stamp: Nanos, text: String) {
+        self.put(Output::Notice(Notice {
+            stamp,
+            severity,
+            text: text.into(),
+        }));
+    }
 }
 
 impl Outputs for Vec<Output> {

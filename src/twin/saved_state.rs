@@ -1,4 +1,4 @@
-//! What outlives a restart: the damage of the column, as text.
+//! What survives a restart: the damage of the column, as text.
 
 use std::sync::Arc;
 
@@ -6,15 +6,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::input::Nanos;
-use super::output::{Output, Outputs};
-use super::parameter_change::{self, AtRest, what_the_column_is};
-use super::present::{Condition, equilibrium};
-use super::stepping::{condition_after, no_equilibrium};
-use super::{Life, Twin};
-use crate::column::{
-    Displacement, Model, ModelError, PerBar, PlasticFlow, Report, State, residual_state,
-};
+use super::command::Nanos;
+use super::plant::{Condition, Plant, make_of};
+use super::registry::{Life, Registry, printable};
+use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow};
 use crate::parameters::Parameters;
 
 /// First entry of a state file.
@@ -34,7 +29,7 @@ pub struct SavedState {
     /// When it was taken \[ns\] since the epoch.
     pub stamp: Nanos,
     /// Whether it stands.
-    pub condition: SavedCondition,
+    pub condition: Condition,
     /// Height of hinges 1a and 1b above the base \[m\].
     pub impact_height: f64,
     /// Displacements in the residual equilibrium.
@@ -51,38 +46,6 @@ pub struct SavedState {
     pub last_event_id: Arc<str>,
     /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
     pub seen_ids: Vec<Arc<str>>,
-}
-
-/// Whether a saved column stands.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SavedCondition {
-    /// It stands.
-    Standing,
-    /// It has collapsed.
-    Collapsed,
-    /// It cannot be computed any further, for this reason.
-    Faulted(Arc<str>),
-}
-
-impl From<&Condition> for SavedCondition {
-    fn from(condition: &Condition) -> Self {
-        match condition {
-            Condition::Standing => Self::Standing,
-            Condition::Collapsed => Self::Collapsed,
-            Condition::Faulted(reason) => Self::Faulted(Arc::clone(reason)),
-        }
-    }
-}
-
-impl From<&SavedCondition> for Condition {
-    fn from(saved: &SavedCondition) -> Self {
-        match saved {
-            SavedCondition::Standing => Self::Standing,
-            SavedCondition::Collapsed => Self::Collapsed,
-            SavedCondition::Faulted(reason) => Self::Faulted(Arc::clone(reason)),
-        }
-    }
 }
 
 /// Why a text is not the state of this column.
@@ -138,6 +101,59 @@ struct Label {
 }
 
 impl SavedState {
+    /// The damage of a column at rest.
+    pub(super) fn new(
+        registry: &Registry,
+        fingerprint: &Arc<str>,
+        plant: &Plant,
+        now: Nanos,
+    ) -> Self {
+        let Life {
+            impacts_since_reset,
+            refused_since_reset,
+            plastic_work_since_reset,
+            last_event_id,
+        } = registry.life.clone();
+        Self {
+            column_id: Arc::clone(registry.column_id()),
+            fingerprint: Arc::clone(fingerprint),
+            stamp: now,
+            condition: plant.condition.clone(),
+            impact_height: plant.impact_height(),
+            displacement: plant.state.displacement,
+            plastic: plant.state.plastic,
+            plastic_work_since_reset,
+            impacts_since_reset,
+            refused_since_reset,
+            last_event_id,
+            seen_ids: registry.seen_ids(),
+        }
+    }
+
+    /// What the column has been through.
+    pub(super) fn life(&self) -> Life {
+        Life {
+            impacts_since_reset: self.impacts_since_reset,
+            refused_since_reset: self.refused_since_reset,
+            plastic_work_since_reset: self.plastic_work_since_reset,
+            last_event_id: Arc::clone(&self.last_event_id),
+        }
+    }
+
+    /// The column at rest with this damage; under another load than then it is in its new equilibrium.
+    ///
+    /// # Errors
+    /// The column is impossible.
+    pub(super) fn plant(&self, properties: &ColumnProperties) -> Result<Plant, ModelError> {
+        Plant::restored(
+            properties,
+            self.impact_height,
+            self.displacement,
+            self.plastic,
+            self.condition.clone(),
+        )
+    }
+
     /// The text of a state file.
     ///
     /// # Errors
@@ -159,7 +175,7 @@ impl SavedState {
         let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
         let Label { format, version } = serde_json::from_str(text).map_err(malformed)?;
         if format != FORMAT || version != VERSION {
-            let format = super::impacts::shortened(&format);
+            let format = printable(&format);
             return Err(SavedStateError::Foreign { format, version });
         }
         let read: Envelope<Self> = serde_json::from_str(text).map_err(malformed)?;
@@ -169,7 +185,7 @@ impl SavedState {
         let expected = &parameters.settings().column_id;
         if *read.content.column_id != **expected {
             return Err(SavedStateError::OtherColumn {
-                found: super::impacts::shortened(&read.content.column_id),
+                found: printable(&read.content.column_id),
                 expected: expected.clone(),
             });
         }
@@ -180,9 +196,9 @@ impl SavedState {
     }
 }
 
-/// Digest of what the column is.
+/// Digest of the column's make: its lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
-    let json = serde_json::to_string(&what_the_column_is(parameters)).unwrap_or_default();
+    let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
     hex(&Sha256::digest(json))
 }
 
@@ -196,85 +212,4 @@ pub(super) fn hex(bytes: &[u8]) -> String {
         let _ = write!(text, "{byte:02x}"); // a String takes everything
         text
     })
-}
-
-impl Twin {
-    /// The damage as it is to be kept: without what the present response will add.
-    pub fn saved_state(&self, now: Nanos) -> SavedState {
-        SavedState {
-            column_id: Arc::clone(&self.column_id),
-            fingerprint: Arc::clone(&self.fingerprint),
-            stamp: now,
-            condition: SavedCondition::from(&self.condition),
-            impact_height: self.at_rest.model.properties.length_below,
-            displacement: self.at_rest.state.displacement,
-            plastic: self.at_rest.state.plastic,
-            plastic_work_since_reset: self.life.plastic_work,
-            impacts_since_reset: self.life.impacts,
-            refused_since_reset: self.life.refused,
-            last_event_id: Arc::clone(&self.life.last_event_id),
-            seen_ids: self.seen.to_vec(),
-        }
-    }
-
-    /// As it was when it was saved; where the load is another one now, in its new equilibrium.
-    pub(super) fn restore(&mut self, saved: &SavedState) -> Result<(), ModelError> {
-        let mut properties = self.parameters.column_properties();
-        parameter_change::move_joint(&mut properties, saved.impact_height);
-        let model = Model::new(&properties)?;
-        let mut state = State::settled(&model, saved.displacement, saved.plastic);
-        self.condition = Condition::from(&saved.condition);
-        if self.condition == Condition::Standing {
-            let is_as_saved =
-                residual_state(&model, &state).is_some_and(|now| is_same_place(&now, &state));
-            match equilibrium(&model, &state) {
-                _ if is_as_saved => {}
-                Some(now) => state = now,
-                None => self.condition = no_equilibrium(),
-            }
-        }
-        self.at_rest = AtRest { model, state };
-        self.life = Life {
-            impacts: saved.impacts_since_reset,
-            refused: saved.refused_since_reset,
-            plastic_work: saved.plastic_work_since_reset,
-            last_event_id: Arc::clone(&saved.last_event_id),
-        };
-        Ok(())
-    }
-
-    pub(super) fn save(&self, now: Nanos, out: &mut impl Outputs) {
-        out.put(Output::Save(Arc::new(self.saved_state(now))));
-    }
-
-    /// The state as it will be when the present response is over.
-    pub(super) fn save_forecast(
-        &self,
-        report: &Report,
-        residual: Option<State>,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        let Some(run) = &self.run else {
-            return;
-        };
-        let mut saved = self.saved_state(now);
-        saved.condition = SavedCondition::from(&condition_after(report, residual.as_ref()));
-        if let Some(residual) = residual {
-            saved.displacement = residual.displacement;
-            saved.plastic = residual.plastic;
-        }
-        saved.impact_height = run.model.properties.length_below;
-        saved.plastic_work_since_reset += report.plastic_work;
-        out.put(Output::Save(Arc::new(saved)));
-    }
-}
-
-/// Whether two equilibria are one, found twice: nearer to each other than anybody can measure.
-fn is_same_place(a: &State, b: &State) -> bool {
-    const NEAR: f64 = 1e-9; // m and rad
-    let (a, b) = (&a.displacement, &b.displacement);
-    [a.v1 - b.v1, a.u1 - b.u1, a.beta1 - b.beta1, a.u2 - b.u2]
-        .iter()
-        .all(|off| off.abs() < NEAR)
 }

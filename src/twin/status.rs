@@ -1,14 +1,12 @@
-//! How the twin itself is.
+//! The state of the twin itself, and when to report it.
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use super::input::Nanos;
-use super::journal::{Journal, StatusTaken};
-use super::output::{Notice, Output, Outputs, Severity};
-use super::present::Condition;
-use super::{Reported, STATUS_PERIOD, Twin};
+use super::STATUS_PERIOD;
+use super::command::Nanos;
+use super::plant::Condition;
+use super::refusal::RefusalCode;
+use super::registry::Counts;
 use crate::column::{HINGES, Phase};
 
 /// Where column and twin are in the course of an impact.
@@ -21,13 +19,13 @@ pub enum TwinPhase {
     Approach,
     /// Impactor and column move together.
     Contact,
-    /// They have parted and the column vibrates.
+    /// They have separated and the column vibrates.
     Free,
     /// The response is over: only in the last sample of a response.
     Rest,
-    /// The column has lost its shape or its equilibrium; it waits for a reset.
+    /// The column has lost its shape or its equilibrium; the twin waits for a reset.
     Collapsed,
-    /// The twin cannot go on; it waits for a reset.
+    /// The twin cannot continue and waits for a reset.
     Faulted,
 }
 
@@ -42,27 +40,40 @@ impl From<Phase> for TwinPhase {
     }
 }
 
-/// How the twin itself is: what it accepted and refused, and the damage that the column carries. A copy costs no
-/// memory: its texts are shared.
+impl Condition {
+    /// The phase of the last sample of a response that leaves the column in this condition.
+    pub(super) fn final_phase(&self) -> TwinPhase {
+        match self {
+            Self::Standing => TwinPhase::Rest,
+            Self::Collapsed => TwinPhase::Collapsed,
+            Self::Faulted(_) => TwinPhase::Faulted,
+        }
+    }
+}
+
+/// The state of the twin itself: what it has accepted and refused, and the damage of the column. A copy costs no memory:
+/// its texts are shared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
     /// When it was taken.
     pub stamp: Nanos,
     /// Where column and twin are.
     pub phase: TwinPhase,
-    /// The impact that is going on, or the last one; empty before the first.
+    /// The present impact, or the last one; empty before the first.
     pub event_id: Arc<str>,
     /// Counts since the start of the program.
     pub counts: Counts,
-    /// Why the last event or change of parameters was refused; empty if none was.
+    /// Why the last event or change of parameters was refused, for programs; `None` if none was.
+    pub last_refusal_code: Option<RefusalCode>,
+    /// The same in words; empty if none was.
     pub last_refusal_reason: Arc<str>,
     /// Identifier of the last refused event; empty if none was, or if it was a change of parameters.
     pub last_refusal_event_id: Arc<str>,
-    /// Why the twin cannot go on; empty unless `phase` is `Faulted`.
+    /// Why the twin cannot continue; empty unless `phase` is `Faulted`.
     pub fault: Arc<str>,
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
-    /// `v1` of the column at rest: the damage that can be seen \[m\].
+    /// `v1` of the column at rest: the visible damage \[m\].
     pub residual_v1: f64,
     /// `u2` of the column at rest \[m\].
     pub residual_u2: f64,
@@ -74,102 +85,51 @@ pub struct Status {
     pub plastic_elongation: [f64; HINGES],
 }
 
-/// What was accepted and refused since the start of the program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Counts {
-    /// Impact events accepted.
-    pub events_accepted: u64,
-    /// Impact events refused.
-    pub events_refused: u64,
-    /// Changes of parameters accepted.
-    pub parameters_accepted: u64,
-    /// Changes of parameters refused.
-    pub parameters_refused: u64,
+/// When the last status was reported, and whether another one is due.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StatusClock {
+    last: Nanos,
+    phase: TwinPhase,
+    changed: bool,
 }
 
-impl Twin {
-    pub(super) fn notice(
-        &self,
-        severity: Severity,
-        text: String,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        out.put(Output::Notice(Notice {
-            stamp: now,
-            severity,
-            text: text.into(),
-        }));
-    }
-
-    pub(super) fn phase(&self) -> TwinPhase {
-        match (&self.condition, &self.run) {
-            (Condition::Collapsed, _) => TwinPhase::Collapsed,
-            (Condition::Faulted(_), _) => TwinPhase::Faulted,
-            (Condition::Standing, Some(run)) => run.phase(),
-            (Condition::Standing, None) => TwinPhase::Idle,
+impl StatusClock {
+    pub fn new(now: Nanos) -> Self {
+        Self {
+            last: now,
+            phase: TwinPhase::Idle,
+            changed: true,
         }
     }
 
-    /// How the twin is now.
-    pub fn status(&self, now: Nanos) -> Status {
-        let present = self.at_rest.state.sample(&self.at_rest.model);
-        let plastic_work = self
-            .run
-            .as_ref()
-            .map_or(0.0, |run| run.state.ledger.plastic_work);
-        let hinges = match &self.run {
-            Some(run) => run.state.sample(&run.model).hinges,
-            None => present.hinges,
-        };
-        let mut plastic_rotation = [0.0; HINGES];
-        let mut plastic_elongation = [0.0; HINGES];
-        for (index, hinge) in hinges.iter().enumerate() {
-            plastic_rotation[index] = hinge.plastic_rotation;
-            plastic_elongation[index] = hinge.plastic_elongation;
-        }
-        Status {
-            stamp: now,
-            phase: self.phase(),
-            event_id: Arc::clone(&self.life.last_event_id),
-            counts: self.counts,
-            last_refusal_reason: Arc::clone(&self.last_refusal_reason),
-            last_refusal_event_id: Arc::clone(&self.last_refusal_event_id),
-            fault: match &self.condition {
-                Condition::Faulted(reason) => Arc::clone(reason),
-                Condition::Standing | Condition::Collapsed => Arc::default(),
-            },
-            impacts_since_reset: self.life.impacts,
-            residual_v1: present.v1,
-            residual_u2: present.u2,
-            plastic_work_since_reset: self.life.plastic_work + plastic_work,
-            plastic_rotation,
-            plastic_elongation,
-        }
+    /// Something has changed that a status contains.
+    pub fn set_changed(&mut self) {
+        self.changed = true;
     }
 
-    pub(super) fn report_status(&mut self, now: Nanos, out: &mut impl Outputs) {
-        let phase = self.phase();
-        let Reported {
-            at,
-            phase: last,
-            due,
-        } = self.reported;
+    /// Whether a status is due; if so, it counts as reported.
+    pub fn is_due(&mut self, now: Nanos, phase: TwinPhase) -> bool {
         // A clock that was set back must not silence the twin.
-        let long_ago = now < at || now.saturating_sub(at) >= STATUS_PERIOD;
-        if due || long_ago || phase != last {
-            out.put(Output::Journal(Journal::Status(StatusTaken {
-                next_number: self.journal.next_number(),
-                stamp: now,
-                position: self.position(),
-            })));
-            out.put(Output::Status(self.status(now)));
-            self.reported = Reported {
-                at: now,
+        let long_ago = now < self.last || now.saturating_sub(self.last) >= STATUS_PERIOD;
+        let due = self.changed || long_ago || phase != self.phase;
+        if due {
+            *self = Self {
+                last: now,
                 phase,
-                due: false,
+                changed: false,
             };
+        }
+        due
+    }
+
+    /// When the next status is due.
+    pub fn next_deadline(&self, now: Nanos) -> Nanos {
+        match self.changed {
+            true => now,
+            false => self
+                .last
+                .saturating_add(STATUS_PERIOD)
+                .min(now.saturating_add(STATUS_PERIOD)),
         }
     }
 }

@@ -1,9 +1,10 @@
 //! Whatever happens to a twin, its recording is what the model gives.
 
+use column_twin::column::ImpactSpecification;
 use column_twin::evidence::verify;
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::{Reader, RecorderOptions};
-use column_twin::twin::{ImpactEvent, TwinPhase};
+use column_twin::twin::{ImpactCommand, TwinPhase};
 
 use super::recorded_twin::{MS, RecordedTwin, event, parameters};
 
@@ -24,9 +25,12 @@ fn one_impact() {
 fn damage_over_several_impacts_with_changes_in_between() {
     let mut twin = RecordedTwin::new(parameters());
     for (index, id) in ["a", "b", "c"].into_iter().enumerate() {
-        twin.hit(ImpactEvent {
-            velocity: 4.0 + index as f64,
-            gap: Some(0.05 * index as f64),
+        twin.hit(ImpactCommand {
+            impact: ImpactSpecification {
+                velocity: 4.0 + index as f64,
+                gap: Some(0.05 * index as f64),
+                ..event(id, twin.now).impact
+            },
             ..event(id, twin.now)
         });
         twin.until_rest();
@@ -45,8 +49,11 @@ fn a_second_impact_during_the_response_on_time_late_and_early() {
         let mut twin = RecordedTwin::new(parameters());
         twin.hit(event("a", twin.now));
         (0..12).for_each(|_| twin.advance(MS));
-        twin.hit(ImpactEvent {
-            gap: Some(0.02),
+        twin.hit(ImpactCommand {
+            impact: ImpactSpecification {
+                gap: Some(0.02),
+                ..event("b", twin.now + offset * MS).impact
+            },
             ..event("b", twin.now + offset * MS)
         });
         twin.until_rest();
@@ -83,8 +90,11 @@ fn a_change_that_waits_and_a_reset_that_breaks_off() {
     twin.reset();
     twin.advance(MS);
     twin.set(&[("geometry.length_below", Value::from(1.5))]);
-    twin.hit(ImpactEvent {
-        height: Some(1.2),
+    twin.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            height: Some(1.2),
+            ..event("a", twin.now).impact
+        },
         ..event("a", twin.now)
     });
     twin.until_rest();
@@ -97,20 +107,29 @@ fn a_collapse_and_everything_that_is_refused() {
     twin.set(&[("top.load", Value::from(2e6))]);
     let now = twin.now;
     let bad = [
-        ImpactEvent {
-            impact_mass: f64::NAN,
+        ImpactCommand {
+            impact: ImpactSpecification {
+                mass: f64::NAN,
+                ..event("nan", now).impact
+            },
             ..event("nan", now)
         },
-        ImpactEvent {
-            velocity: f64::NEG_INFINITY,
+        ImpactCommand {
+            impact: ImpactSpecification {
+                velocity: f64::NEG_INFINITY,
+                ..event("inf", now).impact
+            },
             ..event("inf", now)
         },
-        ImpactEvent {
+        ImpactCommand {
             column_id: "other\n".to_owned(),
             ..event("other", now)
         },
-        ImpactEvent {
-            gap: Some(f64::INFINITY),
+        ImpactCommand {
+            impact: ImpactSpecification {
+                gap: Some(f64::INFINITY),
+                ..event("gap", now).impact
+            },
             ..event("gap", now)
         },
         event("", now),
@@ -123,9 +142,12 @@ fn a_collapse_and_everything_that_is_refused() {
     }
     twin.set(&[("top.load", Value::from(f64::NAN))]);
     twin.set(&[("no.such", Value::from("x"))]);
-    twin.hit(ImpactEvent {
-        impact_mass: 100_000.0,
-        velocity: 50.0,
+    twin.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 100_000.0,
+            velocity: 50.0,
+            ..event("truck", twin.now).impact
+        },
         ..event("truck", twin.now)
     });
     twin.until_rest();
@@ -270,13 +292,15 @@ impl Random {
     }
 }
 
-fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactEvent {
-    ImpactEvent {
-        impact_mass: random.of(&[300.0, 1500.0, -1.0]),
-        velocity: random.of(&[1.0, 3.0, 7.0]),
-        gap: random.of(&[None, Some(0.01), Some(0.1), Some(0.123_456)]),
-        restitution: random.of(&[None, Some(0.0), Some(0.5)]),
-        height: random.of(&[None, None, Some(1.1)]),
+fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
+    ImpactCommand {
+        impact: ImpactSpecification {
+            mass: random.of(&[300.0, 1500.0, -1.0]),
+            velocity: random.of(&[1.0, 3.0, 7.0]),
+            gap: random.of(&[None, Some(0.01), Some(0.1), Some(0.123_456)]),
+            restitution: random.of(&[None, Some(0.0), Some(0.5)]),
+            height: random.of(&[None, None, Some(1.1)]),
+        },
         ..event(
             &id.to_string(),
             now + random.of(&[0, 0, 3, -11, -400]) * MS / 2,

@@ -1,5 +1,6 @@
 //! A twin by a mock clock, recorded as the node records it.
 
+use column_twin::column::ImpactSpecification;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use column_twin::outgoing::{Outgoing, TOPICS};
 use column_twin::parameters::{Parameters, Record, RecordMode, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::ros::bridge::Recording;
-use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Twin};
+use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
 use tempfile::TempDir;
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
@@ -23,16 +24,18 @@ pub fn parameters() -> Parameters {
     Parameters::from_values(values).expect("admissible")
 }
 
-pub fn event(id: &str, stamp: Nanos) -> ImpactEvent {
-    ImpactEvent {
+pub fn event(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
-        impact_mass: 1500.0,
-        velocity: 5.0,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 5.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
     }
 }
 
@@ -94,14 +97,14 @@ impl RecordedTwin {
         }
     }
 
-    pub fn give(&mut self, input: Input) {
+    pub fn give(&mut self, input: Command) {
         let mut out = Vec::new();
         self.twin.handle(input, self.now, &mut out);
         self.put(out);
     }
 
-    pub fn hit(&mut self, event: ImpactEvent) {
-        self.give(Input::Impact(event));
+    pub fn hit(&mut self, event: ImpactCommand) {
+        self.give(Command::Impact(event));
     }
 
     pub fn set(&mut self, changes: &[(&str, Value)]) {
@@ -109,17 +112,15 @@ impl RecordedTwin {
             .iter()
             .map(|(name, value)| ((*name).to_owned(), value.clone()))
             .collect();
-        self.give(Input::Parameters {
+        self.give(Command::SetParameters {
             changes,
             source: "test".into(),
-            reply: None,
         });
     }
 
     pub fn reset(&mut self) {
-        self.give(Input::Reset {
+        self.give(Command::Reset {
             source: "test".into(),
-            reply: None,
         });
     }
 

@@ -1,17 +1,18 @@
 //! What is refused changes nothing, and its sender can read why.
 
-use column_twin::twin::{ImpactEvent, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RefusedInput};
+use column_twin::column::ImpactSpecification;
+use column_twin::twin::{ImpactCommand, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RefusedInput};
 
 use crate::{Bench, MS, START, event};
 
-fn refusal_of(event: ImpactEvent) -> String {
+fn refusal_of(event: ImpactCommand) -> String {
     let mut bench = Bench::new(&[]);
     let before = bench.twin.saved_state(START);
     bench.hit(event);
     let refusals = bench.refusals();
     assert_eq!(refusals.len(), 1, "{refusals:?}");
     assert_eq!(refusals[0].what, RefusedInput::Impact);
-    let reason = refusals[0].reason.to_string();
+    let reason = refusals[0].refusal.reason.to_string();
     let status = bench.status();
     assert_eq!(*status.last_refusal_reason, *reason);
     assert_eq!(
@@ -31,85 +32,121 @@ fn numbers_that_are_none_or_out_of_range() {
     let good = event("a", START);
     for (bad, expected) in [
         (
-            ImpactEvent {
-                impact_mass: f64::NAN,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    mass: f64::NAN,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "mass = NaN: is not a finite number",
         ),
         (
-            ImpactEvent {
-                impact_mass: -1500.0,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    mass: -1500.0,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "mass = -1500: is out of range",
         ),
         (
-            ImpactEvent {
-                impact_mass: f64::INFINITY,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    mass: f64::INFINITY,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "mass = inf",
         ),
         (
-            ImpactEvent {
-                velocity: 0.0,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    velocity: 0.0,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "velocity = 0: is out of range; allowed: 1e-6 to 60 m/s",
         ),
         (
-            ImpactEvent {
-                velocity: -10.0,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    velocity: -10.0,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "velocity = -10",
         ),
         (
-            ImpactEvent {
-                velocity: 1e300,
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    velocity: 1e300,
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "velocity = 1",
         ),
         (
-            ImpactEvent {
-                gap: Some(f64::NAN),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    gap: Some(f64::NAN),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "gap = NaN",
         ),
         (
-            ImpactEvent {
-                gap: Some(-0.1),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    gap: Some(-0.1),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "gap = -0.1",
         ),
         (
-            ImpactEvent {
-                restitution: Some(1.1),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    restitution: Some(1.1),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "restitution = 1.1",
         ),
         (
-            ImpactEvent {
-                height: Some(f64::NAN),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    height: Some(f64::NAN),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "height = NaN",
         ),
         (
-            ImpactEvent {
-                height: Some(-1.0),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    height: Some(-1.0),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "height = -1",
         ),
         (
-            ImpactEvent {
-                height: Some(4.0),
+            ImpactCommand {
+                impact: ImpactSpecification {
+                    height: Some(4.0),
+                    ..good.clone().impact
+                },
                 ..good.clone()
             },
             "the column is 4 m high",
@@ -122,10 +159,13 @@ fn numbers_that_are_none_or_out_of_range() {
 
 #[test]
 fn all_wrong_numbers_are_listed_at_once() {
-    let bad = ImpactEvent {
-        impact_mass: f64::NAN,
-        velocity: 0.0,
-        gap: Some(-1.0),
+    let bad = ImpactCommand {
+        impact: ImpactSpecification {
+            mass: f64::NAN,
+            velocity: 0.0,
+            gap: Some(-1.0),
+            ..event("a", START).impact
+        },
         ..event("a", START)
     };
     let reason = refusal_of(bad);
@@ -140,7 +180,7 @@ fn all_wrong_numbers_are_listed_at_once() {
 #[test]
 fn names_that_are_wrong() {
     let good = event("a", START);
-    let other = refusal_of(ImpactEvent {
+    let other = refusal_of(ImpactCommand {
         column_id: "other\u{1b}[31m".into(),
         ..good.clone()
     });
@@ -148,20 +188,20 @@ fn names_that_are_wrong() {
         other,
         "column_id is \"other?[31m\"; this twin is of column \"column\""
     );
-    let empty = refusal_of(ImpactEvent {
+    let empty = refusal_of(ImpactCommand {
         event_id: String::new(),
         ..good.clone()
     });
     assert!(empty.contains("event_id is empty"));
     let long = "x".repeat(MAX_EVENT_ID_CHARS + 1);
     assert!(
-        refusal_of(ImpactEvent {
+        refusal_of(ImpactCommand {
             event_id: long,
             ..good.clone()
         })
         .contains("too long")
     );
-    let control = refusal_of(ImpactEvent {
+    let control = refusal_of(ImpactCommand {
         event_id: "a\nb".into(),
         ..good.clone()
     });
@@ -172,13 +212,13 @@ fn names_that_are_wrong() {
 fn huge_names_are_not_kept() {
     let mut bench = Bench::new(&[]);
     let huge = "x".repeat(10_000_000);
-    bench.hit(ImpactEvent {
+    bench.hit(ImpactCommand {
         event_id: huge.clone(),
         column_id: huge,
         ..event("", START)
     });
     let refused = bench.refusals()[0].clone();
-    assert!(refused.reason.len() < MAX_REASON_CHARS && refused.event_id.len() < 300);
+    assert!(refused.refusal.reason.len() < MAX_REASON_CHARS && refused.event_id.len() < 300);
 }
 
 #[test]
@@ -216,7 +256,7 @@ fn the_same_identifier_twice() {
     let reasons: Vec<_> = bench
         .refusals()
         .iter()
-        .map(|it| it.reason.to_string())
+        .map(|it| it.refusal.reason.to_string())
         .collect();
     assert_eq!(reasons.len(), 2);
     assert!(
@@ -230,8 +270,11 @@ fn the_same_identifier_twice() {
 #[test]
 fn a_refused_identifier_can_be_used_again() {
     let mut bench = Bench::new(&[]);
-    bench.hit(ImpactEvent {
-        velocity: 0.0,
+    bench.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            velocity: 0.0,
+            ..event("a", START).impact
+        },
         ..event("a", START)
     });
     bench.hit(event("a", START));
@@ -250,8 +293,11 @@ fn a_refusal_during_a_response_does_not_disturb_it() {
     loud.hit(event("a", START));
     for k in 0..20 {
         loud.go_on(MS);
-        loud.hit(ImpactEvent {
-            impact_mass: f64::NAN,
+        loud.hit(ImpactCommand {
+            impact: ImpactSpecification {
+                mass: f64::NAN,
+                ..event(&k.to_string(), loud.now).impact
+            },
             ..event(&k.to_string(), loud.now)
         });
     }

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use column_twin::column::Outcome;
+use column_twin::column::{ImpactSpecification, Outcome};
 use column_twin::parameters::Value;
 use column_twin::twin::state_file::{self, Loaded};
-use column_twin::twin::{ImpactEvent, SavedState, TwinPhase};
+use column_twin::twin::{ImpactCommand, SavedState, TwinPhase};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
-fn hit_and_rest(bench: &mut Bench, event: ImpactEvent) {
+fn hit_and_rest(bench: &mut Bench, event: ImpactCommand) {
     bench.hit(event);
     bench.rest();
 }
@@ -86,7 +86,12 @@ fn it_survives_a_restart() {
     hit_and_rest(&mut again, event("b", stamp));
     assert_eq!(bench.reports()[1].report, again.reports()[0].report);
     again.hit(event("a", again.now));
-    assert!(again.refusals()[0].reason.contains("accepted before"));
+    assert!(
+        again.refusals()[0]
+            .refusal
+            .reason
+            .contains("accepted before")
+    );
 }
 
 /// A machine that stops in the middle of a response has its damage all the same: it is kept with the forecast.
@@ -108,9 +113,12 @@ fn a_collapse_survives_a_restart() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
     hit_and_rest(
         &mut bench,
-        ImpactEvent {
-            impact_mass: 100_000.0,
-            velocity: 50.0,
+        ImpactCommand {
+            impact: ImpactSpecification {
+                mass: 100_000.0,
+                velocity: 50.0,
+                ..event("a", START).impact
+            },
             ..event("a", START)
         },
     );
@@ -135,7 +143,12 @@ fn a_new_load_finds_a_new_equilibrium() {
     assert_eq!(crushed.status().phase, TwinPhase::Faulted);
     assert!(crushed.status().fault.contains("no equilibrium"));
     crushed.hit(event("b", crushed.now));
-    assert!(crushed.refusals()[0].reason.contains("reset it first"));
+    assert!(
+        crushed.refusals()[0]
+            .refusal
+            .reason
+            .contains("reset it first")
+    );
     crushed.reset();
     assert_eq!(crushed.status().phase, TwinPhase::Idle);
 }
@@ -289,14 +302,20 @@ fn the_state_file_stands_where_the_parameters_say() {
 /// Hinges 1a and 1b sit at the impact height.
 #[test]
 fn another_height_needs_an_undamaged_joint() {
-    let at = |height, id: &str, stamp| ImpactEvent {
-        height: Some(height),
+    let at = |height, id: &str, stamp| ImpactCommand {
+        impact: ImpactSpecification {
+            height: Some(height),
+            ..event(id, stamp).impact
+        },
         ..event(id, stamp)
     };
     let mut bench = Bench::new(&[]);
     // Elastic: the hinges can go elsewhere, and back.
-    bench.hit(ImpactEvent {
-        height: Some(0.6),
+    bench.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            height: Some(0.6),
+            ..light("a", START).impact
+        },
         ..light("a", START)
     });
     bench.rest();
@@ -321,7 +340,10 @@ fn another_height_needs_an_undamaged_joint() {
         let refusals = bench.refusals();
         assert_eq!(refusals.len(), before + 2);
         assert!(
-            refusals[before].reason.contains("where they are damaged"),
+            refusals[before]
+                .refusal
+                .reason
+                .contains("where they are damaged"),
             "{refusals:?}"
         );
         let stamp = bench.now;
@@ -342,12 +364,16 @@ fn another_height_is_refused_while_the_column_responds() {
     let mut bench = Bench::new(&[]);
     bench.hit(light("a", START));
     bench.go_on(MS);
-    bench.hit(ImpactEvent {
-        height: Some(2.0),
+    bench.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            height: Some(2.0),
+            ..light("b", bench.now).impact
+        },
         ..light("b", bench.now)
     });
     assert!(
         bench.refusals()[0]
+            .refusal
             .reason
             .contains("while the column responds")
     );

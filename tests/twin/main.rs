@@ -7,11 +7,13 @@ mod parameters;
 mod response;
 mod second_impact;
 
+use column_twin::column::ImpactSpecification;
 use std::sync::Arc;
 
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::{
-    ImpactEvent, Input, Nanos, Output, Refused, ReportOutput, SavedState, StateOutput, Status, Twin,
+    Accepted, Command, ImpactCommand, Nanos, Output, Refusal, Refused, ReportOutput, SavedState,
+    StateOutput, Status, Twin,
 };
 
 /// When the tests begin.
@@ -48,12 +50,12 @@ impl Bench {
         }
     }
 
-    pub(crate) fn handle(&mut self, input: Input) {
-        self.twin.handle(input, self.now, &mut self.out);
+    pub(crate) fn handle(&mut self, command: Command) -> Result<Accepted, Refusal> {
+        self.twin.handle(command, self.now, &mut self.out)
     }
 
-    pub(crate) fn hit(&mut self, event: ImpactEvent) {
-        self.handle(Input::Impact(event));
+    pub(crate) fn hit(&mut self, event: ImpactCommand) {
+        let _ = self.handle(Command::Impact(event)); // a refusal is among the outputs
     }
 
     /// Goes on to an instant, as the solver's thread would: in turns, the forecast first.
@@ -87,17 +89,15 @@ impl Bench {
             .iter()
             .map(|(name, value)| ((*name).to_owned(), value.clone()));
         let changes = changes.collect();
-        self.handle(Input::Parameters {
+        let _ = self.handle(Command::SetParameters {
             changes,
             source: "test".into(),
-            reply: None,
         });
     }
 
     pub(crate) fn reset(&mut self) {
-        self.handle(Input::Reset {
+        let _ = self.handle(Command::Reset {
             source: "test".into(),
-            reply: None,
         });
     }
 
@@ -172,24 +172,29 @@ impl Bench {
 }
 
 /// 1.5 t at 36 km/h, now.
-pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactEvent {
-    ImpactEvent {
+pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
-        impact_mass: 1500.0,
-        velocity: 10.0,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
     }
 }
 
 /// Too light to leave a trace.
-pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactEvent {
-    ImpactEvent {
-        impact_mass: 10.0,
-        velocity: 0.5,
+pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 10.0,
+            velocity: 0.5,
+            ..event(id, stamp).impact
+        },
         ..event(id, stamp)
     }
 }

@@ -1,8 +1,9 @@
 //! Memory: none while a response runs, none that grows.
 
+use column_twin::column::ImpactSpecification;
 use std::hint::black_box;
 
-use column_twin::twin::{ImpactEvent, Input, MAX_SEEN_IDS, Output, Outputs, Twin};
+use column_twin::twin::{Command, ImpactCommand, MAX_SEEN_IDS, Output, Outputs, Twin};
 
 use crate::{MS, START, event, light, parameters};
 
@@ -41,11 +42,14 @@ fn a_response_takes_no_memory() {
     let mut twin = twin(1e-4);
     let mut out = Counted::default();
     // A gap, so that approach, contact, release and free vibration are in it.
-    let event = ImpactEvent {
-        gap: Some(0.5),
+    let event = ImpactCommand {
+        impact: ImpactSpecification {
+            gap: Some(0.5),
+            ..event("a", START).impact
+        },
         ..event("a", START)
     };
-    twin.handle(Input::Impact(event), START, &mut out);
+    twin.handle(Command::Impact(event), START, &mut out);
     let mut now = START;
     let memory = allocation_counter::measure(|| {
         for _ in 0..80 {
@@ -74,21 +78,26 @@ fn an_hour_of_traffic_keeps_no_memory() {
         for k in events {
             let id = format!("impact-{k:06}");
             let input = match k % 10 {
-                0 => Input::Impact(ImpactEvent {
-                    impact_mass: f64::NAN,
+                0 => Command::Impact(ImpactCommand {
+                    impact: ImpactSpecification {
+                        mass: f64::NAN,
+                        ..event(&id, now).impact
+                    },
                     ..event(&id, now)
                 }),
-                1 => Input::Impact(light("impact-000002", now)),
-                2 => Input::Impact(event(&id, now)),
-                3 if k % 100 == 3 => Input::Reset {
+                1 => Command::Impact(light("impact-000002", now)),
+                2 => Command::Impact(event(&id, now)),
+                3 if k % 100 == 3 => Command::Reset {
                     source: "test".into(),
-                    reply: None,
                 },
-                4 => Input::Impact(ImpactEvent {
-                    gap: Some(0.02),
+                4 => Command::Impact(ImpactCommand {
+                    impact: ImpactSpecification {
+                        gap: Some(0.02),
+                        ..light(&id, now - 30 * MS).impact
+                    },
                     ..light(&id, now - 30 * MS)
                 }),
-                _ => Input::Impact(light(&id, now)),
+                _ => Command::Impact(light(&id, now)),
             };
             twin.handle(input, now, out);
             for _ in 0..24 {

@@ -1,9 +1,9 @@
 //! Changes of parameters: between two steps, as a whole, or refused.
 
-use std::sync::mpsc::sync_channel;
-
 use column_twin::parameters::Value;
-use column_twin::twin::{Change, Input, Output, ParametersChanged, RefusedInput};
+use column_twin::twin::{
+    Accepted, Command, Output, ParametersChanged, Refusal, RefusalCode, RefusedInput,
+};
 
 use crate::{Bench, MS, START, event};
 
@@ -28,7 +28,7 @@ fn at_rest_they_apply_at_once() {
         ("section.name", "HEB300".into()),
         ("impact.gap", 0.1.into()),
     ]);
-    assert_eq!(changed(&bench)[0].change, Change::Applied);
+    assert_eq!(changed(&bench)[0].change, Accepted::Applied);
     assert_eq!(changed(&bench)[0].names, ["section.name", "impact.gap"]);
     let mut other = Bench::new(&[
         ("section.name", "HEB300".into()),
@@ -45,17 +45,16 @@ fn at_rest_they_apply_at_once() {
 fn one_wrong_value_refuses_all_of_them() {
     let mut bench = Bench::new(&[]);
     let before = bench.twin.parameters().clone();
-    let (reply, answer) = sync_channel(1);
-    bench.handle(Input::Parameters {
+    let outcome = bench.handle(Command::SetParameters {
         changes: vec![
             ("top.load".into(), 4e5.into()),
             ("impact.velocity".into(), 1e9.into()),
             ("impact.mas".into(), 1.0.into()),
         ],
         source: "test".into(),
-        reply: Some(reply),
     });
-    let reason = answer.try_recv().expect("an answer").expect_err("refused");
+    let Refusal { code, reason } = outcome.expect_err("refused");
+    assert_eq!(code, RefusalCode::ParametersInvalid);
     assert!(
         reason.contains("impact.velocity") && reason.contains("impact.mass"),
         "{reason}"
@@ -78,7 +77,7 @@ fn a_column_that_would_not_stand_is_refused() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 1e9.into())]);
     assert!(
-        bench.refusals()[0].reason.contains("squash"),
+        bench.refusals()[0].refusal.reason.contains("squash"),
         "{:?}",
         bench.refusals()
     );
@@ -91,6 +90,7 @@ fn what_needs_a_restart_is_read_only() {
     bench.change(&[("column_id", "other".into()), ("top.load", 4e5.into())]);
     assert!(
         bench.refusals()[0]
+            .refusal
             .reason
             .contains("column_id cannot be changed while the node runs")
     );
@@ -107,7 +107,7 @@ fn during_a_response_they_wait_for_its_end() {
     bench.change(&[("top.load", 4e5.into()), ("impact.gap", 0.05.into())]);
     bench.change(&[("damping.ratio", 0.02.into())]);
     let waiting: Vec<_> = changed(&bench).iter().map(|it| it.change).collect();
-    assert_eq!(waiting, [Change::Waits, Change::Waits]);
+    assert_eq!(waiting, [Accepted::Waiting, Accepted::Waiting]);
     assert_eq!(value(&bench, "top.load"), Value::Double(5e5));
     assert_eq!(
         value(&bench, "impact.gap"),
@@ -118,7 +118,7 @@ fn during_a_response_they_wait_for_its_end() {
     undisturbed.rest();
     assert_eq!(bench.reports()[0].report, undisturbed.reports()[0].report);
     let last = changed(&bench)[2];
-    assert_eq!(last.change, Change::Applied);
+    assert_eq!(last.change, Accepted::Applied);
     assert_eq!(last.names, ["top.load", "impact.gap", "damping.ratio"]);
     assert_eq!(value(&bench, "top.load"), Value::Double(4e5));
     assert_ne!(bench.status().residual_v1, undisturbed.status().residual_v1);
@@ -154,6 +154,7 @@ fn a_damaged_column_stays_the_column_that_it_is() {
         assert_eq!(bench.refusals().len(), before + 1);
         assert!(
             bench.refusals()[before]
+                .refusal
                 .reason
                 .contains("reset the twin first")
         );
@@ -162,7 +163,10 @@ fn a_damaged_column_stays_the_column_that_it_is() {
     assert_eq!(bench.refusals().len(), 4);
     bench.change(&[("top.load", 2.9e6.into())]);
     assert!(
-        bench.refusals()[4].reason.contains("does not stand"),
+        bench.refusals()[4]
+            .refusal
+            .reason
+            .contains("does not stand"),
         "{:?}",
         bench.refusals()[4]
     );
@@ -182,6 +186,7 @@ fn a_change_that_waited_can_still_be_refused() {
     bench.rest();
     assert!(
         bench.refusals()[0]
+            .refusal
             .reason
             .contains("waited for the end of the response")
     );
@@ -201,14 +206,17 @@ fn a_change_that_waited_can_still_be_refused() {
 #[test]
 fn a_change_that_was_refused_before_is_said_too() {
     let mut bench = Bench::new(&[]);
-    bench.handle(Input::RefusedChange {
-        reason: "they are for another column".into(),
+    let refusal = Refusal::new(RefusalCode::OtherColumn, "they are for another column");
+    let outcome = bench.handle(Command::RejectedChange {
+        refusal: refusal.clone(),
         source: "test".into(),
     });
+    assert_eq!(outcome, Err(refusal));
     assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
     let status = bench.status();
     assert_eq!(status.counts.parameters_refused, 1);
     assert_eq!(&*status.last_refusal_reason, "they are for another column");
+    assert_eq!(status.last_refusal_code, Some(RefusalCode::OtherColumn));
 }
 
 #[test]

@@ -1,20 +1,14 @@
 //! From event to forecast to report.
 
-use column_twin::column::{Impact, Outcome, Report, Sample, simulate};
+use column_twin::column::{ImpactSpecification, Outcome, Report, Sample, simulate};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::twin::{ImpactEvent, Output, TwinPhase};
+use column_twin::twin::{ImpactCommand, Output, TwinPhase};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
 /// What `column-twin simulate` computes: every step, and the report.
-fn simulated(parameters: &Parameters, event: &ImpactEvent) -> (Vec<Sample>, Report) {
-    let open = parameters.impact();
-    let impact = Impact {
-        mass: event.impact_mass,
-        velocity: event.velocity,
-        gap: event.gap.unwrap_or(open.gap),
-        restitution: event.restitution.unwrap_or(open.restitution),
-    };
+fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Report) {
+    let impact = event.impact.complete(&parameters.impact());
     let mut samples = Vec::new();
     let properties = parameters.column_properties();
     let report = simulate(
@@ -29,7 +23,7 @@ fn simulated(parameters: &Parameters, event: &ImpactEvent) -> (Vec<Sample>, Repo
 }
 
 /// The samples of the twin are those of the simulation, at the instants of `publish_rate`.
-fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactEvent) {
+fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
     let mut bench = Bench::new(changes);
     bench.hit(event.clone());
     bench.rest();
@@ -105,9 +99,12 @@ fn the_stream_equals_the_simulation() {
 #[test]
 fn the_stream_equals_the_simulation_with_a_gap_and_rebounds() {
     for gap in [0.0123, 0.2, 1.7] {
-        let event = ImpactEvent {
-            gap: Some(gap),
-            restitution: Some(0.6),
+        let event = ImpactCommand {
+            impact: ImpactSpecification {
+                gap: Some(gap),
+                restitution: Some(0.6),
+                ..event("gap", START).impact
+            },
             ..event("gap", START)
         };
         check_against_simulation(&[], &event);
@@ -180,7 +177,7 @@ fn the_forecast_comes_at_once_and_says_how_long_it_took() {
         .expect("the column stands");
     let mut out = Vec::new();
     twin.handle(
-        column_twin::twin::Input::Impact(event("a", START)),
+        column_twin::twin::Command::Impact(event("a", START)),
         START,
         &mut out,
     );
@@ -288,9 +285,12 @@ fn an_event_ahead_of_the_clock_waits_for_its_instant() {
 #[test]
 fn a_collapse_is_a_result_and_ends_with_a_reset() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactEvent {
-        impact_mass: 100_000.0,
-        velocity: 50.0,
+    bench.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 100_000.0,
+            velocity: 50.0,
+            ..event("truck", START).impact
+        },
         ..event("truck", START)
     });
     bench.rest();
@@ -306,7 +306,10 @@ fn a_collapse_is_a_result_and_ends_with_a_reset() {
     assert_eq!(bench.status().phase, TwinPhase::Collapsed);
     bench.hit(event("next", bench.now));
     assert!(
-        bench.refusals()[0].reason.contains("collapsed; reset"),
+        bench.refusals()[0]
+            .refusal
+            .reason
+            .contains("collapsed; reset"),
         "{:?}",
         bench.refusals()
     );
@@ -321,15 +324,23 @@ fn a_collapse_is_a_result_and_ends_with_a_reset() {
 #[test]
 fn an_impact_ahead_of_a_collapse_is_refused_and_counted_once() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactEvent {
-        impact_mass: 100_000.0,
-        velocity: 50.0,
+    bench.hit(ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 100_000.0,
+            velocity: 50.0,
+            ..event("truck", START).impact
+        },
         ..event("truck", START)
     });
     bench.hit(light("next", START + 900 * MS));
     assert_eq!(bench.status().counts.events_accepted, 2);
     bench.rest();
-    assert!(bench.refusals()[0].reason.contains("collapsed; reset"));
+    assert!(
+        bench.refusals()[0]
+            .refusal
+            .reason
+            .contains("collapsed; reset")
+    );
     let status = bench.status();
     assert_eq!(
         (status.counts.events_accepted, status.counts.events_refused),
@@ -370,34 +381,38 @@ fn a_what_if_does_not_touch_the_twin() {
     let before = (
         bench
             .twin
-            .present()
-            .predict("", &event("x", 0).blow(), &|| 0),
+            .snapshot()
+            .predict("", &event("x", 0).impact, &|| 0),
         bench.status(),
     );
-    let present = bench.twin.present();
+    let snapshot = bench.twin.snapshot();
     let second = event("b", bench.now);
-    let predicted = present
-        .predict("column", &second.blow(), &|| 0)
+    let predicted = snapshot
+        .predict("column", &second.impact, &|| 0)
         .expect("a prediction");
     assert_eq!(Ok(&predicted), before.0.as_ref());
     assert_eq!(bench.status(), before.1);
     bench.hit(second.clone());
     bench.rest();
     assert_eq!(bench.reports()[1].report, predicted.report);
-    let present = bench.twin.present();
-    let faults = present.predict(
+    let snapshot = bench.twin.snapshot();
+    let faults = snapshot.predict(
         "",
-        &ImpactEvent {
+        &ImpactSpecification {
             velocity: 0.0,
-            ..second
-        }
-        .blow(),
+            ..second.impact
+        },
         &|| 0,
     );
-    assert!(faults.expect_err("no velocity").contains("velocity = 0"));
     assert!(
-        present
-            .predict("other", &event("x", 0).blow(), &|| 0)
+        faults
+            .expect_err("no velocity")
+            .reason
+            .contains("velocity = 0")
+    );
+    assert!(
+        snapshot
+            .predict("other", &event("x", 0).impact, &|| 0)
             .is_err()
     );
 }

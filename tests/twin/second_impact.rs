@@ -1,7 +1,9 @@
 //! Impacts on a column that still moves.
 
-use column_twin::column::{Impact, Model, Phase, Progress, Response, Sample, State};
-use column_twin::twin::{ImpactEvent, MAX_IMPACTS_AHEAD, Output, Severity, StateOutput};
+use column_twin::column::{
+    Impact, ImpactSpecification, Model, Phase, Progress, Response, Sample, State,
+};
+use column_twin::twin::{ImpactCommand, MAX_IMPACTS_AHEAD, Output, Severity, StateOutput};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
@@ -113,8 +115,11 @@ fn one_far_away_reaches_the_moving_column() {
     let mut bench = Bench::new(&[("response.duration", 0.05.into())]);
     bench.hit(event("a", START));
     bench.go_on(12 * MS);
-    let far = ImpactEvent {
-        gap: Some(1.0),
+    let far = ImpactCommand {
+        impact: ImpactSpecification {
+            gap: Some(1.0),
+            ..event("b", bench.now).impact
+        },
         ..event("b", bench.now)
     };
     bench.hit(far);
@@ -175,7 +180,12 @@ fn impacts_come_in_the_order_of_their_stamps() {
     bench.hit(event("a", START));
     bench.go_on(5 * MS);
     bench.hit(event("b", START - MS));
-    assert!(bench.refusals()[0].reason.contains("order of their stamps"));
+    assert!(
+        bench.refusals()[0]
+            .refusal
+            .reason
+            .contains("order of their stamps")
+    );
     bench.rest();
     assert_eq!(&*bench.reports()[0].event_id, "a");
 }
@@ -188,7 +198,12 @@ fn impacts_ahead_are_bounded() {
         bench.hit(light(&k.to_string(), START + (500 - k) * MS));
     }
     assert_eq!(bench.refusals().len(), 1);
-    assert!(bench.refusals()[0].reason.contains("lie ahead already"));
+    assert!(
+        bench.refusals()[0]
+            .refusal
+            .reason
+            .contains("lie ahead already")
+    );
     bench.go_on(1_000 * MS);
     bench.rest();
     assert_eq!(

@@ -1,11 +1,12 @@
 //! A live twin under a simulated clock, with or without a viewer.
 
+use column_twin::column::ImpactSpecification;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimClock};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Severity, StateOutput, Twin};
+use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Severity, StateOutput, Twin};
 use column_twin::viewer::{LiveViewer, Telling, VIEWER_QUEUE, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
@@ -74,17 +75,19 @@ impl LiveColumn {
         let stamp = START + 1_000 * MS * self.impacts;
         self.impacts += 1;
         self.clock.set(stamp);
-        let event = ImpactEvent {
+        let event = ImpactCommand {
             event_id: format!("impact-{}", self.impacts),
             column_id: "column".to_owned(),
             stamp,
-            impact_mass: 1500.0,
-            velocity,
-            gap: None,
-            restitution: None,
-            height: None,
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
         };
-        self.live.submit(Input::Impact(event)).expect("room");
+        self.live.submit(Command::Impact(event)).expect("room");
         let mut states = Vec::new();
         let mut now = stamp;
         let given_up = Instant::now() + PATIENCE;

@@ -1,0 +1,84 @@
+//! Commands: the one vocabulary in which the bus, the journal and a replay tell the twin what to do.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::exact_number;
+use super::refusal::Refusal;
+use crate::column::ImpactSpecification;
+use crate::parameters::Value;
+
+/// Nanoseconds since the epoch of the clock that drives the twin: that of ROS, or simulated time.
+pub type Nanos = i64;
+
+/// A request that may change the twin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Command {
+    /// Something hits the column.
+    Impact(ImpactCommand),
+    /// Change parameters, all or none.
+    SetParameters {
+        /// Names and values.
+        #[serde(with = "exact_number::changes")]
+        changes: Vec<(String, Value)>,
+        /// The sender, for logs.
+        source: Arc<str>,
+    },
+    /// A change of parameters that was rejected before it reached the twin, because it could not be read or is meant for
+    /// another column. The twin counts and reports it like any other.
+    RejectedChange {
+        /// Why it was rejected.
+        refusal: Refusal,
+        /// The sender, for logs.
+        source: Arc<str>,
+    },
+    /// Return to the virgin column.
+    Reset {
+        /// The sender, for logs.
+        source: Arc<str>,
+    },
+}
+
+/// An impact as its sender describes it. The twin checks every field.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactCommand {
+    /// Chosen by the sender, 1 to [`MAX_EVENT_ID_CHARS`](super::MAX_EVENT_ID_CHARS) characters.
+    pub event_id: String,
+    /// The column that is hit.
+    pub column_id: String,
+    /// Instant of contact, or the instant at which the gap was measured where it is not zero.
+    pub stamp: Nanos,
+    /// What hits the column, how fast and where.
+    #[serde(with = "ExactSpecification")]
+    pub impact: ImpactSpecification,
+}
+
+/// An impact specification in JSON, with numbers that read back to the last bit: a rejected one may have any.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "ImpactSpecification", deny_unknown_fields)]
+struct ExactSpecification {
+    #[serde(with = "exact_number")]
+    mass: f64,
+    #[serde(with = "exact_number")]
+    velocity: f64,
+    #[serde(with = "exact_number::option")]
+    gap: Option<f64>,
+    #[serde(with = "exact_number::option")]
+    restitution: Option<f64>,
+    #[serde(with = "exact_number::option")]
+    height: Option<f64>,
+}
+
+/// What an accepted command led to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Accepted {
+    /// All parameters had these values already.
+    Unchanged,
+    /// It holds now.
+    Applied,
+    /// It is valid and will be applied when the present response has ended.
+    Waiting,
+}

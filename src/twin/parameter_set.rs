@@ -1,0 +1,142 @@
+//! The parameters that hold, and the ones that wait for the end of a response.
+
+use std::sync::Arc;
+
+use super::refusal::{Refusal, RefusalCode};
+use super::saved_state::fingerprint;
+use crate::parameters::{Applies, Parameter, Parameters, Value};
+
+#[derive(Debug)]
+pub(super) struct ParameterSet {
+    current: Arc<Parameters>,
+    /// Digest of the column's make, as the state file has it.
+    fingerprint: Arc<str>,
+    waiting: Option<Waiting>,
+}
+
+/// A valid change that waits for the end of the response.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    pub parameters: Arc<Parameters>,
+    /// The last sender.
+    pub source: Arc<str>,
+}
+
+/// A valid change that has not been made yet.
+#[derive(Debug)]
+pub(super) struct Planned {
+    pub parameters: Arc<Parameters>,
+    pub changed: Vec<&'static Parameter>,
+}
+
+impl Planned {
+    /// Whether any of these parameters applies only when the response has ended.
+    pub fn must_wait(&self) -> bool {
+        self.changed
+            .iter()
+            .any(|parameter| parameter.applies != Applies::AtOnce)
+    }
+
+    /// Names of the parameters that have new values.
+    pub fn names(&self) -> Vec<&'static str> {
+        names_of(&self.changed)
+    }
+}
+
+impl ParameterSet {
+    pub fn new(parameters: Parameters) -> Self {
+        Self {
+            fingerprint: fingerprint(&parameters).into(),
+            current: Arc::new(parameters),
+            waiting: None,
+        }
+    }
+
+    /// The parameters that hold.
+    pub fn current(&self) -> &Arc<Parameters> {
+        &self.current
+    }
+
+    /// Digest of the column's make.
+    pub fn fingerprint(&self) -> &Arc<str> {
+        &self.fingerprint
+    }
+
+    /// What the changes lead to, on top of what waits already.
+    ///
+    /// # Errors
+    /// The changes are invalid, or for parameters that are read-only while the node runs.
+    pub fn plan(&self, changes: &[(String, Value)]) -> Result<Planned, Refusal> {
+        let latest = self
+            .waiting
+            .as_ref()
+            .map_or(&self.current, |waiting| &waiting.parameters);
+        let parameters = changed(latest, changes)?;
+        Ok(Planned {
+            changed: parameters.changed_from(latest),
+            parameters: Arc::new(parameters),
+        })
+    }
+
+    /// Makes a planned change wait for the end of the response.
+    pub fn make_wait(&mut self, parameters: &Arc<Parameters>, source: &Arc<str>) {
+        self.waiting = Some(Waiting {
+            parameters: Arc::clone(parameters),
+            source: Arc::clone(source),
+        });
+    }
+
+    /// Applies a planned change. While others wait, it goes into both: the parameters that hold and those that wait.
+    ///
+    /// # Errors
+    /// The changes contradict the parameters that hold.
+    pub fn apply(
+        &mut self,
+        parameters: &Arc<Parameters>,
+        changes: &[(String, Value)],
+    ) -> Result<(), Refusal> {
+        match &mut self.waiting {
+            Some(waiting) => {
+                let current = Arc::new(changed(&self.current, changes)?);
+                waiting.parameters = Arc::clone(parameters);
+                self.replace(current);
+            }
+            None => self.replace(Arc::clone(parameters)),
+        }
+        Ok(())
+    }
+
+    /// The change that has waited for the end of the response, with the names of what it changes. It waits no longer.
+    pub fn take_waiting(&mut self) -> Option<(Waiting, Vec<&'static str>)> {
+        let waiting = self.waiting.take()?;
+        let names = names_of(&waiting.parameters.changed_from(&self.current));
+        Some((waiting, names))
+    }
+
+    /// Lets other parameters hold.
+    pub fn replace(&mut self, parameters: Arc<Parameters>) {
+        self.fingerprint = fingerprint(&parameters).into();
+        self.current = parameters;
+    }
+}
+
+fn names_of(parameters: &[&'static Parameter]) -> Vec<&'static str> {
+    parameters.iter().map(|parameter| parameter.name).collect()
+}
+
+/// `from` with some values changed, validated as a whole.
+fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters, Refusal> {
+    let changed = from
+        .with_changes(changes.iter().cloned())
+        .map_err(|faults| Refusal::new(RefusalCode::ParametersInvalid, faults))?;
+    let mut read_only = changed.changed_from(from);
+    read_only.retain(|parameter| parameter.applies == Applies::Restart);
+    if read_only.is_empty() {
+        return Ok(changed);
+    }
+    let reason = format!(
+        "{} cannot be changed while the node runs; restart it with the new value",
+        names_of(&read_only).join(", ")
+    );
+    Err(Refusal::new(RefusalCode::ParametersReadOnly, reason))
+}

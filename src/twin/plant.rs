@@ -1,0 +1,323 @@
+//! The plant: the column, and what strikes it. Knows neither the clock nor identifiers nor names of parameters.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::refusal::{Refusal, RefusalCode};
+use crate::column::{
+    ColumnProperties, Displacement, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow,
+    Progress, Report, Response, Scheme, State, StepError, residual_state,
+};
+
+/// Heights that differ by less than this are the same hinges \[m\].
+pub const HEIGHT_TOLERANCE: f64 = 1e-3;
+
+/// Whether the column can take an impact.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Condition {
+    /// It is in equilibrium, or responding to an impact.
+    Standing,
+    /// It has collapsed.
+    Collapsed,
+    /// It cannot be computed any further, for this reason.
+    Faulted(Arc<str>),
+}
+
+/// The column at one instant: at rest with its damage, or in motion.
+#[derive(Debug, Clone)]
+pub(super) struct Plant {
+    pub model: Model,
+    pub state: State,
+    pub condition: Condition,
+}
+
+/// A column that is responding to an impact.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Struck {
+    pub model: Model,
+    pub state: State,
+    pub response: Response,
+}
+
+impl Plant {
+    /// The virgin column at rest under its load.
+    ///
+    /// # Errors
+    /// The column is impossible, or does not stand under its load.
+    pub fn virgin(properties: &ColumnProperties) -> Result<Self, ModelError> {
+        Model::new(properties).map(Self::virgin_of)
+    }
+
+    /// The virgin column of a model at rest under its load.
+    pub fn virgin_of(model: Model) -> Self {
+        Self {
+            model,
+            state: State::at_rest(&model),
+            condition: Condition::Standing,
+        }
+    }
+
+    /// The column with a damage that was saved; under another load than then it is in its new equilibrium.
+    ///
+    /// # Errors
+    /// The column is impossible.
+    pub fn restored(
+        properties: &ColumnProperties,
+        impact_height: f64,
+        displacement: Displacement,
+        plastic: PerBar<PlasticFlow>,
+        condition: Condition,
+    ) -> Result<Self, ModelError> {
+        let model = Model::new(&with_impact_height(properties, impact_height))?;
+        let state = State::settled(&model, displacement, plastic);
+        let mut restored = Self {
+            model,
+            state,
+            condition,
+        };
+        if restored.condition != Condition::Standing {
+            return Ok(restored);
+        }
+        let is_unchanged = residual_state(&model, &state)
+            .is_some_and(|residual| is_same_equilibrium(&residual, &state));
+        match equilibrium(&model, &state) {
+            _ if is_unchanged => {}
+            Some(residual) => restored.state = residual,
+            None => restored.condition = no_equilibrium(),
+        }
+        Ok(restored)
+    }
+
+    /// Height of hinges 1a and 1b above the base \[m\].
+    pub fn impact_height(&self) -> f64 {
+        self.model.properties.length_below
+    }
+
+    /// Whether any hinge has flowed.
+    pub fn is_damaged(&self) -> bool {
+        is_damaged(&self.state)
+    }
+
+    /// The column at rest with other properties than those that it has had so far.
+    ///
+    /// # Errors
+    /// The new column does not stand, or this one has a damage that belongs to the old properties.
+    pub fn with_properties(
+        &self,
+        from: &ColumnProperties,
+        to: &ColumnProperties,
+    ) -> Result<Self, Refusal> {
+        if self.condition != Condition::Standing {
+            if from == to {
+                return Ok(self.clone());
+            }
+            let reason =
+                "the column has collapsed or cannot be computed; reset the twin first (~/reset)";
+            return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
+        }
+        let impossible = |error| Refusal::new(RefusalCode::ColumnImpossible, error);
+        if !self.is_damaged() {
+            return Self::virgin(to).map_err(impossible);
+        }
+        if make_of(from) != make_of(to) {
+            let reason = "the column is damaged, and the damage belongs to its lengths, section, steel, resistances, hinges and \
+                          supports; reset the twin before changing them (~/reset)";
+            return Err(Refusal::new(RefusalCode::ColumnDamaged, reason));
+        }
+        let model =
+            Model::new(&with_impact_height(to, self.impact_height())).map_err(impossible)?;
+        let mut changed = Self {
+            model,
+            ..self.clone()
+        };
+        let statics = |it: &Model| (it.properties.top_spring_stiffness, it.properties.top_load);
+        if statics(&model) != statics(&self.model) {
+            changed.state = equilibrium(&model, &self.state).ok_or_else(|| {
+                let reason = "with these values the damaged column has no equilibrium";
+                Refusal::new(RefusalCode::NoEquilibrium, reason)
+            })?;
+        }
+        Ok(changed)
+    }
+
+    /// A copy of the column with an impactor on its way. `properties` have hinges 1a and 1b at the height of the impact,
+    /// `max_duration` \[s\] bounds the response.
+    ///
+    /// # Errors
+    /// The column cannot take an impact, or not at this height.
+    pub fn strike(
+        &self,
+        properties: &ColumnProperties,
+        impact: Impact,
+        max_duration: f64,
+    ) -> Result<Struck, Refusal> {
+        match &self.condition {
+            Condition::Standing => {}
+            Condition::Collapsed => {
+                let reason = "the column has collapsed; reset the twin first (~/reset)";
+                return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
+            }
+            Condition::Faulted(fault) => {
+                let reason =
+                    format!("the twin cannot continue ({fault}); reset it first (~/reset)");
+                return Err(Refusal::new(RefusalCode::TwinFaulted, reason));
+            }
+        }
+        let (model, mut state) = self.with_hinges_at_impact(properties)?;
+        let response = Response::begin(&model, &mut state, impact, max_duration)
+            .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error))?;
+        Ok(Struck {
+            model,
+            state,
+            response,
+        })
+    }
+
+    /// The column with its hinges 1a and 1b where `properties` have them.
+    fn with_hinges_at_impact(
+        &self,
+        properties: &ColumnProperties,
+    ) -> Result<(Model, State), Refusal> {
+        let (present, wanted) = (self.impact_height(), properties.length_below);
+        if is_same_height(wanted, present) {
+            return Ok((self.model, self.state));
+        }
+        let rejected = |why: &str| {
+            let reason = format!(
+                "the impact is {wanted} m above the base, but hinges 1a and 1b are at {present} m, {why}"
+            );
+            Err(Refusal::new(RefusalCode::HeightNotPossible, reason))
+        };
+        if self.state.sample(&self.model).phase != Phase::Idle {
+            return rejected("where they stay while the column is responding to an impact");
+        }
+        if is_impact_point_damaged(&self.state) {
+            return rejected(
+                "where they are damaged; send impacts at that height, or reset the twin (~/reset)",
+            );
+        }
+        let model = Model::new(properties)
+            .map_err(|error| Refusal::new(RefusalCode::ColumnImpossible, error))?;
+        let mut state = State::at_rest(&model);
+        if self.is_damaged() {
+            state.plastic = self.state.plastic;
+            match equilibrium(&model, &state) {
+                Some(residual) => state = residual,
+                None => return rejected("and the damaged column has no equilibrium if they move"),
+            }
+        }
+        Ok((model, state))
+    }
+}
+
+impl Struck {
+    /// Advances by at most `max_steps`; more than one at a time only while an impactor approaches a column at rest.
+    ///
+    /// # Errors
+    /// A step that does not converge.
+    pub fn advance(&mut self, max_steps: u64) -> Result<Progress, StepError> {
+        self.response
+            .advance(&self.model, &mut self.state, max_steps)
+    }
+
+    /// The summary of the response, which has ended like this.
+    pub fn report(&self, end: End) -> Report {
+        self.response.report(&self.model, &self.state, end)
+    }
+
+    /// The equilibrium that the response leaves behind, if there is one.
+    pub fn residual(&self) -> Option<State> {
+        residual_state(&self.model, &self.state)
+    }
+
+    /// The column at rest after the response: in its residual equilibrium, or where it was last if there is none.
+    pub fn settled(&self, residual: Option<State>, condition: Condition) -> Plant {
+        let state = match residual {
+            // The same bits as if there had been no impact.
+            Some(residual) if !is_damaged(&residual) => State::at_rest(&self.model),
+            Some(residual) => residual,
+            None => self.state,
+        };
+        Plant {
+            model: self.model,
+            state,
+            condition,
+        }
+    }
+}
+
+/// The condition of a column whose response has ended.
+pub(super) fn condition_after(end: End, residual: Option<&State>) -> Condition {
+    match (end, residual) {
+        (End::Collapsed, _) => Condition::Collapsed,
+        (_, Some(_)) => Condition::Standing,
+        (_, None) => no_equilibrium(),
+    }
+}
+
+fn no_equilibrium() -> Condition {
+    Condition::Faulted("the damaged column has no equilibrium under its load".into())
+}
+
+/// The part of the properties to which a damage belongs: without the load, what stands on the column, and how it is
+/// computed.
+pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
+    ColumnProperties {
+        top_spring_stiffness: 0.0,
+        top_mass: 0.0,
+        top_load: 0.0,
+        damping_ratio: 0.0,
+        scheme: Scheme::Energy,
+        step_nanos: 1,
+        ..*properties
+    }
+}
+
+/// The same column with hinges 1a and 1b at another height \[m\].
+pub(super) fn with_impact_height(properties: &ColumnProperties, height: f64) -> ColumnProperties {
+    let mut moved = *properties;
+    if !is_same_height(height, properties.length_below) {
+        let whole = properties.length_below + properties.length_above;
+        moved.length_below = height;
+        moved.length_above = whole - height;
+    }
+    moved
+}
+
+/// Whether two heights mean the same hinges; false where one of them is NaN.
+pub(super) fn is_same_height(a: f64, b: f64) -> bool {
+    (a - b).abs() < HEIGHT_TOLERANCE
+}
+
+fn is_impact_point_damaged(state: &State) -> bool {
+    state.plastic.below.has_flowed(0) || state.plastic.above.has_flowed(0)
+}
+
+fn is_damaged(state: &State) -> bool {
+    is_impact_point_damaged(state)
+        || state.plastic.below.has_flowed(1)
+        || state.plastic.above.has_flowed(1)
+}
+
+/// The equilibrium of a damaged column under another load, or with its hinges elsewhere, provided that no hinge yields
+/// any further.
+fn equilibrium(model: &Model, state: &State) -> Option<State> {
+    const ROUND_OFF: f64 = 1e-9;
+    let residual = residual_state(model, state)?;
+    let hinges = residual.sample(model).hinges;
+    hinges
+        .iter()
+        .all(|hinge| hinge.utilisation <= 1.0 + ROUND_OFF)
+        .then_some(residual)
+}
+
+/// Whether two equilibria are the same one, found twice: they are closer than anybody can measure.
+fn is_same_equilibrium(a: &State, b: &State) -> bool {
+    const NEAR: f64 = 1e-9; // m and rad
+    let (a, b) = (&a.displacement, &b.displacement);
+    [a.v1 - b.v1, a.u1 - b.u1, a.beta1 - b.beta1, a.u2 - b.u2]
+        .iter()
+        .all(|off| off.abs() < NEAR)
+}

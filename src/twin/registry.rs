@@ -1,0 +1,275 @@
+//! The registry: identifiers and stamps of impacts, what was accepted and refused, impacts that are still to come, and
+//! what the column has been through since the last reset. Knows nothing of the mechanics.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::command::Nanos;
+use super::output::{Output, Refused, RefusedInput};
+use super::refusal::{Refusal, RefusalCode, truncated};
+use super::seconds;
+use super::seen_ids::SeenIds;
+use crate::column::Impact;
+use crate::parameters::Parameters;
+
+/// Longest identifier of an event in characters.
+pub const MAX_EVENT_ID_CHARS: usize = 255;
+
+/// Most accepted impacts that may be still to come while the column is responding to another one.
+pub const MAX_IMPACTS_AHEAD: usize = 8;
+
+/// What was accepted and refused since the start of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Counts {
+    /// Impact events accepted.
+    pub events_accepted: u64,
+    /// Impact events refused.
+    pub events_refused: u64,
+    /// Changes of parameters accepted.
+    pub parameters_accepted: u64,
+    /// Changes of parameters refused.
+    pub parameters_refused: u64,
+}
+
+/// What the column has been through since the last reset, in responses that have ended.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Life {
+    /// Accepted impacts since the last reset.
+    pub impacts_since_reset: u32,
+    /// Refused impacts since the last reset.
+    pub refused_since_reset: u64,
+    /// Work dissipated in the hinges since the last reset \[J\].
+    pub plastic_work_since_reset: f64,
+    /// The last accepted impact; empty before the first.
+    pub last_event_id: Arc<str>,
+}
+
+/// The last refusal since the start of the program.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LastRefusal {
+    /// Why.
+    pub refusal: Refusal,
+    /// Identifier of the refused impact, shortened where it is too long; empty for a change of parameters.
+    pub event_id: Arc<str>,
+}
+
+/// An accepted impact that has not begun.
+#[derive(Debug)]
+pub(super) struct PendingImpact {
+    pub event_id: Arc<str>,
+    pub stamp: Nanos,
+    pub impact: Impact,
+    /// Above the base \[m\]; `None`: where the parameters have it.
+    pub height: Option<f64>,
+}
+
+#[derive(Debug)]
+pub(super) struct Registry {
+    column_id: Arc<str>,
+    seen: SeenIds,
+    /// In the order of their stamps.
+    pending: Vec<PendingImpact>,
+    pub counts: Counts,
+    pub life: Life,
+    pub last_refusal: Option<LastRefusal>,
+}
+
+impl Registry {
+    pub fn new(column_id: &str) -> Self {
+        Self {
+            column_id: column_id.into(),
+            seen: SeenIds::of(&[]),
+            pending: Vec::with_capacity(MAX_IMPACTS_AHEAD),
+            counts: Counts::default(),
+            life: Life::default(),
+            last_refusal: None,
+        }
+    }
+
+    /// The column's name.
+    pub fn column_id(&self) -> &Arc<str> {
+        &self.column_id
+    }
+
+    /// Identifiers of accepted impacts, the oldest first.
+    pub fn seen_ids(&self) -> Vec<Arc<str>> {
+        self.seen.to_vec()
+    }
+
+    pub fn restore_seen_ids(&mut self, ids: &[Arc<str>]) {
+        self.seen = SeenIds::of(ids);
+    }
+
+    /// # Errors
+    /// The identifier is not a valid one, or was used before.
+    pub fn check_event_id(&self, id: &str) -> Result<(), Refusal> {
+        let invalid = |reason: String| Err(Refusal::new(RefusalCode::EventIdInvalid, reason));
+        let chars = id.chars().take(MAX_EVENT_ID_CHARS + 1).count();
+        if chars == 0 {
+            return invalid("event_id is empty; give every impact its own identifier".to_owned());
+        }
+        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(char::is_control) {
+            return invalid(format!(
+                "event_id is too long or contains control characters; \
+                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control characters"
+            ));
+        }
+        if self.seen.contains(id) {
+            let reason = "an impact with this event_id was accepted before; give every impact its own identifier";
+            return Err(Refusal::new(RefusalCode::EventIdRepeated, reason));
+        }
+        Ok(())
+    }
+
+    /// Takes note of an accepted impact.
+    pub fn accept(&mut self, event_id: Arc<str>) {
+        self.seen.remember(event_id);
+        self.counts.events_accepted += 1;
+        self.life.impacts_since_reset = self.life.impacts_since_reset.saturating_add(1);
+    }
+
+    /// Takes an acceptance back: the impact was still to come and is refused after all, so that no impact is counted
+    /// twice.
+    pub fn withdraw(&mut self) {
+        let accepted = &mut self.counts.events_accepted;
+        *accepted = accepted.saturating_sub(1);
+        let since_reset = &mut self.life.impacts_since_reset;
+        *since_reset = since_reset.saturating_sub(1);
+    }
+
+    /// Counts a refused impact.
+    pub fn refuse_impact(&mut self, event_id: &str, refusal: Refusal, now: Nanos) -> Output {
+        self.counts.events_refused += 1;
+        self.life.refused_since_reset += 1;
+        let event_id = printable(event_id).into();
+        self.refuse(RefusedInput::Impact, refusal, event_id, "".into(), now)
+    }
+
+    /// Counts a refused change of parameters.
+    pub fn refuse_change(&mut self, refusal: Refusal, source: &Arc<str>, now: Nanos) -> Output {
+        self.counts.parameters_refused += 1;
+        let source = Arc::clone(source);
+        self.refuse(RefusedInput::Parameters, refusal, "".into(), source, now)
+    }
+
+    fn refuse(
+        &mut self,
+        what: RefusedInput,
+        refusal: Refusal,
+        event_id: Arc<str>,
+        source: Arc<str>,
+        now: Nanos,
+    ) -> Output {
+        self.last_refusal = Some(LastRefusal {
+            refusal: refusal.clone(),
+            event_id: Arc::clone(&event_id),
+        });
+        Output::Refused(Refused {
+            stamp: now,
+            what,
+            refusal,
+            event_id,
+            source,
+        })
+    }
+
+    /// Keeps an impact until the column gets there.
+    ///
+    /// # Errors
+    /// Too many are kept already.
+    pub fn keep_pending(&mut self, impact: PendingImpact) -> Result<(), Refusal> {
+        if self.pending.len() == MAX_IMPACTS_AHEAD {
+            let reason = format!(
+                "{MAX_IMPACTS_AHEAD} accepted impacts are still to come; send impacts when they happen"
+            );
+            return Err(Refusal::new(RefusalCode::TooManyImpactsAhead, reason));
+        }
+        let place = self
+            .pending
+            .partition_point(|other| other.stamp <= impact.stamp);
+        self.pending.insert(place, impact);
+        Ok(())
+    }
+
+    /// Stamp of the next impact to come.
+    pub fn next_pending(&self) -> Option<Nanos> {
+        self.pending.first().map(|next| next.stamp)
+    }
+
+    pub fn take_pending(&mut self) -> Option<PendingImpact> {
+        (!self.pending.is_empty()).then(|| self.pending.remove(0))
+    }
+
+    /// The impacts that are still to come, in words; `None` if there are none.
+    pub fn pending_in_words(&self) -> Option<String> {
+        let names: Vec<_> = self
+            .pending
+            .iter()
+            .map(|pending| format!("\"{}\"", pending.event_id))
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "accepted impacts that are still to come: {}",
+                names.join(", ")
+            )
+        })
+    }
+
+    /// Forgets everything since the last reset; the counts continue.
+    pub fn reset(&mut self) {
+        self.pending.clear();
+        self.seen.clear();
+        self.life = Life::default();
+    }
+}
+
+/// # Errors
+/// Another column is meant.
+pub(super) fn check_column_id(own: &str, found: &str) -> Result<(), Refusal> {
+    if own == found {
+        return Ok(());
+    }
+    let reason = format!(
+        "column_id is \"{}\", but this is the twin of column \"{own}\"",
+        printable(found)
+    );
+    Err(Refusal::new(RefusalCode::OtherColumn, reason))
+}
+
+/// # Errors
+/// The stamp is too old or too far ahead.
+pub(super) fn check_stamp(
+    stamp: Nanos,
+    now: Nanos,
+    parameters: &Parameters,
+) -> Result<(), Refusal> {
+    let tolerance = &parameters.settings().event;
+    let off = seconds(stamp.abs_diff(now));
+    let check = "check that the sender and the twin have the same clock";
+    if stamp <= now && off > tolerance.max_age {
+        let reason = format!(
+            "the stamp is {off} s old; event.max_age is {} s; {check}",
+            tolerance.max_age
+        );
+        return Err(Refusal::new(RefusalCode::StampTooOld, reason));
+    }
+    if stamp > now && off > tolerance.max_ahead {
+        let reason = format!(
+            "the stamp is {off} s ahead; event.max_ahead is {} s; {check}",
+            tolerance.max_ahead
+        );
+        return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));
+    }
+    Ok(())
+}
+
+/// A name from outside as it may appear in a message: of bounded length, without characters that a terminal would obey.
+pub(super) fn printable(name: &str) -> String {
+    truncated(name, MAX_EVENT_ID_CHARS)
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .collect()
+}

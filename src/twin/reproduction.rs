@@ -1,0 +1,142 @@
+//! A twin that continues from a checkpoint and follows a recorded one without a clock.
+
+use std::sync::Arc;
+
+use super::command::Nanos;
+use super::journal::{Checkpoint, JournalClock, NotReached, Position};
+use super::output::{Output, Outputs};
+use super::plant::Plant;
+use super::{MAX_STEPS_PER_CALL, Stopwatch, Twin};
+use crate::column::{Model, ModelError};
+use crate::parameters::Parameters;
+
+impl Twin {
+    /// The twin as it was at a checkpoint, without the course of the response before it.
+    ///
+    /// # Errors
+    /// The column is impossible; a twin gives out no such checkpoint.
+    pub fn from_checkpoint(from: &Checkpoint, stopwatch: Stopwatch) -> Result<Self, ModelError> {
+        let parameters = Parameters::clone(&from.parameters);
+        let mut properties = parameters.column_properties();
+        properties.length_below = from.length_below;
+        properties.length_above = from.length_above;
+        let mut twin = Self::new(parameters, None, stopwatch, from.stamp)?;
+        twin.at_rest = Plant {
+            model: Model::new(&properties)?,
+            state: from.state,
+            condition: from.condition.clone(),
+        };
+        twin.registry.restore_seen_ids(&from.seen_ids);
+        twin.registry.life = from.life.clone();
+        twin.registry.counts = from.counts;
+        twin.registry.last_refusal = from.last_refusal.clone();
+        twin.journal = JournalClock::continuing(from);
+        Ok(twin)
+    }
+
+    /// Everything on which the twin's future depends; `None` while a response runs.
+    #[must_use]
+    pub fn checkpoint(&self, stamp: Nanos) -> Option<Checkpoint> {
+        if self.response.is_some() {
+            return None;
+        }
+        let properties = &self.at_rest.model.properties;
+        Some(Checkpoint {
+            number: self.journal.next_number(),
+            stamp,
+            response: self.journal.responses,
+            parameters: Arc::clone(self.parameters.current()),
+            length_below: properties.length_below,
+            length_above: properties.length_above,
+            state: self.at_rest.state,
+            condition: self.at_rest.condition.clone(),
+            life: self.registry.life.clone(),
+            counts: self.registry.counts,
+            last_refusal: self.registry.last_refusal.clone(),
+            seen_ids: self.registry.seen_ids(),
+        })
+    }
+
+    /// Gives out a checkpoint where one is due.
+    pub(super) fn report_checkpoint(&mut self, now: Nanos, out: &mut impl Outputs) {
+        if !self.journal.is_checkpoint_due(now) {
+            return;
+        }
+        if let Some(checkpoint) = self.checkpoint(now) {
+            out.put(Output::Journal(self.journal.checkpoint(checkpoint)));
+        }
+    }
+
+    /// How far the twin has come.
+    #[must_use]
+    pub fn position(&self) -> Position {
+        Position {
+            response: self.journal.responses,
+            step: self
+                .response
+                .as_ref()
+                .map(|response| response.timeline.step()),
+        }
+    }
+
+    /// Whether the last response is known, so that it can be resumed for a late impact.
+    #[must_use]
+    pub fn knows_last_response(&self) -> bool {
+        self.last.is_some()
+    }
+
+    /// Follows the column to a position without a clock. A forecast is given out as soon as its impact has begun, states
+    /// and reports as they fall due.
+    ///
+    /// # Errors
+    /// The position is never reached: the twin is beyond it already, or is at rest and was not given the command that
+    /// leads there.
+    pub fn advance_to_position(
+        &mut self,
+        wanted: Position,
+        out: &mut impl Outputs,
+    ) -> Result<(), NotReached> {
+        loop {
+            let found = self.position();
+            let not_reached = NotReached { found, wanted };
+            let now = self.instant_towards(wanted);
+            if found == wanted {
+                self.run_ahead(u64::MAX, now.unwrap_or_default(), out);
+                return Ok(());
+            }
+            let now = now.ok_or(not_reached)?;
+            self.run_ahead(u64::MAX, now, out);
+            self.step_to(now, out);
+            if self.position() == found {
+                return Err(not_reached);
+            }
+        }
+    }
+
+    /// Follows the column until all states up to an instant are given out, or the response is over.
+    pub fn advance_to_instant(&mut self, now: Nanos, out: &mut impl Outputs) {
+        loop {
+            let found = self.position();
+            self.run_ahead(u64::MAX, now, out);
+            self.step_to(now, out);
+            if self.position() == found {
+                return;
+            }
+        }
+    }
+
+    /// An instant to step to on the way to a position, neither beyond it nor beyond the next impact; `None` where the
+    /// position is not ahead.
+    fn instant_towards(&self, wanted: Position) -> Option<Nanos> {
+        let timeline = &self.response.as_ref()?.timeline;
+        let here = timeline.step();
+        let response = self.journal.responses;
+        let step = match wanted.step {
+            _ if wanted.response < response => return None,
+            Some(step) if wanted.response == response => (step >= here).then_some(step)?,
+            _ => here.saturating_add(u64::from(MAX_STEPS_PER_CALL)),
+        };
+        let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
+        Some(timeline.instant_of(step).min(next_impact))
+    }
+}
