@@ -90,7 +90,7 @@ fn is_report(output: &Output) -> bool {
 fn expected(event: &ImpactCommand) -> Vec<Output> {
     let mut twin = twin(event.stamp);
     let mut out = Vec::new();
-    twin.handle(Command::Impact(event.clone()), event.stamp, &mut out);
+    let _ = twin.handle(Command::Impact(event.clone()), event.stamp, &mut out);
     let mut now = event.stamp;
     while twin.is_responding() {
         now += MS;
@@ -385,7 +385,7 @@ fn a_long_forecast_hears_questions_and_a_stop() {
     assert_eq!(notice.severity, Severity::Error);
     let text = &notice.text;
     assert!(
-        text.contains("the damage by impact \"a\"") && text.contains("lie ahead: \"b\""),
+        text.contains("the damage of impact \"a\"") && text.contains("still to come: \"b\""),
         "{text}"
     );
     assert!(!received.iter().any(|it| matches!(it, Output::Forecast(_))));

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Exit, Failure};
-use crate::live::LiveOptions;
-use crate::ros::{self, Environment, RosArguments, RunError, RunOptions, start_live_twin};
+use crate::ros::{self, Environment, RosArguments, RunError, RunOptions};
 
 /// What `column-twin run` is told besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -33,10 +32,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         environment: environment()?,
         parameter_files: arguments.config.clone(),
     };
-    let end = ros::run(&options, |parameters| {
-        start_live_twin(parameters, LiveOptions::default())
-    })
-    .map_err(|error| match error {
+    let end = ros::run(&options).map_err(|error| match error {
         RunError::Parameters(faults) => Failure {
             exit: Exit::BadInput,
             report: faults.report(),

@@ -49,7 +49,7 @@ impl Entries {
         let data = line.encode()?.into();
         Ok(
             Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
-                checkpoint: line.is_starting_point(),
+                checkpoint: line.is_checkpoint(),
                 ..entry
             }),
         )

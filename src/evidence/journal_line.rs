@@ -11,7 +11,7 @@ use crate::twin::{Journal, Nanos};
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// Version of what is written, and the only one that is read.
-pub const JOURNAL_VERSION: u32 = 1;
+pub const JOURNAL_VERSION: u32 = 2;
 
 /// One entry of the journal, as it is recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,7 +88,7 @@ impl Line {
 
     /// Whether a recording can begin with it.
     #[must_use]
-    pub fn is_starting_point(&self) -> bool {
+    pub fn is_checkpoint(&self) -> bool {
         matches!(self.entry, LineEntry::Twin(Journal::Checkpoint(_)))
     }
 

@@ -12,7 +12,6 @@ mod about;
 mod comparison;
 mod entries;
 mod journal_line;
-#[cfg(feature = "ros")]
 mod node_recording;
 mod replayer;
 mod simulated;
@@ -22,7 +21,6 @@ mod verification;
 pub use about::{About, build};
 pub use comparison::Difference;
 pub use journal_line::{JOURNAL_FORMAT, JOURNAL_VERSION, JournalError, Line, LineEntry};
-#[cfg(feature = "ros")]
 pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, Topics};

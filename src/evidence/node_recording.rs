@@ -8,14 +8,15 @@ use super::entries::Entries;
 use super::journal_line::{Line, LineEntry};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
+use crate::live::{QueueStats, WhenFull};
 use crate::messages::cdr;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
+use crate::outgoing::{RecordingHealth, RecordingTap};
 use crate::parameters::{Record, RecordMode};
 use crate::recording::{
     Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
-use crate::ros::bridge::{QueueHealth, Recording, RecordingHealth};
 use crate::twin::Journal;
 
 /// Takes a copy of everything that a node receives and sends; a thread of its own writes it.
@@ -143,7 +144,7 @@ fn is_at_rest(status: &[u8]) -> bool {
     })
 }
 
-impl Recording for NodeRecording {
+impl RecordingTap for NodeRecording {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
         if self.wanted(endpoint, bytes) {
             let now = self.now();
@@ -170,7 +171,7 @@ impl Recording for NodeRecording {
 
     fn journal(&self, entry: &Journal) {
         match entry {
-            Journal::CommandRecord(_) => self.going_on.store(true, Ordering::Relaxed),
+            Journal::Command(_) => self.going_on.store(true, Ordering::Relaxed),
             // It goes with the status that follows it, and that one is left out.
             Journal::Status(_) if self.events_only && !self.going_on.load(Ordering::Relaxed) => {
                 return;
@@ -213,7 +214,7 @@ impl Recording for NodeRecording {
             ("recordings finished", finished.to_string()),
         ];
         RecordingHealth {
-            queue: queue.into(),
+            queue,
             lost: lost + self.unencoded.load(Ordering::Relaxed),
             problem: failing.map(|reason| reason.to_string()),
             values: values
@@ -225,11 +226,11 @@ impl Recording for NodeRecording {
 
 fn stopped() -> RecordingHealth {
     RecordingHealth {
-        queue: QueueHealth {
+        queue: QueueStats {
             name: "recording".to_owned(),
             capacity: 0,
             len: 0,
-            policy: "stopped",
+            when_full: WhenFull::DropNewest,
             pushed: 0,
             dropped: 0,
         },

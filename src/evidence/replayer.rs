@@ -8,16 +8,12 @@ use super::verification::{TopicCheck, Verification};
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
-use crate::outgoing::{Message, Outgoing, TOPICS};
-use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusTaken, Twin};
+use crate::outgoing::{Message, Outgoing, Topic};
+use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusRecord, Twin};
 
-/// Places in [`TOPICS`].
-const FORECAST: usize = 2;
-const STATUS: usize = 4;
-
-/// A recorded message of one of [`TOPICS`].
+/// A recorded message of the twin.
 pub(super) struct Recorded<'a> {
-    pub topic: usize,
+    pub topic: Topic,
     pub name: &'a str,
     pub log_time: i64,
     pub bytes: &'a [u8],
@@ -40,7 +36,7 @@ struct Course {
     twin: Twin,
     outgoing: Outgoing,
     /// What it gave out and was not found in the recording yet.
-    computed: [VecDeque<Computed>; TOPICS.len()],
+    computed: [VecDeque<Computed>; Topic::COUNT],
     /// Messages it gave out.
     count: u64,
     /// The newest message that was found.
@@ -54,7 +50,7 @@ struct Course {
 /// disk) begins with the last checkpoint, and lacks what the twin was given since.
 #[derive(Default)]
 struct Foreign {
-    count: [u64; TOPICS.len()],
+    count: [u64; Topic::COUNT],
     first: Option<Difference>,
 }
 
@@ -69,7 +65,7 @@ impl Replayer {
         let place = Place { name, log_time };
         match entry {
             LineEntry::Twin(Journal::Checkpoint(point)) => self.checkpoint(point, &place),
-            LineEntry::Twin(Journal::CommandRecord(handled)) => self.handled(handled, &place),
+            LineEntry::Twin(Journal::Command(record)) => self.command(record, &place),
             LineEntry::Twin(Journal::Status(taken)) => self.status_taken(*taken, &place),
             LineEntry::RefusedByNode { .. } => self.findings.refused_by_node += 1,
         }
@@ -102,7 +98,7 @@ impl Replayer {
             Some(found) => {
                 let stamp = Some(point.stamp);
                 self.findings
-                    .differs(place.difference(found, stamp, &point.last_event_id));
+                    .differs(place.difference(found, stamp, &point.life.last_event_id));
                 self.begin(point, place);
             }
         }
@@ -122,43 +118,44 @@ impl Replayer {
         }
     }
 
-    fn handled(&mut self, handled: &CommandRecord, place: &Place<'_>) {
+    fn command(&mut self, record: &CommandRecord, place: &Place<'_>) {
         self.findings.inputs += 1;
-        self.number_is(handled.number, place);
-        self.next_number = Some(handled.number.saturating_add(1));
-        self.come_to(handled.position, place);
+        self.number_is(record.number, place);
+        self.next_number = Some(record.number.saturating_add(1));
+        self.come_to(record.position, place);
         let Some(course) = &mut self.course else {
             return;
         };
-        if handled.taken_back && !course.twin.knows_last_response() {
+        if record.taken_back && !course.twin.knows_last_response() {
             return self.lose_track(
                 "an impact came so late that it belongs into a response before the recording"
                     .to_owned(),
             );
         }
         let mut out = Vec::new();
-        course
+        // The outcome is in the journal that the twin gives out.
+        let _ = course
             .twin
-            .handle(handled.given.input(), handled.now, &mut out);
-        course.twin.run_ahead(u64::MAX, handled.now, &mut out);
+            .handle(record.command.clone(), record.now, &mut out);
+        course.twin.run_ahead(u64::MAX, record.now, &mut out);
         course.gave_out(&out);
         let own = out.iter().find_map(|output| match output {
-            Output::Journal(Journal::CommandRecord(own)) => Some(own),
+            Output::Journal(Journal::Command(own)) => Some(own),
             _ => None,
         });
         let Some(own) = own else { return };
-        let outcome = |it: &CommandRecord| (it.refused.clone(), it.taken_back);
-        if let Some(found) = first_difference(&outcome(handled), &outcome(own)) {
+        let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
+        if let Some(found) = first_difference(&outcome(record), &outcome(own)) {
             let found = super::comparison::FieldDifference {
                 field: "what became of an input".to_owned(),
                 ..found
             };
             self.findings
-                .differs(place.difference(found, Some(handled.now), ""));
+                .differs(place.difference(found, Some(record.now), ""));
         }
     }
 
-    fn status_taken(&mut self, taken: StatusTaken, place: &Place<'_>) {
+    fn status_taken(&mut self, taken: StatusRecord, place: &Place<'_>) {
         self.number_is(taken.next_number, place);
         self.come_to(taken.position, place);
         if let Some(course) = &mut self.course {
@@ -222,15 +219,15 @@ impl Replayer {
                 return self.findings.differs(place.difference(found, None, ""));
             }
         };
-        let check = &mut self.findings.topics[recorded.topic];
+        let check = &mut self.findings.topics[recorded.topic.index()];
         check.recorded += 1;
         self.findings.note_losses(&message);
         let Some(course) = &mut self.course else {
-            self.findings.topics[recorded.topic].unchecked += 1;
+            self.findings.topics[recorded.topic.index()].unchecked += 1;
             return;
         };
         match course.find(recorded.topic, &message) {
-            Some(found) => self.findings.topics[recorded.topic].compare(
+            Some(found) => self.findings.topics[recorded.topic.index()].compare(
                 &place,
                 &message,
                 found,
@@ -245,14 +242,14 @@ impl Replayer {
                 };
                 let event = message.event_id().unwrap_or_default().to_owned();
                 let found = place.difference(found, message.stamp(), &event);
-                course.foreign.count[recorded.topic] += 1;
+                course.foreign.count[recorded.topic.index()] += 1;
                 course.foreign.first.get_or_insert(found);
                 return;
             }
         }
         let newest = course.newest_found;
         let missing = course.missing_before(recorded.topic, newest);
-        self.findings.topics[recorded.topic].missing += missing;
+        self.findings.topics[recorded.topic.index()].missing += missing;
         self.findings.take_difference(recorded.topic);
     }
 
@@ -291,11 +288,11 @@ impl Replayer {
         let Some(mut course) = self.course.take() else {
             return;
         };
-        for topic in 0..TOPICS.len() {
+        for topic in Topic::ALL {
             let newest = course.newest_found;
-            let check = &mut self.findings.topics[topic];
+            let check = &mut self.findings.topics[topic.index()];
             check.missing += course.missing_before(topic, newest);
-            check.unchecked += course.foreign.count[topic];
+            check.unchecked += course.foreign.count[topic.index()];
         }
         let foreign: u64 = course.foreign.count.iter().sum();
         if foreign > 0 {
@@ -334,35 +331,35 @@ impl Course {
             self.outgoing.convert(output, |message| {
                 self.count += 1;
                 let number = self.count;
-                self.computed[message.topic()].push_back(Computed { number, message });
+                self.computed[message.topic().index()].push_back(Computed { number, message });
             });
         }
     }
 
     /// The computed message that belongs to a recorded one; those before it stay for
     /// [`missing_before`](Self::missing_before).
-    fn find(&mut self, topic: usize, recorded: &Message) -> Option<Message> {
+    fn find(&mut self, topic: Topic, recorded: &Message) -> Option<Message> {
         let same = |it: &Computed| {
             it.message.stamp() == recorded.stamp() && it.message.event_id() == recorded.event_id()
         };
-        let mut index = self.computed[topic].iter().position(same);
-        if index.is_none() && topic != STATUS {
+        let mut index = self.computed[topic.index()].iter().position(same);
+        if index.is_none() && topic != Topic::TwinStatus {
             let stamp = recorded.stamp()?;
             let mut out = Vec::new();
             self.twin.advance_to_instant(stamp, &mut out);
             self.gave_out(&out);
-            index = self.computed[topic].iter().position(same);
+            index = self.computed[topic.index()].iter().position(same);
         }
-        let found = self.computed[topic].remove(index?)?;
+        let found = self.computed[topic.index()].remove(index?)?;
         self.newest_found = self.newest_found.max(found.number);
         Some(found.message)
     }
 
     /// Takes out what was given out before message `newest` and is still there, and counts it. A forecast is no loss:
     /// that of a response which another impact ended may never have been complete.
-    fn missing_before(&mut self, topic: usize, newest: u64) -> u64 {
-        let queue = &mut self.computed[topic];
-        if topic == FORECAST {
+    fn missing_before(&mut self, topic: Topic, newest: u64) -> u64 {
+        let queue = &mut self.computed[topic.index()];
+        if topic == Topic::ImpactForecast {
             return 0;
         }
         let before = queue.len();

@@ -6,17 +6,17 @@ use std::sync::Arc;
 use super::entries::Entries;
 use super::journal_line::JournalError;
 use super::topics::Topics;
-use crate::column::{ModelError, Report};
+use crate::column::{ImpactSpecification, ModelError, Report};
 use crate::endpoints;
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::ImpactEvent as ImpactMessage;
+use crate::messages::column_twin::ImpactEvent;
 use crate::messages::std_msgs::Header;
-use crate::outgoing::{Outgoing, TOPICS};
+use crate::outgoing::Outgoing;
 use crate::parameters::Parameters;
 use crate::recording::{Entry, Finished, RecordingError, Writer, WriterOptions};
-use crate::twin::{ImpactEvent, Input, Nanos, Output, Twin};
+use crate::twin::{Command, ImpactCommand, Nanos, Output, Refusal, Twin};
 
 /// Name of the one event.
 const SIMULATED_EVENT: &str = "simulated";
@@ -45,9 +45,9 @@ pub enum SimulatedRecordingError {
     /// The journal cannot be written.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The twin does not take the impact.
-    #[error("the impact is refused: {0}")]
-    Refused(String),
+    /// The twin rejects the impact.
+    #[error("the impact was rejected: {0}")]
+    Refused(#[from] Refusal),
     /// There is no such instant.
     #[error(
         "expected an instant from 1970 to 2038 for the beginning of the recording, found {0} ns after 1970"
@@ -70,29 +70,21 @@ pub fn record_impact(
         .filter(|_| origin >= 0)
         .ok_or(SimulatedRecordingError::Origin(origin))?;
     let settings = parameters.settings();
-    let impact = parameters.impact();
-    let event = ImpactEvent {
+    let impact = ImpactSpecification::from(parameters.impact());
+    let command = ImpactCommand {
         event_id: SIMULATED_EVENT.to_owned(),
         column_id: settings.column_id.clone(),
         stamp: origin,
-        impact_mass: impact.mass,
-        velocity: impact.velocity,
-        gap: Some(impact.gap),
-        restitution: Some(impact.restitution),
-        height: None,
+        impact,
     };
-    let message = ImpactMessage {
+    let message = ImpactEvent {
         header: Header {
             stamp,
             frame_id: settings.frame_id.clone(),
         },
-        column_id: event.column_id.clone(),
-        event_id: event.event_id.clone(),
-        mass: impact.mass,
-        velocity: impact.velocity,
-        gap: impact.gap,
-        restitution: impact.restitution,
-        height: f64::NAN,
+        column_id: command.column_id.clone(),
+        event_id: command.event_id.clone(),
+        ..ImpactEvent::from(&impact)
     };
     let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
     let topics = Topics::of_default_node();
@@ -101,18 +93,14 @@ pub fn record_impact(
         entries: Entries::new(&topics),
         outgoing: Outgoing::new(parameters),
         report: None,
-        refused: None,
     };
-    let written = script.play(&mut twin, event, &message, origin);
+    let written = script.play(&mut twin, command, &message, origin);
     let finished = script.writer.finish();
     written?;
-    match script.refused {
-        Some(reason) => Err(SimulatedRecordingError::Refused(reason)),
-        None => Ok(RecordedImpact {
-            finished: finished?,
-            report: script.report,
-        }),
-    }
+    Ok(RecordedImpact {
+        finished: finished?,
+        report: script.report,
+    })
 }
 
 /// Writes down what a twin gives out.
@@ -121,15 +109,14 @@ struct Script {
     entries: Entries,
     outgoing: Outgoing,
     report: Option<Report>,
-    refused: Option<String>,
 }
 
 impl Script {
     fn play(
         &mut self,
         twin: &mut Twin,
-        event: ImpactEvent,
-        message: &ImpactMessage,
+        command: ImpactCommand,
+        message: &ImpactEvent,
         origin: Nanos,
     ) -> Result<(), SimulatedRecordingError> {
         let mut out = Vec::new();
@@ -142,13 +129,14 @@ impl Script {
             origin,
             origin,
         ))?;
-        twin.handle(Input::Impact(event), origin, &mut out);
+        let accepted = twin.handle(Command::Impact(command), origin, &mut out);
         twin.run_ahead(u64::MAX, origin, &mut out);
         let mut now = origin;
         loop {
             twin.advance_to(now, &mut out);
             self.write(&mut out, now)?;
             if !twin.is_responding() {
+                accepted?;
                 return Ok(());
             }
             now = twin.next_deadline(now).max(now);
@@ -161,7 +149,7 @@ impl Script {
             self.outgoing
                 .convert(&output, |message| messages.push(message));
             for message in messages {
-                let endpoint = TOPICS[message.topic()];
+                let endpoint = message.topic().endpoint();
                 let bytes = Arc::from(message.encode()?);
                 self.put(Entries::message(endpoint, bytes, now, now))?;
             }
@@ -171,7 +159,6 @@ impl Script {
                     self.put(entry)?;
                 }
                 Output::Report(report) => self.report = Some(report.report),
-                Output::Refused(refused) => self.refused = Some(refused.reason.to_string()),
                 _ => {}
             }
         }

@@ -8,7 +8,7 @@ use super::comparison::Difference;
 use super::journal_line::{JournalError, Line};
 use super::replayer::{Recorded, Replayer};
 use crate::endpoints;
-use crate::outgoing::{Message, TOPICS};
+use crate::outgoing::{Message, Topic};
 use crate::recording::{Reader, RecordingError};
 
 /// Most reasons why something was not checked that are kept; all are counted.
@@ -19,8 +19,8 @@ const MAX_REASONS: usize = 20;
 pub struct Verification {
     /// Who recorded.
     pub about: Option<About>,
-    /// Each topic that is recomputed, in the order of [`TOPICS`].
-    pub topics: [TopicCheck; TOPICS.len()],
+    /// Each topic that is recomputed, at its [index](Topic::index).
+    pub topics: [TopicCheck; Topic::COUNT],
     /// Checkpoints in the recording.
     pub checkpoints: u64,
     /// Of these, exact states that were compared with what the responses before them lead to.
@@ -86,7 +86,7 @@ pub enum VerifyError {
         "there is no checkpoint in the journal of the recording ({wholeness}), from which to compute it anew; verify the \
          recording before or after it"
     )]
-    NoStartingPoint {
+    NoCheckpoint {
         /// Whether all is there that was written.
         wholeness: String,
     },
@@ -143,13 +143,13 @@ impl Verification {
     }
 
     /// Counts a difference that a comparison on a topic has just found.
-    pub(super) fn take_difference(&mut self, topic: usize) {
+    pub(super) fn take_difference(&mut self, topic: Topic) {
         let total: u64 = self.topics.iter().map(|it| it.differing).sum();
         if total > self.counted_differing {
             self.counted_differing = total;
             self.differences += 1;
             if self.first_difference.is_none() {
-                self.first_difference = self.topics[topic].first_difference.clone();
+                self.first_difference = self.topics[topic.index()].first_difference.clone();
             }
         }
     }
@@ -189,7 +189,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
         .ok_or(VerifyError::NoJournal)?;
     let mut replayer = Replayer::default();
     let mut about: Option<About> = None;
-    let mut before = [0_u64; TOPICS.len()];
+    let mut before = [0_u64; Topic::COUNT];
     for message in reader.messages() {
         let message = message?;
         if *message.topic == *journal {
@@ -204,7 +204,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
             continue;
         };
         if about.is_none() {
-            before[topic] += 1;
+            before[topic.index()] += 1;
             continue;
         }
         replayer.message(&Recorded {
@@ -217,7 +217,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     let mut findings = replayer.finish();
     if findings.checkpoints == 0 {
         let wholeness = reader.wholeness().to_string();
-        return Err(VerifyError::NoStartingPoint { wholeness });
+        return Err(VerifyError::NoCheckpoint { wholeness });
     }
     let early: u64 = before.iter().sum();
     if early > 0 {
@@ -238,11 +238,14 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     Ok(findings)
 }
 
-/// Which of [`TOPICS`] a recorded topic is: as the journal says, before its first word by type and name.
-fn topic_of(about: Option<&About>, name: &str, type_name: &str) -> Option<usize> {
-    TOPICS.iter().position(|endpoint| match about {
-        Some(about) => about.topics.get(endpoint.name).is_some_and(|it| it == name),
-        None => endpoint.type_name == type_name && name.ends_with(endpoint.name),
+/// The topic of the twin that a recorded topic is: as the journal has it, and before the journal begins by type and name.
+fn topic_of(about: Option<&About>, name: &str, type_name: &str) -> Option<Topic> {
+    Topic::ALL.into_iter().find(|topic| {
+        let endpoint = topic.endpoint();
+        match about {
+            Some(about) => about.topics.get(endpoint.name).is_some_and(|it| it == name),
+            None => endpoint.type_name == type_name && name.ends_with(endpoint.name),
+        }
     })
 }
 
@@ -269,11 +272,11 @@ impl fmt::Display for Verification {
             "  {:<16} {:>9} {:>9} {:>9} {:>9} {:>11}",
             "topic", "recorded", "compared", "differing", "missing", "not checked"
         )?;
-        for (endpoint, check) in TOPICS.iter().zip(&self.topics) {
+        for (topic, check) in Topic::ALL.iter().zip(&self.topics) {
             writeln!(
                 f,
                 "  {:<16} {:>9} {:>9} {:>9} {:>9} {:>11}",
-                endpoint.name,
+                topic.endpoint().name,
                 check.recorded,
                 check.compared,
                 check.differing + check.foreign,

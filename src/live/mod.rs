@@ -28,7 +28,7 @@ pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
-pub use queue::{OutputQueue, QueueStats, Receiver, WhenFull};
+pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, ask_for_sender};
 pub use solver::SOLVER_THREAD;
 pub use state_writer::STATE_WRITER_THREAD;

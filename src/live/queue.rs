@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
@@ -18,6 +18,18 @@ pub enum WhenFull {
     DropOldest,
     /// It drops what comes.
     DropNewest,
+}
+
+impl WhenFull {
+    /// The policy in words.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Refuse => "the sender is refused",
+            Self::DropOldest => "the oldest entry is dropped",
+            Self::DropNewest => "the newest entry is dropped",
+        }
+    }
 }
 
 /// A queue as it is now.
@@ -105,11 +117,14 @@ pub struct OutputQueue {
 }
 
 impl OutputQueue {
+    /// Name of the queue to ROS.
+    pub const ROS: &str = "ros";
+
     /// To ROS: the oldest are dropped.
     #[must_use]
     pub fn ros() -> Self {
         Self {
-            name: "ros".to_owned(),
+            name: Self::ROS.to_owned(),
             states: 4096,
             others: 1024,
             when_full: WhenFull::DropOldest,
@@ -177,6 +192,28 @@ impl OutputQueues {
 
     pub fn stats(&self) -> [QueueStats; WAYS] {
         self.ways.each_ref().map(Queue::stats)
+    }
+}
+
+/// Where outputs come from, in their order.
+pub trait OutputSource: Send + 'static {
+    /// The next output, waiting for it for at most `timeout`; `None` if none came in that time.
+    fn receive(&mut self, timeout: Duration) -> Option<Output>;
+}
+
+impl OutputSource for Receiver {
+    fn receive(&mut self, timeout: Duration) -> Option<Output> {
+        let deadline = Instant::now() + timeout;
+        loop {
+            if let Some(output) = self.try_next() {
+                return Some(output);
+            }
+            let rest = deadline.saturating_duration_since(Instant::now());
+            if rest.is_zero() {
+                return None;
+            }
+            self.wait(rest);
+        }
     }
 }
 

@@ -1,12 +1,15 @@
-//! What the column computes, as messages.
+//! Conversions between the mechanics and messages.
 //!
-//! A header, a column and an event are not the column's to know: the conversions leave them empty. Nothing is allocated.
+//! The mechanics knows no header, column or event: the conversions leave them empty. Nothing is allocated.
 
 use crate::column::{
-    End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
+    End, HINGES, HingeReport, HingeSample, HingeState, ImpactSpecification, Outcome, Phase, Report,
+    Sample,
 };
 
-use super::column_twin::{ColumnState, HingeForces, ImpactReport};
+use super::column_twin::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport, PredictImpactRequest,
+};
 
 impl From<&Sample> for ColumnState {
     /// With an empty header, column and event.
@@ -94,6 +97,49 @@ fn each_hinge<H, T>(hinges: &[H; HINGES], value: impl Fn(&H) -> T) -> [T; HINGES
 }
 
 /// Code of `phase` in [`ColumnState`].
+impl From<&ImpactSpecification> for ImpactEvent {
+    /// With an empty header, column and event; what is left open is NaN.
+    fn from(impact: &ImpactSpecification) -> Self {
+        Self {
+            mass: impact.mass,
+            velocity: impact.velocity,
+            gap: impact.gap.unwrap_or(f64::NAN),
+            restitution: impact.restitution.unwrap_or(f64::NAN),
+            height: impact.height.unwrap_or(f64::NAN),
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&ImpactEvent> for ImpactSpecification {
+    fn from(event: &ImpactEvent) -> Self {
+        Self {
+            mass: event.mass,
+            velocity: event.velocity,
+            gap: given(event.gap),
+            restitution: given(event.restitution),
+            height: given(event.height),
+        }
+    }
+}
+
+impl From<&PredictImpactRequest> for ImpactSpecification {
+    fn from(request: &PredictImpactRequest) -> Self {
+        Self {
+            mass: request.mass,
+            velocity: request.velocity,
+            gap: given(request.gap),
+            restitution: given(request.restitution),
+            height: given(request.height),
+        }
+    }
+}
+
+/// NaN leaves a value to the parameters. An infinite one is given, and wrong.
+fn given(number: f64) -> Option<f64> {
+    (!number.is_nan()).then_some(number)
+}
+
 fn phase_code(phase: Phase) -> u8 {
     match phase {
         Phase::Idle => ColumnState::IDLE,
@@ -124,5 +170,22 @@ fn end_code(end: End) -> u8 {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_is_left_open_and_infinity_is_not() {
+        let open = ImpactSpecification {
+            mass: 1500.0,
+            velocity: f64::NEG_INFINITY,
+            gap: None,
+            restitution: Some(f64::INFINITY),
+            height: None,
+        };
+        assert_eq!(ImpactSpecification::from(&ImpactEvent::from(&open)), open);
     }
 }

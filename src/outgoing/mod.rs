@@ -1,12 +1,12 @@
 //! What leaves the twin, as messages: the one conversion that the node, a recording without ROS and `verify` share, so
 //! that their messages are equal byte for byte.
 //!
-//! Which outputs become which messages, and how often: states and hinge forces as they come; joint states and markers
-//! thinned, since they are to look at; reports, forecasts and status as they come. All of it depends on the outputs
-//! since the last checkpoint alone.
+//! Every state and its hinge forces, every report, forecast and status becomes a message; joint states and markers are
+//! thinned, because they are only looked at. The result depends on nothing but the outputs since the last checkpoint.
 
 mod joint_states;
 mod markers;
+mod tap;
 
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
@@ -21,6 +21,7 @@ use crate::twin::{
 };
 use joint_states::JointStates;
 use markers::markers;
+pub use tap::{RecordingHealth, RecordingTap};
 
 /// Shortest time between two joint states, in the time of the samples: 100 Hz show all that a plot can.
 const JOINT_STATES_PERIOD: i64 = 10_000_000;
@@ -28,16 +29,60 @@ const JOINT_STATES_PERIOD: i64 = 10_000_000;
 /// Shortest time between two marker arrays, in the time of the samples: 25 Hz are a film.
 const MARKERS_PERIOD: i64 = 40_000_000;
 
-/// The topics of [`Message`], in its order.
-pub const TOPICS: [&Endpoint; 7] = [
-    &endpoints::COLUMN_STATE,
-    &endpoints::HINGE_FORCES,
-    &endpoints::IMPACT_FORECAST,
-    &endpoints::IMPACT_REPORT,
-    &endpoints::TWIN_STATUS,
-    &endpoints::JOINT_STATES,
-    &endpoints::MARKERS,
-];
+/// A topic on which the twin sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Topic {
+    /// `column_state`
+    ColumnState,
+    /// `hinge_forces`
+    HingeForces,
+    /// `impact_forecast`
+    ImpactForecast,
+    /// `impact_report`
+    ImpactReport,
+    /// `twin_status`
+    TwinStatus,
+    /// `joint_states`
+    JointStates,
+    /// `markers`
+    Markers,
+}
+
+impl Topic {
+    /// How many there are.
+    pub const COUNT: usize = 7;
+
+    /// All of them, each at its [`index`](Self::index).
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::ColumnState,
+        Self::HingeForces,
+        Self::ImpactForecast,
+        Self::ImpactReport,
+        Self::TwinStatus,
+        Self::JointStates,
+        Self::Markers,
+    ];
+
+    /// Its place in [`ALL`](Self::ALL).
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Name, type and quality of service.
+    #[must_use]
+    pub const fn endpoint(self) -> &'static Endpoint {
+        match self {
+            Self::ColumnState => &endpoints::COLUMN_STATE,
+            Self::HingeForces => &endpoints::HINGE_FORCES,
+            Self::ImpactForecast => &endpoints::IMPACT_FORECAST,
+            Self::ImpactReport => &endpoints::IMPACT_REPORT,
+            Self::TwinStatus => &endpoints::TWIN_STATUS,
+            Self::JointStates => &endpoints::JOINT_STATES,
+            Self::Markers => &endpoints::MARKERS,
+        }
+    }
+}
 
 /// A message that leaves the twin.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,17 +104,17 @@ pub enum Message {
 }
 
 impl Message {
-    /// Which of [`TOPICS`] it goes to.
+    /// The topic on which it is sent.
     #[must_use]
-    pub fn topic(&self) -> usize {
+    pub fn topic(&self) -> Topic {
         match self {
-            Self::ColumnState(_) => 0,
-            Self::HingeForces(_) => 1,
-            Self::ImpactForecast(_) => 2,
-            Self::ImpactReport(_) => 3,
-            Self::TwinStatus(_) => 4,
-            Self::JointStates(_) => 5,
-            Self::Markers(_) => 6,
+            Self::ColumnState(_) => Topic::ColumnState,
+            Self::HingeForces(_) => Topic::HingeForces,
+            Self::ImpactForecast(_) => Topic::ImpactForecast,
+            Self::ImpactReport(_) => Topic::ImpactReport,
+            Self::TwinStatus(_) => Topic::TwinStatus,
+            Self::JointStates(_) => Topic::JointStates,
+            Self::Markers(_) => Topic::Markers,
         }
     }
 
@@ -88,19 +133,19 @@ impl Message {
         }
     }
 
-    /// The message of one of [`TOPICS`] that these bytes are.
+    /// Reads a message of a topic.
     ///
     /// # Errors
     /// See [`cdr::decode`].
-    pub fn decode(topic: usize, bytes: &[u8]) -> Result<Self, CdrError> {
+    pub fn decode(topic: Topic, bytes: &[u8]) -> Result<Self, CdrError> {
         Ok(match topic {
-            0 => Self::ColumnState(cdr::decode(bytes)?),
-            1 => Self::HingeForces(cdr::decode(bytes)?),
-            2 => Self::ImpactForecast(cdr::decode(bytes)?),
-            3 => Self::ImpactReport(cdr::decode(bytes)?),
-            4 => Self::TwinStatus(cdr::decode(bytes)?),
-            5 => Self::JointStates(cdr::decode(bytes)?),
-            _ => Self::Markers(cdr::decode(bytes)?),
+            Topic::ColumnState => Self::ColumnState(cdr::decode(bytes)?),
+            Topic::HingeForces => Self::HingeForces(cdr::decode(bytes)?),
+            Topic::ImpactForecast => Self::ImpactForecast(cdr::decode(bytes)?),
+            Topic::ImpactReport => Self::ImpactReport(cdr::decode(bytes)?),
+            Topic::TwinStatus => Self::TwinStatus(cdr::decode(bytes)?),
+            Topic::JointStates => Self::JointStates(cdr::decode(bytes)?),
+            Topic::Markers => Self::Markers(cdr::decode(bytes)?),
         })
     }
 
@@ -344,10 +389,11 @@ mod tests {
             Message::Markers(MarkerArray::default()),
         ];
         for (index, message) in messages.iter().enumerate() {
-            assert_eq!(message.topic(), index);
-            assert_eq!(TOPICS[index].type_name, types[index].ros_name());
+            let topic = Topic::ALL[index];
+            assert_eq!((message.topic(), topic.index()), (topic, index));
+            assert_eq!(topic.endpoint().type_name, types[index].ros_name());
             let bytes = message.encode().expect("bytes");
-            assert_eq!(Message::decode(index, &bytes).expect("the same"), *message);
+            assert_eq!(Message::decode(topic, &bytes).expect("the same"), *message);
         }
     }
 }

@@ -2,11 +2,13 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::live::QueueStats;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use crate::messages::std_msgs::Header;
+use crate::outgoing::RecordingHealth;
 
-use super::bridge::{Health, QueueHealth, RecordingHealth};
+use super::live_twin::Health;
 
 /// What the node itself could not do, counted since the start.
 #[derive(Debug, Default)]
@@ -124,7 +126,7 @@ fn solver_status(health: &Health) -> DiagnosticStatus {
     entry("solver", level, message, values)
 }
 
-fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
+fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
     let losing: Vec<_> = queues
         .iter()
         .filter(|it| it.dropped > 0)
@@ -141,17 +143,18 @@ fn queue_status(queues: &[QueueHealth]) -> DiagnosticStatus {
     entry("queues", level, message, values)
 }
 
-fn queue_entry(queue: &QueueHealth) -> (String, String) {
-    let QueueHealth {
+fn queue_entry(queue: &QueueStats) -> (String, String) {
+    let QueueStats {
         name,
         capacity,
         len,
-        policy,
+        when_full,
         pushed,
         dropped,
     } = queue;
     let value = format!(
-        "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {policy}"
+        "{len} of {capacity}, {pushed} since the start, {dropped} lost; when full: {}",
+        when_full.in_words()
     );
     (name.clone(), value)
 }
@@ -254,7 +257,7 @@ mod tests {
 
     #[test]
     fn each_loss_is_a_warning_where_it_belongs_and_an_end_is_an_error() {
-        let queue = QueueHealth {
+        let queue = QueueStats {
             name: "states to ROS".to_owned(),
             capacity: 4096,
             len: 0,
@@ -318,7 +321,7 @@ mod tests {
     fn a_loss_of_the_recording_is_an_error() {
         let of = |lost, problem: Option<&str>| {
             let recording = RecordingHealth {
-                queue: QueueHealth {
+                queue: QueueStats {
                     name: "recording".to_owned(),
                     capacity: 1,
                     len: 0,

@@ -10,15 +10,18 @@ use ros2_client::{MessageInfo, Server, Subscription};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::column_twin::{
-    ColumnParameters, ImpactEvent, ParameterEntry, PredictImpactRequest, PredictImpactResponse,
+    ColumnParameters, ImpactEvent, ImpactReport, ParameterEntry, PredictImpactRequest,
+    PredictImpactResponse,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
+use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, Value};
+use crate::twin::{Accepted, Command, ImpactCommand, Refusal, RefusalCode};
 
-use super::bridge::{NotChanged, ParameterChange, Recording, Twin};
 use super::diagnostics::NodeCounters;
+use super::live_twin::LiveTwin;
 use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
@@ -33,7 +36,7 @@ impl ros2_client::Message for PredictImpactResponse {}
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
-    recording: Option<Arc<dyn Recording>>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl Subscriptions {
@@ -41,7 +44,7 @@ impl Subscriptions {
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
-        recording: Option<Arc<dyn Recording>>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
         Ok(Self {
@@ -54,7 +57,7 @@ impl Subscriptions {
     }
 
     /// Passes messages on for ever.
-    pub async fn run(self, twin: Arc<dyn Twin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
         let events = each(
             &self.events,
             &qos::IMPACT_EVENT,
@@ -62,10 +65,10 @@ impl Subscriptions {
             |event: ImpactEvent, info| {
                 record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
                 let event_id = event.event_id.clone();
-                if let Err(reason) = twin.submit_impact(event) {
-                    tracing::warn!("impact event {event_id:?} is refused: {reason}");
+                if let Err(refusal) = twin.submit(Command::Impact(impact_command(event))) {
+                    tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
-                        recording.not_taken(&qos::IMPACT_EVENT, &event_id, &reason);
+                        recording.not_taken(&qos::IMPACT_EVENT, &event_id, &refusal.reason);
                     }
                 }
             },
@@ -124,7 +127,7 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
 
 /// Records what was received, in the one encoding that this program writes.
 fn record<M: crate::messages::Message>(
-    recording: &Option<Arc<dyn Recording>>,
+    recording: &Option<Arc<dyn RecordingTap>>,
     endpoint: &Endpoint,
     message: &M,
     info: &MessageInfo,
@@ -147,7 +150,7 @@ pub(super) struct Services {
     reset: Server<TriggerRequest, TriggerResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     parameters: ParameterServers,
-    recording: Option<Arc<dyn Recording>>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 struct ParameterServers {
@@ -161,7 +164,10 @@ struct ParameterServers {
 
 impl Services {
     /// Offers all services.
-    pub fn new(node: &mut Node, recording: Option<Arc<dyn Recording>>) -> Result<Self, NodeError> {
+    pub fn new(
+        node: &mut Node,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Result<Self, NodeError> {
         Ok(Self {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET)?,
@@ -179,7 +185,7 @@ impl Services {
     }
 
     /// Answers for ever.
-    pub async fn run(self, twin: Arc<dyn Twin>, counters: Arc<NodeCounters>) {
+    pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
         let ParameterServers {
             get,
             types,
@@ -197,23 +203,21 @@ impl Services {
                 counters,
                 |message, info| {
                     record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);
-                    if let Err(NotChanged {
-                        reason,
-                        is_in_journal: false,
-                    }) = set_column(twin, &message)
-                        && let Some(recording) = &recording
+                    let Err(refusal) = set_column(twin, &message) else {
+                        return;
+                    };
+                    if let Some(recording) = &recording
+                        && !refusal.code.is_from_twin()
                     {
                         recording.not_taken(
                             &qos::COLUMN_PARAMETERS,
                             "a set of parameters",
-                            &reason,
+                            &refusal.reason,
                         );
                     }
                 }
             ),
-            answer(&qos::RESET, &self.reset, counters, |_| trigger(
-                twin.reset()
-            )),
+            answer(&qos::RESET, &self.reset, counters, |_| reset(twin)),
             answer(&qos::PREDICT, &self.predict, counters, |request| predicted(
                 twin, &request
             )),
@@ -272,52 +276,88 @@ async fn answer<Request, Response>(
     }
 }
 
-fn trigger(outcome: Result<String, String>) -> TriggerResponse {
+fn reset(twin: &LiveTwin) -> TriggerResponse {
+    let outcome = twin.execute(Command::Reset {
+        source: "service ~/reset".into(),
+    });
     TriggerResponse {
         success: outcome.is_ok(),
-        message: outcome.unwrap_or_else(|reason| reason),
+        message: match outcome {
+            Ok(_) => "the column is virgin".to_owned(),
+            Err(refusal) => refusal.tagged(),
+        },
     }
 }
 
-fn predicted(twin: &dyn Twin, request: &PredictImpactRequest) -> PredictImpactResponse {
+fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
     let parameters = twin.parameters();
     let settings = parameters.settings();
-    match twin.predict(request) {
-        Ok(mut report) => {
-            report.header = Header {
-                stamp: Time::from_nanos(twin.now()).unwrap_or_default(),
-                frame_id: settings.frame_id.clone(),
-            };
-            report.column_id.clone_from(&settings.column_id);
-            report.event_id.clone_from(&request.event_id);
-            report.kind = crate::messages::column_twin::ImpactReport::PREDICTION;
-            PredictImpactResponse {
-                success: true,
-                message: String::new(),
-                report,
-            }
-        }
-        Err(message) => PredictImpactResponse {
+    match twin.predict(&request.column_id, &request.into()) {
+        Ok(prediction) => PredictImpactResponse {
+            success: true,
+            report: ImpactReport {
+                header: Header {
+                    stamp: Time::from_nanos(twin.now()).unwrap_or_default(),
+                    frame_id: settings.frame_id.clone(),
+                },
+                column_id: settings.column_id.clone(),
+                event_id: request.event_id.clone(),
+                kind: ImpactReport::PREDICTION,
+                compute_time: prediction.compute_time,
+                ..ImpactReport::from(&prediction.report)
+            },
+            ..PredictImpactResponse::default()
+        },
+        Err(Refusal { code, reason }) => PredictImpactResponse {
             success: false,
-            message,
+            refusal_code: code.number(),
+            message: reason.to_string(),
             ..PredictImpactResponse::default()
         },
     }
 }
 
-fn set_column(twin: &dyn Twin, message: &ColumnParameters) -> Result<(), NotChanged> {
-    let change = ParameterChange {
-        column_id: Some(message.column_id.clone()),
-        values: changes(message),
-        source: qos::COLUMN_PARAMETERS.name,
+fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, Refusal> {
+    let topic = qos::COLUMN_PARAMETERS.name;
+    let source = topic.into();
+    let (found, own) = (&message.column_id, twin.column_id());
+    let command = if found == own {
+        Command::SetParameters {
+            changes: changes(message),
+            source,
+        }
+    } else {
+        let reason =
+            format!("they are for column {found:?}, but this is the twin of column {own:?}");
+        Command::RejectedChange {
+            refusal: Refusal::new(RefusalCode::OtherColumn, reason),
+            source,
+        }
     };
-    // A refusal has been said already: a topic has nobody to answer to.
-    twin.set_parameters(change)?;
-    tracing::info!(
-        "the parameters of {} are taken over",
-        qos::COLUMN_PARAMETERS.name
-    );
-    Ok(())
+    let outcome = twin.execute(command);
+    match &outcome {
+        Ok(_) => tracing::info!("the parameters on {topic} were accepted"),
+        // The twin has reported it among its outputs.
+        Err(refusal) if refusal.code.is_from_twin() => {}
+        Err(refusal) => {
+            tracing::warn!("a change of parameters on {topic} was rejected: {refusal}");
+        }
+    }
+    outcome
+}
+
+fn impact_command(event: ImpactEvent) -> ImpactCommand {
+    ImpactCommand {
+        stamp: nanos(event.header.stamp),
+        impact: (&event).into(),
+        event_id: event.event_id,
+        column_id: event.column_id,
+    }
+}
+
+/// Both parts count, whatever they are, so that the refusal of a wrong stamp can give its distance.
+fn nanos(stamp: Time) -> i64 {
+    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
 }
 
 /// What the message does not leave as it is.
@@ -356,5 +396,14 @@ mod tests {
             changes(&message),
             expected.map(|(name, value)| (name.to_owned(), value))
         );
+    }
+
+    #[test]
+    fn an_impossible_stamp_is_still_an_instant() {
+        let stamp = Time {
+            sec: 1,
+            nanosec: u32::MAX,
+        };
+        assert_eq!(nanos(stamp), 1_000_000_000 + i64::from(u32::MAX));
     }
 }

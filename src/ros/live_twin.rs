@@ -1,25 +1,17 @@
-//! The live twin behind the node's [`Twin`]: translates, and decides nothing.
+//! The live twin as the node sees it: its commands, health and clock, from the start to the stop.
 
-use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::time::{Duration, Instant};
 
-use crate::column::ModelError;
+use crate::column::{ImpactSpecification, ModelError};
 use crate::live::{
-    AskError, Clock, Live, LiveHandle, LiveOptions, LiveStatistics, OutputQueue, RealTime,
+    Clock, Live, LiveHandle, LiveOptions, LiveStatistics, OutputQueue, QueueStats, RealTime,
     Receiver, SimClock, SystemClock, monotonic_nanos,
 };
-use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ImpactEvent, ImpactReport, PredictImpactRequest};
 use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
-use crate::twin::{self, Output};
+use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode, Twin};
 
-use super::bridge::{Health, NotChanged, Outputs, ParameterChange, QueueHealth, Twin};
-use super::run::StartedTwin;
-
-/// Name of the queue of [`OutputQueue::ros`].
-const READER: &str = "ros";
+use super::pictures::{self, Pictures};
 
 /// Why there is no live twin.
 #[derive(Debug, thiserror::Error)]
@@ -31,16 +23,18 @@ pub enum LiveTwinError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// No thread.
-    #[error("no thread for the solver: {0}")]
+    #[error("the system gives no thread for the solver: {0}")]
     Thread(#[from] std::io::Error),
-    /// Nobody reads.
-    #[error("the options have no queue of outputs called {READER}; add OutputQueue::ros()")]
+    /// Nobody reads the outputs.
+    #[error("the options have no output queue called {name}; add OutputQueue::ros()", name = OutputQueue::ROS)]
     NoQueue,
 }
 
-struct LiveTwin {
+/// A twin that runs in threads of its own. Called from the node's threads, never from the solver's.
+pub struct LiveTwin {
     /// Until the twin is stopped.
     living: RwLock<Option<Living>>,
+    viewer: Mutex<Pictures>,
     /// As it was at the stop.
     last_health: Mutex<Health>,
     clock: Arc<dyn Clock>,
@@ -57,90 +51,106 @@ struct Living {
     _state_file: Option<Reserved>,
 }
 
-/// Starts the twin of these parameters with the damage that its state file holds. `options.state_file` and
-/// `options.real_time` are taken from the parameters.
-///
-/// # Errors
-/// When the column is impossible, or its state file or a thread cannot be had.
-pub fn start_live_twin(
-    parameters: Parameters,
-    options: LiveOptions,
-) -> Result<StartedTwin, LiveTwinError> {
-    let simulated = parameters.settings().use_sim_time;
-    let simulated = simulated.then(|| Arc::new(SimClock::new(0)));
-    let path = state_file::path(&parameters);
-    let reserved = path.as_deref().map(state_file::reserve).transpose()?;
-    let saved = match &path {
-        None => Loaded::Absent,
-        Some(path) => state_file::load(path, &parameters)?,
-    };
-    let saved = match saved {
-        Loaded::Absent => None,
-        Loaded::Damage(saved) => Some(saved),
-        Loaded::Rejected { reason, kept_as } => {
-            tracing::warn!(
-                "the state file cannot be used, the column starts virgin: {reason}; it is kept as {}",
-                kept_as.display()
-            );
-            None
-        }
-    };
-    let mut options = LiveOptions {
-        state_file: path,
-        real_time: RealTime::of(&parameters),
-        ..options
-    };
-    super::pictures::ask_for_outputs(&parameters, &mut options);
-    let first_parameters = Arc::new(parameters.clone());
-    let new = |now| twin::Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
-    let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
-        Some(clock) => {
-            let twin = new(clock.now())?;
-            (
-                Arc::clone(clock) as _,
-                Live::start(twin, Arc::clone(clock), options)?,
-            )
-        }
-        None => {
-            let clock = Arc::new(SystemClock::new());
-            let twin = new(clock.now())?;
-            (Arc::clone(&clock) as _, Live::start(twin, clock, options)?)
-        }
-    };
-    for warning in handle.statistics().real_time.warnings() {
-        tracing::warn!("{warning}");
-    }
-    let outputs = handle.outputs(READER).ok_or(LiveTwinError::NoQueue)?;
-    let pictures = super::pictures::start(&first_parameters, &handle, clock.now())?;
-    let twin = Arc::new(LiveTwin {
-        living: RwLock::new(Some(Living {
-            handle,
-            _state_file: reserved,
-        })),
-        last_health: Mutex::default(),
-        clock,
-        simulated,
-        first_parameters,
-    });
-    let ending = Arc::clone(&twin);
-    Ok(StartedTwin {
-        twin,
-        outputs: Box::new(LiveOutputs(outputs)),
-        stop: Box::new(move || {
-            ending.stop();
-            pictures.stop();
-        }),
-    })
+/// The state of the twin's threads and queues.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Health {
+    /// Periods of the solver that were skipped because it was late.
+    pub overruns: u64,
+    /// Largest lateness of the solver after its deadline \[s\].
+    pub worst_lateness: f64,
+    /// Events and parameters that found their queue full.
+    pub dropped_inputs: u64,
+    /// Samples that were not published.
+    pub dropped_states: u64,
+    /// Outputs that the queues to the node have dropped: they are not published, and in no recording either.
+    pub dropped_recording: u64,
+    /// Frames that the viewer did not show.
+    pub dropped_viewer: u64,
+    /// A thread of the twin has panicked: nothing is computed any more, or no damage saved.
+    pub solver_ended: bool,
+    /// All queues.
+    pub queues: Vec<QueueStats>,
+    /// Statistics of the solver, for people.
+    pub statistics: Vec<(String, String)>,
+    /// The parts of the real-time set-up that were not granted, with what to do about it.
+    pub hints: Vec<String>,
 }
 
 impl LiveTwin {
-    /// Asks the handle; `None` after the stop, when there is nobody to ask.
-    fn ask<T>(&self, question: impl FnOnce(&LiveHandle) -> T) -> Option<T> {
-        let living = self.living.read().unwrap_or_else(PoisonError::into_inner);
-        living.as_ref().map(|living| question(&living.handle))
+    /// Starts the twin of these parameters with the damage in its state file, and the viewer where there is to be one.
+    /// `options.state_file` and `options.real_time` are taken from the parameters. What leaves the twin comes out of the
+    /// receiver.
+    ///
+    /// # Errors
+    /// The column is impossible, or its state file or a thread cannot be had.
+    pub fn start(
+        parameters: Parameters,
+        options: LiveOptions,
+    ) -> Result<(Arc<Self>, Receiver), LiveTwinError> {
+        let simulated = parameters.settings().use_sim_time;
+        let simulated = simulated.then(|| Arc::new(SimClock::new(0)));
+        let path = state_file::path(&parameters);
+        let reserved = path.as_deref().map(state_file::reserve).transpose()?;
+        let saved = match &path {
+            None => Loaded::Absent,
+            Some(path) => state_file::load(path, &parameters)?,
+        };
+        let saved = match saved {
+            Loaded::Absent => None,
+            Loaded::Damage(saved) => Some(saved),
+            Loaded::Rejected { reason, kept_as } => {
+                tracing::warn!(
+                    "the state file cannot be used, so the column starts virgin: {reason}; the file was kept as {}",
+                    kept_as.display()
+                );
+                None
+            }
+        };
+        let mut options = LiveOptions {
+            state_file: path,
+            real_time: RealTime::of(&parameters),
+            ..options
+        };
+        pictures::ask_for_outputs(&parameters, &mut options);
+        let first_parameters = Arc::new(parameters.clone());
+        let new = |now| Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
+        let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
+            Some(clock) => {
+                let twin = new(clock.now())?;
+                (
+                    Arc::clone(clock) as _,
+                    Live::start(twin, Arc::clone(clock), options)?,
+                )
+            }
+            None => {
+                let clock = Arc::new(SystemClock::new());
+                let twin = new(clock.now())?;
+                (Arc::clone(&clock) as _, Live::start(twin, clock, options)?)
+            }
+        };
+        for warning in handle.statistics().real_time.warnings() {
+            tracing::warn!("{warning}");
+        }
+        let outputs = handle
+            .outputs(OutputQueue::ROS)
+            .ok_or(LiveTwinError::NoQueue)?;
+        let viewer = pictures::start(&first_parameters, &handle, clock.now())?;
+        let twin = Self {
+            living: RwLock::new(Some(Living {
+                handle,
+                _state_file: reserved,
+            })),
+            viewer: Mutex::new(viewer),
+            last_health: Mutex::default(),
+            clock,
+            simulated,
+            first_parameters,
+        };
+        Ok((Arc::new(twin), outputs))
     }
 
-    fn stop(&self) {
+    /// Ends the twin's threads and the viewer. What has left the twin can still be received.
+    pub fn stop(&self) {
         let last_health = || {
             self.last_health
                 .lock()
@@ -154,126 +164,91 @@ impl LiveTwin {
         else {
             return;
         };
-        // Before anybody can ask: what is sent last says it too.
+        // Before anybody can ask: the last messages contain it, too.
         *last_health() = health(&handle);
         drop(place);
         match handle.stop() {
-            // With what the end itself has cost.
+            // With what the stop itself has cost.
             Ok(statistics) => *last_health() = health_of(statistics, false),
             Err(panicked) => {
                 tracing::error!("{panicked}");
                 last_health().solver_ended = true;
             }
         }
+        let mut viewer = self.viewer.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut *viewer).stop();
     }
 
-    /// Whether the twin takes note of a change that it is not asked for.
-    fn note_refusal(&self, source: &'static str, reason: &str) -> bool {
-        let noted = self.ask(|handle| handle.refuse_change(reason, source));
-        if let Some(Err(full)) = noted {
-            tracing::warn!("a change of parameters by {source} is refused: {reason}; {full}");
-        }
-        noted == Some(Ok(()))
-    }
-}
-
-impl Twin for LiveTwin {
-    fn submit_impact(&self, event: ImpactEvent) -> Result<(), String> {
-        let event = twin::ImpactEvent {
-            stamp: nanos(event.header.stamp),
-            event_id: event.event_id,
-            column_id: event.column_id,
-            impact_mass: event.mass,
-            velocity: event.velocity,
-            gap: given(event.gap),
-            restitution: given(event.restitution),
-            height: given(event.height),
-        };
-        self.ask(|handle| handle.submit(twin::Input::Impact(event)).map_err(words))
-            .unwrap_or_else(stopping)
+    /// Gives the twin a command and returns at once; the outcome comes with the outputs.
+    ///
+    /// # Errors
+    /// The command did not reach the twin.
+    pub fn submit(&self, command: Command) -> Result<(), Refusal> {
+        self.ask(|handle| handle.submit(command))
     }
 
-    fn set_parameters(&self, change: ParameterChange) -> Result<(), NotChanged> {
-        let own = &self.first_parameters.settings().column_id;
-        if let Some(other) = change.column_id.filter(|id| id != own) {
-            let reason = format!("they are for the column {other:?}, and this is {own:?}");
-            let is_in_journal = self.note_refusal(change.source, &reason);
-            return Err(NotChanged {
-                reason,
-                is_in_journal,
-            });
-        }
-        let source = change.source;
-        let answer = self.ask(|handle| {
-            let answer = handle.change_parameters(change.values, source);
-            answer.map_err(|error| (error, handle.is_running()))
-        });
-        let (reason, is_in_journal) = match answer {
-            Some(Ok(_)) => return Ok(()),
-            // The twin says it.
-            Some(Err((AskError::Refused(reason), _))) => (reason.to_string(), true),
-            Some(Err((error @ AskError::QueueFull(_), _))) => {
-                tracing::warn!("a change of parameters by {source} is refused: {error}");
-                (error.to_string(), false)
-            }
-            Some(Err((error @ AskError::NoAnswer, is_running))) => {
-                tracing::warn!("a change of parameters by {source} has no answer: {error}");
-                (error.to_string(), is_running)
-            }
-            None => (STOPPING.to_owned(), false),
-        };
-        Err(NotChanged {
-            reason,
-            is_in_journal,
-        })
+    /// Gives the twin a command and waits for the outcome.
+    ///
+    /// # Errors
+    /// The command was refused; unless it did not reach the twin, the refusal is among the outputs.
+    pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
+        self.ask(|handle| handle.execute(command))
     }
 
-    fn refuse_parameters(&self, source: &'static str, reason: &str) {
-        self.note_refusal(source, reason);
+    /// What an impact would do to the column as it is now, computed in the caller's thread. An empty `column_id` means
+    /// the twin's own.
+    ///
+    /// # Errors
+    /// The impact would be refused, or there is no answer.
+    pub fn predict(
+        &self,
+        column_id: &str,
+        impact: &ImpactSpecification,
+    ) -> Result<Prediction, Refusal> {
+        self.ask(|handle| handle.predict(column_id, impact))
     }
 
-    fn parameters(&self) -> Arc<Parameters> {
-        self.ask(LiveHandle::parameters)
-            .unwrap_or_else(|| Arc::clone(&self.first_parameters))
+    /// The name of the twin's column.
+    pub fn column_id(&self) -> &str {
+        &self.first_parameters.settings().column_id
     }
 
-    fn reset(&self) -> Result<String, String> {
-        self.ask(|handle| handle.reset("service ~/reset").map_err(words))
-            .unwrap_or_else(stopping)
-            .map(|()| "the column is virgin".to_owned())
+    /// The parameters as they were last set.
+    pub fn parameters(&self) -> Arc<Parameters> {
+        self.ask(|handle| Ok(handle.parameters()))
+            .unwrap_or_else(|_| Arc::clone(&self.first_parameters))
     }
 
-    fn predict(&self, request: &PredictImpactRequest) -> Result<ImpactReport, String> {
-        let blow = twin::Blow {
-            mass: request.mass,
-            velocity: request.velocity,
-            gap: given(request.gap),
-            restitution: given(request.restitution),
-            height: given(request.height),
-        };
-        let prediction = self
-            .ask(|handle| handle.predict(&request.column_id, &blow).map_err(words))
-            .unwrap_or_else(stopping)?;
-        Ok(ImpactReport {
-            compute_time: prediction.compute_time,
-            ..ImpactReport::from(&prediction.report)
-        })
-    }
-
-    fn health(&self) -> Health {
-        self.ask(health).unwrap_or_else(|| {
+    /// The state of the twin's threads and queues.
+    pub fn health(&self) -> Health {
+        self.ask(|handle| Ok(health(handle))).unwrap_or_else(|_| {
             let last = self.last_health.lock();
             last.unwrap_or_else(PoisonError::into_inner).clone()
         })
     }
 
-    fn now(&self) -> i64 {
+    /// The time of the twin's clock, nanoseconds since the epoch.
+    pub fn now(&self) -> i64 {
         self.clock.now()
     }
 
-    fn set_clock(&self, now: i64) {
+    /// The time on `/clock`, nanoseconds since the epoch; has no effect without `use_sim_time`.
+    pub fn set_clock(&self, now: i64) {
         if let Some(clock) = &self.simulated {
             clock.set(now);
+        }
+    }
+
+    /// # Errors
+    /// After the stop, when there is no twin to ask.
+    fn ask<T>(
+        &self,
+        question: impl FnOnce(&LiveHandle) -> Result<T, Refusal>,
+    ) -> Result<T, Refusal> {
+        let living = self.living.read().unwrap_or_else(PoisonError::into_inner);
+        match &*living {
+            Some(living) => question(&living.handle),
+            None => Err(Refusal::new(RefusalCode::Stopping, "the twin is stopping")),
         }
     }
 }
@@ -283,30 +258,25 @@ fn health(handle: &LiveHandle) -> Health {
 }
 
 fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
-    let queues: Vec<_> = statistics
-        .queues
-        .into_iter()
-        .map(QueueHealth::from)
-        .collect();
+    let queues = statistics.queues;
     let dropped = |name: &str| {
         let queue = queues.iter().find(|queue| queue.name == name);
         queue.map_or(0, |queue| queue.dropped)
     };
-    let of_ros = OutputQueue::ros().name;
-    let to_ros = format!(" to {of_ros}");
+    let to_ros = format!(" to {}", OutputQueue::ROS);
     let dropped_to_ros = queues.iter().filter(|queue| queue.name.ends_with(&to_ros));
     Health {
         overruns: statistics.skipped_periods,
         worst_lateness: 1e-9 * statistics.worst_lateness as f64,
         dropped_inputs: dropped("inputs"),
-        dropped_states: dropped(&format!("states to {of_ros}")),
+        dropped_states: dropped(&format!("states to {}", OutputQueue::ROS)),
         dropped_recording: dropped_to_ros.map(|queue| queue.dropped).sum(),
-        dropped_viewer: dropped(&format!("states to {}", super::pictures::QUEUE)),
+        dropped_viewer: dropped(&format!("states to {}", pictures::QUEUE)),
         statistics: [
             ("turns", statistics.turns),
             ("late turns", statistics.overruns),
             ("steps", statistics.steps),
-            ("Newton corrections", statistics.newton_corrections),
+            ("Newton iterations", statistics.newton_iterations),
             ("state files not written", statistics.state_file_failures),
         ]
         .map(|(name, count)| (name.to_owned(), count.to_string()))
@@ -314,64 +284,5 @@ fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
         hints: statistics.real_time.warnings().collect(),
         solver_ended,
         queues,
-    }
-}
-
-/// What leaves the live twin.
-struct LiveOutputs(Receiver);
-
-impl Outputs for LiveOutputs {
-    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
-        let deadline = Instant::now() + timeout;
-        loop {
-            if let Some(output) = self.0.try_next() {
-                return Ok(output);
-            }
-            let rest = deadline.saturating_duration_since(Instant::now());
-            if rest.is_zero() {
-                return Err(RecvTimeoutError::Timeout);
-            }
-            self.0.wait(rest);
-        }
-    }
-}
-
-/// NaN leaves it to the parameter. An infinite number is given, and wrong.
-fn given(number: f64) -> Option<f64> {
-    (!number.is_nan()).then_some(number)
-}
-
-/// Both parts count, whatever they are, so that the twin can say how far off a wrong stamp is.
-fn nanos(stamp: Time) -> i64 {
-    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
-}
-
-fn words(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
-const STOPPING: &str = "the twin is stopping";
-
-fn stopping<T>() -> Result<T, String> {
-    Err(STOPPING.to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nan_is_left_open_and_infinity_is_not() {
-        assert_eq!(given(f64::NAN), None);
-        assert_eq!(given(f64::INFINITY), Some(f64::INFINITY));
-    }
-
-    #[test]
-    fn an_impossible_stamp_is_still_an_instant() {
-        let stamp = Time {
-            sec: 1,
-            nanosec: u32::MAX,
-        };
-        assert_eq!(nanos(stamp), 1_000_000_000 + i64::from(u32::MAX));
     }
 }

@@ -1,14 +1,13 @@
 //! The ROS 2 node: the twin's contract on the wire, over ros2-client and RustDDS.
 //!
 //! What ROS users expect and the client library leaves out is here: `--ros-args`, the environment variables, names and
-//! remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin itself is
-//! behind the trait [`bridge::Twin`] and knows nothing of all this.
+//! remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin itself runs
+//! behind [`LiveTwin`] and knows nothing of all this.
 //!
 //! Deliberately absent: ros2-client's `Spinner` (it subscribes `/clock` as a wrong type, and its parameter services know
 //! neither descriptions nor sets), and every default of a library's quality of service.
 
 mod arguments;
-pub mod bridge;
 mod client;
 mod diagnostics;
 mod environment;
@@ -41,13 +40,13 @@ pub use client::{
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use fresh_domain::FreshDomain;
 pub use lines::report_line;
-pub use live_twin::{LiveTwinError, start_live_twin};
+pub use live_twin::{Health, LiveTwin, LiveTwinError};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};
 pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
-pub use run::{RunEnd, RunError, RunOptions, StartedTwin, run};
+pub use run::{RunEnd, RunError, RunOptions, run};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 

@@ -14,8 +14,9 @@ use ros2_client::rcl_interfaces::{
 };
 
 use crate::parameters::{Admissible, Kind, PARAMETERS, Parameter, Parameters, Value};
+use crate::twin::{Command, Refusal, RefusalCode};
 
-use super::bridge::{ParameterChange, Twin};
+use super::live_twin::LiveTwin;
 
 /// Most parameters in one request: more than there are, and little enough to answer.
 const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
@@ -108,7 +109,7 @@ pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
 }
 
 /// `~/set_parameters`: one by one, each with its own result.
-pub(super) fn set(twin: &dyn Twin, request: SetParametersRequest) -> SetParametersResponse {
+pub(super) fn set(twin: &LiveTwin, request: SetParametersRequest) -> SetParametersResponse {
     let set_one = |it: &raw::Parameter| result(set_all(twin, vec![it.clone()]));
     SetParametersResponse {
         results: each(&request.parameter, set_one, |reason| result(Err(reason))),
@@ -117,7 +118,7 @@ pub(super) fn set(twin: &dyn Twin, request: SetParametersRequest) -> SetParamete
 
 /// `~/set_parameters_atomically`: all or none, valid as a whole.
 pub(super) fn set_atomically(
-    twin: &dyn Twin,
+    twin: &LiveTwin,
     request: SetParametersRequest,
 ) -> SetParametersAtomicallyResponse {
     let outcome = if request.parameter.len() > MAX_PARAMETERS_PER_REQUEST {
@@ -130,23 +131,25 @@ pub(super) fn set_atomically(
     }
 }
 
-fn set_all(twin: &dyn Twin, parameters: Vec<raw::Parameter>) -> Result<(), String> {
+fn set_all(twin: &LiveTwin, parameters: Vec<raw::Parameter>) -> Result<(), String> {
     const SOURCE: &str = "parameter service";
-    let values = parameters
+    let values: Result<Vec<_>, Refusal> = parameters
         .into_iter()
         .map(|parameter| Ok((parameter.name.clone(), settable_value(parameter)?)))
-        .collect::<Result<Vec<_>, String>>()
-        .inspect_err(|reason| twin.refuse_parameters(SOURCE, reason))?;
-    twin.set_parameters(ParameterChange {
-        column_id: None,
-        values,
-        source: SOURCE,
-    })
-    .map_err(|refusal| refusal.reason)
+        .collect();
+    let source = SOURCE.into();
+    let command = match values {
+        Ok(changes) => Command::SetParameters { changes, source },
+        Err(refusal) => Command::RejectedChange { refusal, source },
+    };
+    match twin.execute(command) {
+        Ok(_) => Ok(()),
+        Err(refusal) => Err(refusal.tagged()),
+    }
 }
 
 /// The value, if a running node lets anybody set it.
-fn settable_value(parameter: raw::Parameter) -> Result<Value, String> {
+fn settable_value(parameter: raw::Parameter) -> Result<Value, Refusal> {
     let raw::Parameter { name, value } = parameter;
     let found = match value.ptype {
         raw::ParameterType::BOOL => Some(Value::Bool(value.boolean_value)),
@@ -160,18 +163,18 @@ fn settable_value(parameter: raw::Parameter) -> Result<Value, String> {
         return Ok(found.unwrap_or(Value::Bool(false)));
     };
     if known.read_only() {
-        return Err(format!(
+        let reason = format!(
             "{name} is read-only while the node runs; give it when the node starts (-p {name}:=...)"
-        ));
+        );
+        return Err(Refusal::new(RefusalCode::ParametersReadOnly, reason));
     }
-    found.ok_or_else(|| match value.ptype {
-        raw::ParameterType::NOT_SET => {
-            format!(
-                "{name} cannot be undeclared; allowed: {}",
-                known.expectation()
-            )
-        }
-        _ => format!("{name} is a list; allowed: {}", known.expectation()),
+    found.ok_or_else(|| {
+        let problem = match value.ptype {
+            raw::ParameterType::NOT_SET => "cannot be undeclared",
+            _ => "is a list",
+        };
+        let reason = format!("{name} {problem}; allowed: {}", known.expectation());
+        Refusal::new(RefusalCode::ParametersInvalid, reason)
     })
 }
 

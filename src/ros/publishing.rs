@@ -2,22 +2,22 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use ros2_client::{Publisher, parameters::raw};
 
 use crate::endpoints::Endpoint;
+use crate::live::OutputSource;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
-use crate::outgoing::{self, Message, Outgoing};
+use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
 use crate::twin::{Notice, Output, Refused, RefusedInput, Severity};
 
-use super::bridge::{Health, Outputs, Recording, RecordingHealth, Twin};
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
+use super::live_twin::{Health, LiveTwin};
 use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
@@ -35,9 +35,9 @@ const LAST_WORDS: Duration = Duration::from_millis(300);
 /// Sends everything that leaves the twin, and hands the very bytes to the recording.
 pub(super) struct Publishing {
     publishers: Publishers,
-    recording: Option<Arc<dyn Recording>>,
+    recording: Option<Arc<dyn RecordingTap>>,
     outgoing: Outgoing,
-    twin: Arc<dyn Twin>,
+    twin: Arc<LiveTwin>,
     counters: Arc<NodeCounters>,
     node_name: String,
     fully_qualified: String,
@@ -49,7 +49,7 @@ pub(super) struct Publishing {
 }
 
 struct Publishers {
-    /// In the order of [`outgoing::TOPICS`].
+    /// In the order of [`Topic::ALL`].
     of_twin: Vec<Publisher<Raw>>,
     diagnostics: Publisher<Raw>,
     parameter_events: Publisher<Raw>,
@@ -58,14 +58,14 @@ struct Publishers {
 impl Publishing {
     pub fn new(
         node: &mut Node,
-        twin: Arc<dyn Twin>,
+        twin: Arc<LiveTwin>,
         counters: Arc<NodeCounters>,
-        recording: Option<Arc<dyn Recording>>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let parameters = twin.parameters();
-        let of_twin: Result<_, _> = outgoing::TOPICS
+        let of_twin: Result<_, _> = Topic::ALL
             .iter()
-            .map(|endpoint| node.publisher(endpoint))
+            .map(|topic| node.publisher(topic.endpoint()))
             .collect();
         Ok(Self {
             publishers: Publishers {
@@ -91,7 +91,7 @@ impl Publishing {
 
     /// Sends until the twin has ended, or `stop` is set and nothing is waiting any more. By then the twin has ended, so
     /// that what waits is bounded by its queues.
-    pub fn run(mut self, mut outputs: impl Outputs, stop: &AtomicBool) {
+    pub fn run(mut self, mut outputs: impl OutputSource, stop: &AtomicBool) {
         self.announce_parameters();
         let mut end = None;
         loop {
@@ -103,10 +103,9 @@ impl Publishing {
                 }
             }
             match outputs.receive(self.wait()) {
-                Ok(output) => self.publish(output),
-                Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return,
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return,
+                Some(output) => self.publish(output),
+                None if stop.load(Ordering::Relaxed) => return,
+                None => {}
             }
             let last = self.last_diagnostics.as_ref();
             if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
@@ -221,8 +220,8 @@ impl Publishing {
 
     fn send(&self, message: &Message) {
         let topic = message.topic();
-        let publisher = &self.publishers.of_twin[topic];
-        self.send_bytes(publisher, outgoing::TOPICS[topic], message.encode());
+        let publisher = &self.publishers.of_twin[topic.index()];
+        self.send_bytes(publisher, topic.endpoint(), message.encode());
     }
 
     /// Sends one message and records it. Does not wait: where a reader has been too slow for the writer's whole window,
@@ -268,17 +267,17 @@ fn say(notice: &Notice) {
 
 fn say_refused(refused: &Refused) {
     let Refused {
-        reason,
+        refusal,
         event_id,
         source,
         ..
     } = refused;
     match refused.what {
         RefusedInput::Impact => {
-            tracing::warn!("impact event {event_id:?} is refused: {reason}");
+            tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
         }
         RefusedInput::Parameters => {
-            tracing::warn!("change of parameters by {source} is refused: {reason}");
+            tracing::warn!("a change of parameters by {source} was rejected: {refusal}");
         }
     }
 }

@@ -2,16 +2,15 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::RecvTimeoutError;
-use std::time::Duration;
 
+use crate::live::LiveOptions;
+use crate::outgoing::RecordingTap;
 use crate::parameters::{ParameterFaults, Parameters, Source};
-use crate::twin::Output;
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
-use super::bridge::{Outputs, Recording, Twin};
 use super::environment::{DiscoveryRange, Environment};
+use super::live_twin::{LiveTwin, LiveTwinError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::rosout::start_logging;
@@ -27,16 +26,6 @@ pub struct RunOptions {
     pub environment: Environment,
     /// Parameter files of the program's own flags, read before all ROS arguments.
     pub parameter_files: Vec<PathBuf>,
-}
-
-/// A twin that runs.
-pub struct StartedTwin {
-    /// The twin.
-    pub twin: Arc<dyn Twin>,
-    /// What leaves it.
-    pub outputs: Box<dyn Outputs>,
-    /// Ends its threads.
-    pub stop: Box<dyn FnOnce()>,
 }
 
 /// How a node that ran has ended.
@@ -62,7 +51,7 @@ pub enum RunError {
     Node(#[from] NodeError),
     /// No twin.
     #[error("the twin cannot start: {0}")]
-    Twin(Box<dyn std::error::Error + Send + Sync>),
+    Twin(#[from] LiveTwinError),
     /// No recording.
     #[error("no recording: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
@@ -71,23 +60,11 @@ pub enum RunError {
     Process(Box<dyn std::error::Error + Send + Sync>),
 }
 
-impl Outputs for Box<dyn Outputs> {
-    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
-        (**self).receive(timeout)
-    }
-}
-
-/// Runs the node until SIGINT or SIGTERM. `start_twin` makes the twin from the parameters.
+/// Runs the node until SIGINT or SIGTERM.
 ///
 /// # Errors
-/// When names or parameters are wrong, or there is no participant, thread or twin to be had.
-pub fn run<E>(
-    options: &RunOptions,
-    start_twin: impl FnOnce(Parameters) -> Result<StartedTwin, E>,
-) -> Result<RunEnd, RunError>
-where
-    E: Into<Box<dyn std::error::Error + Send + Sync>>,
-{
+/// Names or parameters are wrong, or there is no participant, thread or twin to be had.
+pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let RunOptions {
         ros, environment, ..
     } = options;
@@ -98,11 +75,7 @@ where
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     say_what_is_not_done(options);
     let recording = RunRecording::start(&parameters, &names)?;
-    let StartedTwin {
-        twin,
-        outputs,
-        stop,
-    } = start_twin(parameters).map_err(|error| RunError::Twin(error.into()))?;
+    let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
     let node = TwinNode::start_recorded(
         environment,
         names,
@@ -122,7 +95,7 @@ where
     );
     signals.wait();
     tracing::info!("stopping");
-    node.stop(stop);
+    node.stop(|| twin.stop());
     let health = twin.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
@@ -155,7 +128,7 @@ impl RunRecording {
             .map_err(|error| RunError::Recording(error.into()))
     }
 
-    fn tap(&self) -> Option<Arc<dyn Recording>> {
+    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         let tap = self.0.clone()?;
         Some(tap)
     }
@@ -182,7 +155,7 @@ impl RunRecording {
         }
     }
 
-    fn tap(&self) -> Option<Arc<dyn Recording>> {
+    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         None
     }
 

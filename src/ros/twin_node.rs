@@ -17,13 +17,14 @@ use std::time::Duration;
 
 use ros2_client::Publisher;
 
-use crate::live::{RealTime, ask_for_sender};
+use crate::live::{OutputSource, RealTime, ask_for_sender};
 use crate::messages::{cdr, rcl_interfaces};
+use crate::outgoing::RecordingTap;
 
-use super::bridge::{Outputs, Recording, Twin};
 use super::diagnostics::NodeCounters;
 use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
+use super::live_twin::LiveTwin;
 use super::matches::Matches;
 use super::names::Names;
 use super::node::{Node, NodeError};
@@ -55,8 +56,8 @@ impl TwinNode {
     pub fn start(
         environment: &Environment,
         names: Names,
-        twin: Arc<dyn Twin>,
-        outputs: impl Outputs,
+        twin: Arc<LiveTwin>,
+        outputs: impl OutputSource,
         log: Option<RosoutQueue>,
     ) -> Result<Self, NodeError> {
         Self::start_recorded(environment, names, twin, outputs, log, None)
@@ -69,10 +70,10 @@ impl TwinNode {
     pub fn start_recorded(
         environment: &Environment,
         names: Names,
-        twin: Arc<dyn Twin>,
-        outputs: impl Outputs,
+        twin: Arc<LiveTwin>,
+        outputs: impl OutputSource,
         log: Option<RosoutQueue>,
-        recording: Option<Arc<dyn Recording>>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let counters = Arc::new(NodeCounters::default());
@@ -151,7 +152,7 @@ fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
-    recording: Option<Arc<dyn Recording>>,
+    recording: Option<Arc<dyn RecordingTap>>,
     stop: &Arc<AtomicBool>,
 ) -> Result<JoinHandle<()>, NodeError> {
     let publisher: Publisher<Raw> = node.publisher(&qos::ROSOUT)?;

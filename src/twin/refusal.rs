@@ -77,6 +77,13 @@ refusal_codes! {
 }
 
 impl RefusalCode {
+    /// Whether the twin itself refused, and so has counted and reported it; otherwise the command did not reach the
+    /// twin, or the twin did not answer.
+    #[must_use]
+    pub fn is_from_twin(self) -> bool {
+        !matches!(self, Self::QueueFull | Self::NoAnswer | Self::Stopping)
+    }
+
     /// The number in messages.
     #[must_use]
     pub fn number(self) -> u16 {

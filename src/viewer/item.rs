@@ -88,10 +88,10 @@ impl Item {
                 severity: Severity::Warning,
                 text: match it.what {
                     RefusedInput::Impact => {
-                        format!("impact event {:?} is refused: {}", it.event_id, it.reason)
+                        format!("impact event {:?} is refused: {}", it.event_id, it.refusal)
                     }
                     RefusedInput::Parameters => {
-                        format!("change of parameters is refused: {}", it.reason)
+                        format!("change of parameters is refused: {}", it.refusal)
                     }
                 },
             },

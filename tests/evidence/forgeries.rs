@@ -247,7 +247,7 @@ fn what_cannot_be_checked_is_said() {
     let mut points = 0;
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal")
-            && Line::decode(&message.data).unwrap().is_starting_point()
+            && Line::decode(&message.data).unwrap().is_checkpoint()
         {
             points += 1;
             if points == 1 {
@@ -373,7 +373,7 @@ fn a_recording_without_a_journal_is_none_to_verify() {
     });
     assert!(matches!(
         verify(&path),
-        Err(VerifyError::NoStartingPoint { .. })
+        Err(VerifyError::NoCheckpoint { .. })
     ));
     assert!(matches!(
         verify(Path::new("nothing/there")),

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
-use column_twin::outgoing::{Outgoing, TOPICS};
+use column_twin::outgoing::{Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, Record, RecordMode, Value};
 use column_twin::recording::RecorderOptions;
-use column_twin::ros::bridge::Recording;
 use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
 use tempfile::TempDir;
 
@@ -89,7 +88,7 @@ impl RecordedTwin {
             let recording = &self.recording;
             self.outgoing.convert(&output, |message| {
                 let bytes = message.encode().expect("bytes").into();
-                recording.sent(TOPICS[message.topic()], &bytes);
+                recording.sent(message.topic().endpoint(), &bytes);
             });
             if let Output::Journal(entry) = output {
                 recording.journal(&entry);
@@ -99,7 +98,7 @@ impl RecordedTwin {
 
     pub fn give(&mut self, input: Command) {
         let mut out = Vec::new();
-        self.twin.handle(input, self.now, &mut out);
+        let _ = self.twin.handle(input, self.now, &mut out);
         self.put(out);
     }
 

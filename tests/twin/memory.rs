@@ -49,7 +49,7 @@ fn a_response_takes_no_memory() {
         },
         ..event("a", START)
     };
-    twin.handle(Command::Impact(event), START, &mut out);
+    let _ = twin.handle(Command::Impact(event), START, &mut out);
     let mut now = START;
     let memory = allocation_counter::measure(|| {
         for _ in 0..80 {

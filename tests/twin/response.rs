@@ -176,7 +176,7 @@ fn the_forecast_comes_at_once_and_says_how_long_it_took() {
     let mut twin = column_twin::twin::Twin::new(parameters(&[]), None, Box::new(stopwatch), START)
         .expect("the column stands");
     let mut out = Vec::new();
-    twin.handle(
+    let _ = twin.handle(
         column_twin::twin::Command::Impact(event("a", START)),
         START,
         &mut out,
