@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use column_twin::column::{Impact, simulate};
 use column_twin::parameters::Parameters;
-use column_twin::viewer::{Item, from_samples, write_rrd};
+use column_twin::viewer::{ViewerItem, from_samples, write_rrd};
 
 /// How far the vehicle is away at the first moment \[m\].
 const GAP: f64 = 0.5;
@@ -61,12 +61,12 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         let mut items = from_samples("car", STAMP, samples.iter().copied(), &report);
         let mut count = 0;
         items.retain(|item| match item {
-            Item::State(state) => {
+            ViewerItem::State(state) => {
                 count += 1;
                 let near = time - state.sample.time < 1e-3 || state.sample.percussion > 0.0;
                 state.sample.time <= time && (count % 10 == 1 || near)
             }
-            Item::Result(_) => time == report.end_time,
+            ViewerItem::Result(_) => time == report.end_time,
             _ => true,
         });
         let path = folder.join(format!("{name}.rrd"));

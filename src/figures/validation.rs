@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::chart::{Curve, TimeChart, axes};
-use super::page::{self, Drawn, Key, Stroke, colour};
+use super::page::{self, Drawn, LegendKey, Stroke, colour};
 use super::raster::Raster;
 use super::reference::Reference;
 use super::units::Unit;
@@ -108,8 +108,8 @@ fn convergence(errors: &[(f64, [f64; 2])]) -> Drawn<String> {
         let legend = ["midpoint", "energy"]
             .into_iter()
             .zip(strokes)
-            .map(|(name, stroke)| (Key::Line(stroke), name.to_owned()))
-            .chain([(Key::Line(order), "second order".to_owned())])
+            .map(|(name, stroke)| (LegendKey::Line(stroke), name.to_owned()))
+            .chain([(LegendKey::Line(order), "second order".to_owned())])
             .collect::<Vec<_>>();
         let lines = [
             "HEB 220, paper's example, elliptical hinges: 1500 kg at 10 m/s",
@@ -118,8 +118,8 @@ fn convergence(errors: &[(f64, [f64; 2])]) -> Drawn<String> {
         let title = "Convergence of both schemes with the step";
         let top = page::heading(page, title, lines, &legend)?;
         let (_, below) = page.split_vertically(top + 40);
-        let x = Axis::between(-5.4, -3.6, 9);
-        let y = Axis::between(-7.0, -2.5, 9);
+        let x = PlotAxis::between(-5.4, -3.6, 9);
+        let y = PlotAxis::between(-7.0, -2.5, 9);
         let plot = axes(&below, &x, &y, ["log₁₀ (dt / s)", "log₁₀ |relative error|"])?;
         let place = |dt: f64, error: f64| plot.backend_coord(&(dt.log10(), error.abs().log10()));
         for (which, stroke) in strokes.into_iter().enumerate() {
@@ -148,7 +148,7 @@ fn ledger(runs: &[(&str, &[Sample], Stroke)]) -> Drawn<String> {
     page::draw(|page| {
         let legend: Vec<_> = runs
             .iter()
-            .map(|(name, _, stroke)| (Key::Line(*stroke), (*name).to_owned()))
+            .map(|(name, _, stroke)| (LegendKey::Line(*stroke), (*name).to_owned()))
             .collect();
         let lines = [
             "HEB 220, paper's example, elliptical hinges, dt = 20 µs",
@@ -161,8 +161,8 @@ fn ledger(runs: &[(&str, &[Sample], Stroke)]) -> Drawn<String> {
             &legend,
         )?;
         let (_, below) = page.split_vertically(top + 40);
-        let x = Axis::between(0.0, 60.0, 10);
-        let y = Axis::between(-18.0, -2.0, 8);
+        let x = PlotAxis::between(0.0, 60.0, 10);
+        let y = PlotAxis::between(-18.0, -2.0, 8);
         let plot = axes(&below, &x, &y, ["time t [ms]", "log₁₀ residual"])?;
         for (_, samples, stroke) in runs {
             let points = samples

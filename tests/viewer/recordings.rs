@@ -8,7 +8,7 @@ use column_twin::column::{Impact, Report, Sample, simulate};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::viewer::{
-    Drawing, Item, RecordedMessage, Timeline, ViewerError, from_messages, from_samples, write_rrd,
+    Drawing, ViewerItem, RecordedMessage, Timeline, ViewerError, from_messages, from_samples, write_rrd,
 };
 
 fn impact() -> (Vec<Sample>, Report) {
@@ -44,7 +44,7 @@ fn recorded(event_id: &str) -> (Vec<RecordedMessage>, [RecordedMessage; 2]) {
 }
 
 /// One impact as a recording has it, which is of a column with the default parameters.
-fn items(event_id: &str) -> Vec<Item> {
+fn items(event_id: &str) -> Vec<ViewerItem> {
     let (states, reports) = recorded(event_id);
     let told = states.into_iter().chain(reports).collect();
     from_messages(&Arc::default(), told)
@@ -60,13 +60,13 @@ fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
     let told = one.into_iter().chain(other).chain(reports).collect();
     let items = from_messages(&Arc::default(), told);
     assert_eq!(items.len(), 2 * count + 4);
-    assert!(matches!(&items[0], Item::Forecast(it) if &*it.event_id == "a"));
-    assert!(matches!(&items[count + 1], Item::Result(it) if &*it.event_id == "a"));
-    assert!(matches!(&items[count + 2], Item::Forecast(it) if &*it.event_id == "b"));
-    assert!(matches!(items.last(), Some(Item::Result(it)) if &*it.event_id == "b"));
+    assert!(matches!(&items[0], ViewerItem::Forecast(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 1], ViewerItem::Result(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 2], ViewerItem::Forecast(it) if &*it.event_id == "b"));
+    assert!(matches!(items.last(), Some(ViewerItem::Result(it)) if &*it.event_id == "b"));
     let mut timeline = Timeline::new(20_000);
     let mut times = items.iter().filter_map(|item| match item {
-        Item::State(state) => Some(timeline.place(state).moment.impact_time),
+        ViewerItem::State(state) => Some(timeline.place(state).moment.impact_time),
         _ => None,
     });
     assert_eq!(times.next(), Some(0));
@@ -92,7 +92,7 @@ fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
         recorded("b").0[0].clone(),
     ];
     let items = from_messages(&Arc::default(), told.to_vec());
-    let [Item::State(a), Item::Parameters(column), Item::State(b)] = &items[..] else {
+    let [ViewerItem::State(a), ViewerItem::Parameters(column), ViewerItem::State(b)] = &items[..] else {
         panic!("{items:?}");
     };
     assert_eq!(*column, taller);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimClock};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Severity, StateOutput, Twin};
-use column_twin::viewer::{LiveViewer, Telling, VIEWER_QUEUE, output_queue};
+use column_twin::viewer::{LiveViewer, ViewerLogger, VIEWER_QUEUE, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
 pub const MS: Nanos = 1_000_000;
@@ -51,14 +51,14 @@ impl LiveColumn {
         let receiver = live.outputs("ros").expect("there");
         let outputs = live.outputs(VIEWER_QUEUE).expect("there");
         let said = Said::default();
-        let telling: Telling = {
+        let log: ViewerLogger = {
             let said = Arc::clone(&said);
             Arc::new(move |severity, text| {
                 println!("{severity:?}: {text}");
                 said.lock().expect("no panic").push((severity, text));
             })
         };
-        let viewer = LiveViewer::start(parameters, outputs, START, telling).expect("a thread");
+        let viewer = LiveViewer::start(parameters, outputs, START, log).expect("a thread");
         Self {
             live,
             clock,
