@@ -348,7 +348,7 @@ impl<'a, 'b> Narration<'a, 'b> {
         let fell = state.v1 < self.largest && self.largest > 0.0;
         let phase_change = match (self.phase.replace(state.phase), state.phase) {
             (Some(before), now) if before == now => None,
-            (_, ColumnState::CONTACT) => Some("contact"),
+            (_, ColumnState::CONTACT) => Some("contact begins"),
             (Some(_), ColumnState::FREE) => Some("separation"),
             (_, ColumnState::REST) => Some("at rest"),
             (_, ColumnState::COLLAPSED) => Some("COLLAPSE"),

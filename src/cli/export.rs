@@ -106,7 +106,7 @@ impl Selection {
         {
             let names: Vec<&str> = reader.topics().iter().map(|it| &*it.name).collect();
             let reason = format!(
-                "expected one of the topics {}, found {unknown}",
+                "the recording has no topic {unknown}; expected one of {}",
                 names.join(", ")
             );
             return Err(Failure::plain(Exit::BadInput, reason));

@@ -18,9 +18,9 @@ use crate::ros::{ClientError, ImpactOutcome, RosArguments, report_line, send_imp
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
-    /// Column that is hit; default: the default value of the parameter column_id
-    #[arg(long, value_name = "ID")]
-    column: Option<String>,
+    /// Parameter column_id of the column that is hit
+    #[arg(long, value_name = "ID", default_value_t = default_column())]
+    column: String,
     /// Identifier of the event; default: a new one
     #[arg(long, value_name = "ID")]
     event: Option<String>,
@@ -37,20 +37,21 @@ Example: a car of 1.5 t at 36 km/h
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 
+fn default_column() -> String {
+    Parameters::default().settings().column_id.clone()
+}
+
 /// Publishes the event and prints the forecast.
 pub fn run(
     arguments: &ImpactArgs,
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let column_id = match &arguments.column {
-        Some(id) => id.clone(),
-        None => Parameters::default().settings().column_id.clone(),
-    };
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
-    let options = arguments
-        .impact
-        .to_send(column_id, arguments.event.clone(), timeout);
+    let options =
+        arguments
+            .impact
+            .to_send(arguments.column.clone(), arguments.event.clone(), timeout);
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
     let outcome =

@@ -35,7 +35,7 @@ pub fn run(arguments: &RepairArgs, out: &mut impl Write) -> Result<(), Failure> 
         // A failure to print cannot be reported.
         let _ = writeln!(
             out,
-            "{} is complete and needs no repair.",
+            "{} is complete; there is nothing to repair.",
             arguments.bag.display()
         );
         return Ok(());

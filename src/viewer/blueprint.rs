@@ -5,8 +5,8 @@
 //! therefore logs the blueprint archetypes one by one, as the API itself does.
 
 use rerun::blueprint::components::{
-    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
-    LoopMode, PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    BackgroundKind, ContainerKind, Eye3DKind, IncludedContent, LockRangeDuringZoom, LoopMode,
+    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
     VisualBounds2D,
 };
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
@@ -22,7 +22,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
-use super::plots::{self, NamesCorner, PLOTS};
+use super::plots::{self, PLOTS};
 use super::rerun_types::color;
 use super::scene::Drawing;
 use super::static_scene::stress_entity;
@@ -234,11 +234,7 @@ impl Blueprint {
             .with_range(Range1D::new(axis[0], axis[1]))
             .with_zoom_lock(LockRangeDuringZoom(false.into()));
         self.property(id, "ScalarAxis", &axis)?;
-        let legend = PlotLegend::new().with_corner(match plot.names {
-            NamesCorner::RightTop => Corner2D::RightTop,
-            NamesCorner::RightBottom => Corner2D::RightBottom,
-            NamesCorner::LeftBottom => Corner2D::LeftBottom,
-        });
+        let legend = PlotLegend::new().with_corner(plot.names);
         self.property(id, "PlotLegend", &legend)
     }
 

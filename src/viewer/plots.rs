@@ -1,5 +1,7 @@
 //! The curves over time: their quantities, units and the ranges of their axes.
 
+use rerun::blueprint::components::Corner2D;
+
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
 use crate::column::{HINGES, Impact, Sample, simulate};
@@ -9,17 +11,6 @@ use crate::shape::round_number;
 
 /// Number of plots.
 pub const PLOTS: usize = 6;
-
-/// The corner of a plot that holds the names of its curves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NamesCorner {
-    /// Top right.
-    RightTop,
-    /// Bottom right.
-    RightBottom,
-    /// Bottom left.
-    LeftBottom,
-}
 
 /// A plot of quantities with a common unit.
 #[derive(Debug)]
@@ -33,7 +24,7 @@ pub struct Plot {
     /// Names and colours of its curves.
     pub curves: &'static [(&'static str, Rgb)],
     /// Where the names of the curves hide least of the curves.
-    pub names: NamesCorner,
+    pub names: Corner2D,
     /// Width of the last curve \[points\].
     pub last_width: f32,
     /// The values of a sample in SI units, one for each curve.
@@ -56,7 +47,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("v_c impactor", colour::IMPACTOR),
             ("v1 impact point", colour::IMPACT_POINT),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.impactor_position, it.v1],
     },
@@ -68,7 +59,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("u1 impact point", colour::IMPACT_POINT),
             ("u2 top", colour::TOP),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.u1, it.u2],
     },
@@ -77,7 +68,7 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Fig. 7: N, tension + [kN]",
         per_si: 1e-3,
         curves: &[("N_a below", colour::BAR_A), ("N_b above", colour::BAR_B)],
-        names: NamesCorner::RightTop,
+        names: Corner2D::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
     },
@@ -91,7 +82,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("2", colour::HINGE[2]),
             ("3", colour::HINGE[3]),
         ],
-        names: NamesCorner::LeftBottom,
+        names: Corner2D::LeftBottom,
         last_width: 1.5,
         values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
     },
@@ -100,7 +91,7 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Contact force [kN]",
         per_si: 1e-3,
         curves: &[("contact force", colour::CONTACT)],
-        names: NamesCorner::RightTop,
+        names: Corner2D::RightTop,
         last_width: 2.0,
         values: |it| vec![it.contact_force],
     },
@@ -115,7 +106,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("+ elastic - load", colour::ENERGIES[3]),
             ("+ kinetic = level", colour::ENERGIES[4]),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 3.0,
         values: |it| ledger(it).to_vec(),
     },
