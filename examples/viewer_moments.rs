@@ -1,5 +1,5 @@
-//! Writes what the viewer shows at four moments of an impact, for the pictures of the README: before, at the first yield, at
-//! the peak, at rest. `docs/pictures.sh` makes the pictures.
+//! Writes viewer files of four moments of an impact, for the pictures of the README: before the contact, at the first yield,
+//! at the peak, and at rest. `docs/pictures.sh` makes the pictures.
 //!
 //! ```sh
 //! cargo run --release --example viewer_moments -- config/heb220_paper.yaml FOLDER
@@ -11,27 +11,27 @@ use std::sync::Arc;
 
 use column_twin::column::{Impact, simulate};
 use column_twin::parameters::Parameters;
-use column_twin::viewer::{Item, from_samples, write_rrd};
+use column_twin::viewer::{ViewerItem, from_samples, write_rrd};
 
-/// How far the vehicle is away at the first moment \[m\].
+/// Initial distance of the vehicle \[m\].
 const GAP: f64 = 0.5;
 
-/// The event's stamp, so that the files are the same each time: 2026-01-01, 12:00 UTC.
+/// The stamp of the event, fixed so that the files are reproducible: 2026-01-01, 12:00 UTC.
 const STAMP: i64 = 1_767_268_800_000_000_000;
 
-#[allow(dead_code)] // the test of the pictures has a main of its own
+#[allow(dead_code)] // the test of the pictures includes this file
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let (Some(config), Some(folder)) = (arguments.next(), arguments.next()) else {
-        return Err("expected two arguments: a parameter file, and a folder for the files".into());
+        return Err("expected two arguments: a parameter file and a folder for the files".into());
     };
     write(&config, &folder)
 }
 
-/// Writes `before.rrd`, `first_yield.rrd`, `peak.rrd` and `rest.rrd` into a folder.
+/// Writes `before.rrd`, `first_yield.rrd`, `peak.rrd` and `rest.rrd` to a folder.
 ///
 /// # Errors
-/// Wrong parameters, a vehicle that does not reach the column, or a folder that cannot be written to.
+/// The parameters are invalid, the vehicle does not reach the column, or the folder is not writable.
 pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let parameters = Arc::new(Parameters::load(&[config.to_owned()], &[])?);
     let car = Impact {
@@ -57,16 +57,16 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         ("peak", report.max_v1_time),
         ("rest", report.end_time),
     ] {
-        // The whole impact, and of it what lies before the moment: every tenth step, which the viewer loads at once.
+        // Every tenth step up to the moment, so that the viewer loads the file quickly; every step just before it.
         let mut items = from_samples("car", STAMP, samples.iter().copied(), &report);
         let mut count = 0;
         items.retain(|item| match item {
-            Item::State(state) => {
+            ViewerItem::State(state) => {
                 count += 1;
                 let near = time - state.sample.time < 1e-3 || state.sample.percussion > 0.0;
                 state.sample.time <= time && (count % 10 == 1 || near)
             }
-            Item::Result(_) => time == report.end_time,
+            ViewerItem::Result(_) => time == report.end_time,
             _ => true,
         });
         let path = folder.join(format!("{name}.rrd"));

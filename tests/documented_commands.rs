@@ -1,5 +1,5 @@
-//! Every command that README.md and launch_notes.md print is run here as it stands there, or another check runs it, or it
-//! says here why it cannot be run. A command that is none of these fails the test.
+//! Runs every command of README.md and launch_notes.md as documented. A command that is not run here needs an entry below:
+//! either another check runs it, or a reason says why it cannot be run.
 #![cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
@@ -18,31 +18,31 @@ use domain::Domain;
 use program::Program;
 use tempfile::TempDir;
 
-/// What becomes of a command here.
+/// How a command is treated here.
 #[derive(Debug, Clone, Copy)]
 enum How {
-    /// It is run and ends with code 0.
+    /// It is run and must end with code 0.
     Ends,
-    /// It is run, says this, goes on during the rest of its block, and ends with code 0 when it is asked to.
+    /// It is run, must print this text, keeps running during the rest of its block, and must end with code 0 after SIGTERM.
     Stays(&'static str),
-    /// Another check runs it: the file, and what stands in it.
+    /// Another check runs it: the file, and a text that it contains.
     Elsewhere(&'static str, &'static str),
     /// It cannot be run, for this reason.
     Cannot(&'static str),
-    /// No command: the name of one in a sentence.
+    /// The name of a command in a sentence.
     Name,
 }
 use How::{Cannot, Elsewhere, Ends, Name, Stays};
 
 const NEEDS_ROS: &str = "needs an installed ROS 2; tests/interop does the same with rclpy";
 const NEEDS_WORKSPACE: &str = "needs an installed ROS 2; tests/interop/build_workspace.sh and launch_files.py do the same with its packages from PyPI";
-const COMPILES: &str = "compiles everything anew";
+const COMPILES: &str = "compiles everything again";
 const NEEDS_SCREEN: &str =
     "needs a screen; tests/viewer opens such files with the same viewer without one";
 
-/// The commands by how they begin.
+/// The commands by their beginning.
 const COMMANDS: &[(&str, How)] = &[
-    // What others run.
+    // Run by other checks.
     (
         "cargo run --release -- demo",
         Elsewhere(".ci/run", "demonstrate_in"),
@@ -90,7 +90,7 @@ const COMMANDS: &[(&str, How)] = &[
         Elsewhere("tests/viewer/real_viewer.rs", "pictures_of_four_moments"),
     ),
     (".ci/run", Elsewhere(".ci/run", "passed, 0 failed")),
-    // What cannot be run.
+    // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
     ("ros2 launch", Cannot(NEEDS_WORKSPACE)),
@@ -103,15 +103,12 @@ const COMMANDS: &[(&str, How)] = &[
     ("rviz2", Cannot(NEEDS_ROS)),
     ("pip install rerun-sdk", Cannot(NEEDS_SCREEN)),
     ("ssh -L", Cannot("needs another machine")),
-    (
-        "cpupower",
-        Cannot("needs a kernel's own tool, and its rights"),
-    ),
-    // What is run here.
+    ("cpupower", Cannot("needs a tool of the kernel, and root")),
+    // Run here.
     ("export ROS_AUTOMATIC_DISCOVERY_RANGE", Ends),
     (
         "column-twin run --config config/heb220_paper.yaml --ros-args -p viewer.mode:=serve",
-        Stays("to look: rerun"),
+        Stays("to watch: rerun"),
     ),
     ("column-twin run", Stays("is ready in domain")),
     ("column-twin watch", Stays("watching")),
@@ -161,7 +158,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The commands of a document: those of each block in their order, then those in sentences, each for itself.
+/// The commands of a document: those of each code block in order, then each of those in sentences.
 fn blocks(document: &str) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(root().join(document)).expect("a document");
     let mut blocks = Vec::new();
@@ -198,7 +195,7 @@ fn blocks(document: &str) -> Vec<Vec<String>> {
     blocks
 }
 
-/// A folder in which a reader of the documents could be: their files, and programs by their names.
+/// A folder as a reader of the documents would have it: the files, and the programs in the PATH.
 struct Place {
     folder: TempDir,
     viewer_port: u16,
@@ -218,7 +215,7 @@ impl Place {
         }
         std::fs::create_dir(at("bin")).expect("a folder");
         link(env!("CARGO_BIN_EXE_column-twin").into(), "bin/column-twin");
-        // The viewer opens a window: here it is enough that the file is there. tests/viewer opens it.
+        // The real viewer opens a window; here it is enough that the file exists. tests/viewer opens it.
         std::fs::write(at("bin/rerun"), "#!/bin/sh\ntest -s \"$1\"\n").expect("written");
         let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
         std::fs::set_permissions(at("bin/rerun"), executable).expect("executable");
@@ -236,10 +233,10 @@ impl Place {
         place
     }
 
-    /// A command as it stands in the document, where it may write.
+    /// A command of the document, with writable paths and a free port.
     fn shell(&self, domain: &Domain, command: &str) -> Command {
         let command = command
-            // What `cargo run` would run.
+            // The program that `cargo run` would run.
             .replace("cargo run --release --", "column-twin")
             .replace("DIR", "recorded")
             .replace("/var/lib/column_twin", "var")
@@ -278,13 +275,13 @@ fn run_all_of(document: &str) {
             let how = how(&command);
             println!("{document}: {command}: {how:?}");
             match how {
-                Ends if command.starts_with("export ") => {} // as all that runs here
+                Ends if command.starts_with("export ") => {} // set for every command here
                 Ends => {
                     let output = place.shell(&domain, &command).output().expect("runs");
-                    let said = String::from_utf8_lossy(&output.stderr);
+                    let errors = String::from_utf8_lossy(&output.stderr);
                     assert!(
                         output.status.success(),
-                        "`{command}` ends with {}: {said}",
+                        "`{command}` ends with {}: {errors}",
                         output.status
                     );
                 }

@@ -1,4 +1,4 @@
-//! The example of the README, word for word; the README's copy is compared with this one.
+//! Compiles and runs the example of the README, and compares the two texts.
 
 use std::path::Path;
 

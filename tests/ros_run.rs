@@ -1,5 +1,5 @@
-//! `run` and `watch` from their arguments to SIGTERM, with names of their own. One test in a process of its own: a second
-//! signal ends the process at once.
+//! Tests `run` and `watch` from their arguments to SIGTERM, with remapped names. The only test of its process, because a
+//! second signal ends the process at once.
 #![cfg(feature = "ros")]
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
@@ -61,18 +61,18 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
         match_timeout: PATIENCE,
         answer_timeout: PATIENCE,
     };
-    let mut said = Vec::new();
+    let mut printed = Vec::new();
     let outcome = send_impact(&environment, &rules, &impact, &mut |line| {
-        said.push(line.to_owned())
+        printed.push(line.to_owned())
     });
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
         "{outcome:?}"
     );
-    assert!(said[0].contains("/camera/impact"), "{said:?}");
+    assert!(printed[0].contains("/camera/impact"), "{printed:?}");
     let shown = || lines.recv_timeout(PATIENCE).expect("a line");
     assert!(shown().starts_with("watching /garage/column_state in domain"));
-    // The forecast is kept for those who come late.
+    // The forecast is kept for late joiners.
     while !shown().starts_with("forecast of e1: ") {}
     signal_hook::low_level::raise(SIGTERM).unwrap();
     node.join().unwrap().unwrap();

@@ -72,19 +72,19 @@ pub fn run(span: Duration) {
     let _viewer = Running::headless(viewer_port);
     let cases = [
         ("off", "off", free_port(), "is ready"),
-        ("save", "save", free_port(), "pictures go into"),
-        ("serve, nobody looks", "serve", free_port(), "to look"),
+        ("save", "save", free_port(), "the viewer file is"),
+        ("serve, nobody looks", "serve", free_port(), "to watch"),
         (
             "connect, takes nothing",
             "connect",
             silent_port,
-            "connected with",
+            "connected to",
         ),
         (
             "connect, the real viewer",
             "connect",
             viewer_port,
-            "connected with",
+            "connected to",
         ),
     ];
     let mut off = 0.0;

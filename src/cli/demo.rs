@@ -1,6 +1,6 @@
-//! `column-twin demo`: the whole way of one impact on this machine, with nothing installed.
+//! `column-twin demo`: one impact from the event to the verified recording, on this machine and with nothing installed.
 //!
-//! The node runs as a process of its own and is spoken to over real DDS on loopback, as by anybody else.
+//! The node runs as a process of its own; the demonstration talks to it over real DDS on loopback, as any client does.
 
 use std::fs::{self, File};
 use std::io;
@@ -11,31 +11,32 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::{Exit, Failure, Lines};
+use super::failure::{Exit, Failure, LinePrinter};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::evidence;
-use crate::figures::HINGE_PLACES;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::ros::{Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact};
+use crate::shape::HINGE_PLACES;
 
-/// What `column-twin demo` is told.
+/// Arguments of `column-twin demo`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct DemoArgs {
-    /// Folder for all that is made; where it exists, one with a number behind its name is taken
+    /// Folder for all files; if it exists, a number is appended to its name
     #[arg(long, short, value_name = "FOLDER", default_value = "column_twin_demo")]
     output: PathBuf,
     /// Mass of the vehicle [kg]
     #[arg(long, value_name = "KG", default_value = "1500")]
     mass: f64,
-    /// Its speed [m/s]
+    /// Speed of the vehicle [m/s]
     #[arg(long, value_name = "M/S", default_value = "10")]
     velocity: f64,
 }
 
 const EXAMPLE: &str = "\
-Starts the node on 127.0.0.1 in a DDS domain that nobody uses, sends it an impact, shows the response as it arrives, records
-it, draws it, proves the recording by computing it anew, and ends. Nothing leaves this machine.
+Starts the node on 127.0.0.1 in an unused DDS domain, sends it an impact, shows the response as it
+arrives, records it, draws the figures, verifies the recording by recomputation, and exits. Nothing
+leaves this machine.
 
 Example: a van
   column-twin demo --mass 3500 --velocity 8
@@ -45,32 +46,32 @@ Exit codes: 0 done, 1 failed, 2 bad input or usage.";
 /// The paper's column.
 const COLUMN: &str = include_str!("../../config/heb220_paper.yaml");
 
-/// How long to wait for the node, and for each of its words.
-const PATIENCE: Duration = Duration::from_secs(15);
+/// Maximum wait for the node, and for each of its answers.
+const TIMEOUT: Duration = Duration::from_secs(15);
 
-/// How long the node may take to end.
-const ENDING: Duration = Duration::from_secs(5);
+/// Maximum time that the node may take to exit.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Most folders of earlier demonstrations.
+/// Maximum number of folders of demonstrations.
 const MAX_FOLDERS: u32 = 1000;
 
 /// Time of the response between two lines \[s\].
-const LINES_EVERY: f64 = 2e-3;
+const LINE_PERIOD: f64 = 2e-3;
 
-/// Length of the bar at the forecast's peak, in characters.
+/// Length of the bar at the peak of the forecast, in characters.
 const BAR: usize = 40;
 
-/// Runs all of it.
+/// Runs the demonstration.
 pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure> {
-    // Whatever is under way: its programs are told to stop by the same Ctrl-C, which is then no fault of theirs.
+    // Ctrl-C also stops the programs that the demonstration has started; that is not a failure of theirs.
     let signals = StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
-    let lines = Lines::new(out);
+    let lines = LinePrinter::new(out);
     let folder = new_folder(&arguments.output)?;
     match demonstrate(arguments, &folder, &lines) {
         Err(_) if signals.asked() => Err(Failure::plain(
             Exit::Failed,
             format!(
-                "interrupted; what was made so far is in {}",
+                "interrupted; the files written so far are in {}",
                 folder.display()
             ),
         )),
@@ -79,31 +80,31 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     }
 }
 
-fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &Lines<'_>) -> Result<(), Failure> {
+fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &LinePrinter<'_>) -> Result<(), Failure> {
     let started = Instant::now();
     let domain = FreshDomain::take().ok_or_else(|| {
         Failure::plain(
             Exit::Failed,
-            "every DDS domain from 1 to 101 is taken on 127.0.0.1; end other demonstrations and tests first",
+            "every DDS domain from 1 to 101 is in use on 127.0.0.1; stop other demonstrations and tests first",
         )
     })?;
     let environment = &domain.environment;
     let column = folder.join("column.yaml");
     fs::write(&column, COLUMN).map_err(|error| cannot("write", &column, &error))?;
-    out.say(format_args!(
+    out.print(format_args!(
         "Everything stays on this machine: 127.0.0.1, DDS domain {}. Files: {}\n",
         environment.domain_id,
         folder.display()
     ));
     let mut node = NodeProcess::start(folder, environment, out)?;
     let followed = follow(environment, arguments, out);
-    let ended = node.end();
+    let ended = node.stop();
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
-    say_outcome(&forecast, &outcome, out);
+    print_outcome(&forecast, &outcome, out);
     if !ended.is_some_and(|status| status.success()) {
         return Err(node.explain(Failure::plain(
             Exit::Failed,
-            "the node did not end as it should",
+            "the node did not exit cleanly",
         )));
     }
     draw(folder, arguments)?;
@@ -113,14 +114,14 @@ fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &Lines<'_>) -> Result<(
     if !verification.is_equal() {
         return Err(Failure::plain(
             Exit::Failed,
-            format!("the recording is not what the model gives:\n{verification}"),
+            format!("the recording differs from the recomputation:\n{verification}"),
         ));
     }
-    out.say(format_args!(
-        "The recording is proved: {} messages computed anew, equal bit for bit.\n",
+    out.print(format_args!(
+        "Recording verified by recomputation: {} messages are equal bit for bit.\n",
         verification.compared()
     ));
-    say_what_next(folder, &recording, started.elapsed(), out);
+    print_next_steps(folder, &recording, started.elapsed(), out);
     Ok(())
 }
 
@@ -128,13 +129,11 @@ fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
     let path = path.display();
     Failure::plain(
         Exit::Failed,
-        format!(
-            "cannot {what} {path}: {error}; name a folder that can be written to with --output"
-        ),
+        format!("cannot {what} {path}: {error}; name a writable folder with --output"),
     )
 }
 
-/// A folder that was not there before.
+/// Creates a new folder.
 fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
     for number in 1..=MAX_FOLDERS {
         let folder = match number {
@@ -142,24 +141,24 @@ fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
             _ => PathBuf::from(format!("{}_{number}", wanted.display())),
         };
         if let Some(parent) = folder.parent() {
-            fs::create_dir_all(parent).map_err(|error| cannot("make", parent, &error))?;
+            fs::create_dir_all(parent).map_err(|error| cannot("create", parent, &error))?;
         }
         match fs::create_dir(&folder) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(cannot("make", &folder, &error)),
+            Err(error) => return Err(cannot("create", &folder, &error)),
             Ok(()) => return Ok(folder),
         }
     }
     Err(Failure::plain(
         Exit::Failed,
         format!(
-            "{} and {MAX_FOLDERS} more exist; remove some, or name another folder with --output",
+            "{} and its numbered variants up to _{MAX_FOLDERS} exist; remove some, or name another folder with --output",
             wanted.display()
         ),
     ))
 }
 
-/// This program, with a log of what it says.
+/// This program, with its output in a log.
 fn program(log: &Path) -> Result<Command, Failure> {
     let own = std::env::current_exe().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let open = || File::options().create(true).append(true).open(log);
@@ -171,14 +170,18 @@ fn program(log: &Path) -> Result<Command, Failure> {
     Ok(command)
 }
 
-/// The node in its own process. Dropped, it is ended.
+/// The node in its own process, which stops when the value is dropped.
 struct NodeProcess {
     child: Child,
     log: PathBuf,
 }
 
 impl NodeProcess {
-    fn start(folder: &Path, environment: &Environment, out: &Lines<'_>) -> Result<Self, Failure> {
+    fn start(
+        folder: &Path,
+        environment: &Environment,
+        out: &LinePrinter<'_>,
+    ) -> Result<Self, Failure> {
         let log = folder.join("node.log");
         let setting = |name: &str, value: &str| ["-p".to_owned(), format!("{name}:={value}")];
         let inside = |name: &str| folder.join(name).display().to_string();
@@ -204,20 +207,20 @@ impl NodeProcess {
             .env_remove("ROS_NAMESPACE")
             .spawn()
             .map_err(|error| {
-                Failure::plain(Exit::Failed, format!("the node cannot be started: {error}"))
+                Failure::plain(Exit::Failed, format!("cannot start the node: {error}"))
             })?;
-        out.say(format_args!(
-            "The node runs: column-twin run --config column.yaml --ros-args -p record.mode:=always ..."
+        out.print(format_args!(
+            "Node started: column-twin run --config column.yaml --ros-args -p record.mode:=always ..."
         ));
         Ok(Self { child, log })
     }
 
-    /// Ends it as Ctrl-C does; `None` where it had to be killed.
-    fn end(&mut self) -> Option<ExitStatus> {
+    /// Stops the node as Ctrl-C does; `None` if it had to be killed.
+    fn stop(&mut self) -> Option<ExitStatus> {
         if let Some(id) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
-            let _ = kill_process(id, Signal::INT); // it may have ended by itself
+            let _ = kill_process(id, Signal::INT); // it may have exited already
         }
-        let deadline = Instant::now() + ENDING;
+        let deadline = Instant::now() + EXIT_TIMEOUT;
         while Instant::now() < deadline {
             match self.child.try_wait() {
                 Ok(Some(status)) => return Some(status),
@@ -230,15 +233,15 @@ impl NodeProcess {
         None
     }
 
-    /// With the last that the node said.
+    /// Adds the last lines of the node's log.
     fn explain(&self, failure: Failure) -> Failure {
-        let said = fs::read_to_string(&self.log).unwrap_or_default();
-        let lines: Vec<_> = said.lines().collect();
+        let log = fs::read_to_string(&self.log).unwrap_or_default();
+        let lines: Vec<_> = log.lines().collect();
         let last = lines[lines.len().saturating_sub(8)..].join("\n  ");
         Failure::plain(
             failure.exit,
             format!(
-                "{}\nThe node's last words ({}):\n  {last}",
+                "{}\nThe last lines of the node's log ({}):\n  {last}",
                 failure.report,
                 self.log.display()
             ),
@@ -249,16 +252,16 @@ impl NodeProcess {
 impl Drop for NodeProcess {
     fn drop(&mut self) {
         if matches!(self.child.try_wait(), Ok(None)) {
-            self.end();
+            self.stop();
         }
     }
 }
 
-/// Sends the impact and shows what comes of it; forecast and outcome.
+/// Sends the impact, shows the response, and returns forecast and outcome.
 fn follow(
     environment: &Environment,
     arguments: &DemoArgs,
-    out: &Lines<'_>,
+    out: &LinePrinter<'_>,
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
         column_id: "heb220_paper".to_owned(),
@@ -268,49 +271,49 @@ fn follow(
         gap: None,
         restitution: None,
         height: None,
-        match_timeout: PATIENCE,
-        answer_timeout: PATIENCE,
+        match_timeout: TIMEOUT,
+        answer_timeout: TIMEOUT,
     };
-    let mut show = Show::new(out);
+    let mut narration = Narration::new(out);
     follow_impact(
         environment,
         &options,
-        &mut |line| out.say(format_args!("{line}\n")),
-        &mut |seen, since| show.take(seen, since),
+        &mut |line| out.print(format_args!("{line}\n")),
+        &mut |seen, since| narration.take(seen, since),
     )
     .map_err(|error| Failure::plain(Exit::Failed, error))?;
-    match (show.forecast, show.outcome) {
+    match (narration.forecast, narration.outcome) {
         (Some(forecast), Some(outcome)) => Ok((forecast, outcome)),
         _ => Err(Failure::plain(
             Exit::Failed,
-            "the report came without a forecast",
+            "the report arrived without a forecast",
         )),
     }
 }
 
-/// What was shown already.
-struct Show<'a, 'b> {
-    out: &'a Lines<'b>,
+/// Narrates the response from the messages of the node.
+struct Narration<'a, 'b> {
+    out: &'a LinePrinter<'b>,
     forecast: Option<ImpactReport>,
     outcome: Option<ImpactReport>,
-    /// Largest `v1` so far, and whether it was said that it was the peak.
-    highest: f64,
-    peak_said: bool,
+    /// Largest `v1` so far, and whether the peak has been announced.
+    largest: f64,
+    peak_announced: bool,
     phase: Option<u8>,
     yielded: [bool; HINGES],
     next_line: f64,
-    /// Stamp of the first state: the event's \[ns\].
+    /// Stamp of the first state, which is that of the event \[ns\].
     event: Option<i64>,
 }
 
-impl<'a, 'b> Show<'a, 'b> {
-    fn new(out: &'a Lines<'b>) -> Self {
+impl<'a, 'b> Narration<'a, 'b> {
+    fn new(out: &'a LinePrinter<'b>) -> Self {
         Self {
             out,
             forecast: None,
             outcome: None,
-            highest: 0.0,
-            peak_said: false,
+            largest: 0.0,
+            peak_announced: false,
             phase: None,
             yielded: [false; HINGES],
             next_line: 0.0,
@@ -321,13 +324,13 @@ impl<'a, 'b> Show<'a, 'b> {
     fn take(&mut self, seen: &Seen, since: Duration) {
         match seen {
             Seen::Forecast(report) => {
-                self.out.say(format_args!(
-                    "  forecast after {:.1} ms ({:.1} ms of it computing): v1 will peak at {:.1} mm and keep {:.1} mm, {}\n",
+                self.out.print(format_args!(
+                    "  forecast after {:.1} ms ({:.1} ms of computing): peak of v1 {:.1} mm, residual {:.1} mm; {}\n",
                     1e3 * since.as_secs_f64(),
                     1e3 * report.compute_time,
                     1e3 * report.max_v1,
                     1e3 * report.residual_v1,
-                    outcome_word(report)
+                    outcome_text(report)
                 ));
                 self.forecast = Some(report.clone());
             }
@@ -342,42 +345,42 @@ impl<'a, 'b> Show<'a, 'b> {
         if self.event.is_none() {
             self.event = state.header.stamp.to_nanos();
         }
-        let fell = state.v1 < self.highest && self.highest > 0.0;
-        let word = match (self.phase.replace(state.phase), state.phase) {
+        let fell = state.v1 < self.largest && self.largest > 0.0;
+        let phase_change = match (self.phase.replace(state.phase), state.phase) {
             (Some(before), now) if before == now => None,
-            (_, ColumnState::CONTACT) => Some("the vehicle touches"),
-            (Some(_), ColumnState::FREE) => Some("the vehicle parts"),
+            (_, ColumnState::CONTACT) => Some("contact begins"),
+            (Some(_), ColumnState::FREE) => Some("separation"),
             (_, ColumnState::REST) => Some("at rest"),
-            (_, ColumnState::COLLAPSED) => Some("THE COLUMN COLLAPSES"),
+            (_, ColumnState::COLLAPSED) => Some("COLLAPSE"),
             _ => None,
         };
-        if fell && !self.peak_said {
-            self.peak_said = true;
-            self.out.say(format_args!(
-                "  {:>8} | {:BAR$} | the peak was {:.1} mm",
+        if fell && !self.peak_announced {
+            self.peak_announced = true;
+            self.out.print(format_args!(
+                "  {:>8} | {:BAR$} | peak of v1: {:.1} mm",
                 "",
                 "",
-                1e3 * self.highest
+                1e3 * self.largest
             ));
         }
-        self.highest = self.highest.max(state.v1);
-        if word.is_none() && state.time < self.next_line {
+        self.largest = self.largest.max(state.v1);
+        if phase_change.is_none() && state.time < self.next_line {
             return;
         }
-        self.next_line = state.time + LINES_EVERY - 1e-9;
+        self.next_line = state.time + LINE_PERIOD - 1e-9;
         let forecast = self.forecast.as_ref().map_or(0.1, |it| it.max_v1);
         let part = (state.v1 / forecast).clamp(0.0, 1.0);
         let bar = "#".repeat((part * BAR as f64).round() as usize);
-        self.out.say(format_args!(
+        self.out.print(format_args!(
             "  {:5.1} ms | {bar:BAR$} | v1 {:6.1} mm  contact {:6.1} kN  {}",
             1e3 * state.time,
             1e3 * state.v1,
             1e-3 * state.contact_force,
-            word.unwrap_or_default()
+            phase_change.unwrap_or_default()
         ));
     }
 
-    /// The hinges come on a topic of their own: their stamp says which instant they are for.
+    /// Hinge forces arrive on a topic of their own; their stamp gives their time.
     fn forces(&mut self, forces: &HingeForces) {
         let (Some(event), Some(stamp)) = (self.event, forces.header.stamp.to_nanos()) else {
             return;
@@ -385,8 +388,8 @@ impl<'a, 'b> Show<'a, 'b> {
         for hinge in 0..HINGES {
             if forces.state[hinge] == HingeForces::PLASTIC && !self.yielded[hinge] {
                 self.yielded[hinge] = true;
-                self.out.say(format_args!(
-                    "  {:>8} | {:BAR$} | hinge {} ({}) yields by {:.1} ms",
+                self.out.print(format_args!(
+                    "  {:>8} | {:BAR$} | hinge {} ({}) is yielding at {:.1} ms",
                     "",
                     "",
                     HINGE_NAMES[hinge],
@@ -398,37 +401,37 @@ impl<'a, 'b> Show<'a, 'b> {
     }
 }
 
-fn outcome_word(report: &ImpactReport) -> &'static str {
+fn outcome_text(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic",
-        ImpactReport::PLASTIC => "plastic: the column stands, bent",
+        ImpactReport::PLASTIC => "plastic: the column remains standing",
         _ => "the column collapses",
     }
 }
 
-fn say_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &Lines<'_>) {
-    out.say(format_args!(
+fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrinter<'_>) {
+    out.print(format_args!(
         "\n  {:22}{:>14}{:>14}",
         "", "forecast", "outcome"
     ));
     let row = |name: &str, unit: &str, of: fn(&ImpactReport) -> f64| {
-        out.say(format_args!(
+        out.print(format_args!(
             "  {name:22}{:>11.3} {unit:2}{:>11.3} {unit:2}",
             of(forecast),
             of(outcome)
         ));
     };
     row("peak of v1", "mm", |it| 1e3 * it.max_v1);
-    row("what remains of it", "mm", |it| 1e3 * it.residual_v1);
-    row("parting of the vehicle", "ms", |it| 1e3 * it.release_time);
+    row("residual v1", "mm", |it| 1e3 * it.residual_v1);
+    row("last separation", "ms", |it| 1e3 * it.release_time);
     row("peak contact force", "kN", |it| {
         1e-3 * it.peak_contact_force
     });
     row("plastic work", "kJ", |it| 1e-3 * it.plastic_work);
-    out.say("");
+    out.print("");
 }
 
-/// The figures of the same impact, made as a user makes them.
+/// Draws the figures of the same impact with the command that a user would run.
 fn draw(folder: &Path, arguments: &DemoArgs) -> Result<(), Failure> {
     let log = folder.join("figures.log");
     let status = program(&log)?
@@ -445,7 +448,7 @@ fn draw(folder: &Path, arguments: &DemoArgs) -> Result<(), Failure> {
         true => Ok(()),
         false => Err(Failure::plain(
             Exit::Failed,
-            format!("the figures cannot be drawn; {} says why", log.display()),
+            format!("the figures cannot be drawn; see {}", log.display()),
         )),
     }
 }
@@ -462,34 +465,37 @@ fn only_entry(folder: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
-fn say_what_next(folder: &Path, recording: &Path, took: Duration, out: &Lines<'_>) {
+fn print_next_steps(folder: &Path, recording: &Path, took: Duration, out: &LinePrinter<'_>) {
     let folder = folder.display();
-    out.say(format_args!("Made in {:.1} s:", took.as_secs_f64()));
-    out.say(format_args!(
-        "  {folder}/figures     the paper's figures, the energy ledger, the hinges' paths: SVG and PNG"
+    out.print(format_args!(
+        "Finished in {:.1} s. Files:",
+        took.as_secs_f64()
     ));
-    out.say(format_args!(
-        "  {}    all that the node received and said: MCAP, for ros2 bag, Foxglove, PlotJuggler",
+    out.print(format_args!(
+        "  {folder}/figures     figures of the paper, energy ledger, paths of the hinges (SVG and PNG)"
+    ));
+    out.print(format_args!(
+        "  {}    everything that the node received and sent (MCAP, for ros2 bag, Foxglove, PlotJuggler)",
         recording.display()
     ));
     if cfg!(feature = "viewer") {
-        out.say(format_args!(
-            "  {folder}/viewer      the column as it deforms, for the Rerun viewer"
+        out.print(format_args!(
+            "  {folder}/viewer      the deforming column, for the Rerun viewer"
         ));
     }
-    out.say(format_args!(
-        "  {folder}/state       the damage, from which a next start goes on\n"
+    out.print(format_args!(
+        "  {folder}/state       the damage, from which the next start continues\n"
     ));
-    out.say(format_args!("Try next:"));
-    out.say(format_args!("  column-twin info {}", recording.display()));
-    out.say(format_args!(
+    out.print(format_args!("Try next:"));
+    out.print(format_args!("  column-twin info {}", recording.display()));
+    out.print(format_args!(
         "  column-twin export {} --csv",
         recording.display()
     ));
     match cfg!(feature = "viewer") {
-        true => out.say(format_args!(
+        true => out.print(format_args!(
             "  rerun {folder}/viewer/*.rrd        (pip install rerun-sdk==0.36.3)"
         )),
-        false => out.say(format_args!("  column-twin simulate --help")),
+        false => out.print(format_args!("  column-twin simulate --help")),
     }
 }

@@ -1,4 +1,4 @@
-//! `column-twin export`: the messages of a recording as tables or as JSON.
+//! `column-twin export`: exports the messages of a recording as tables or as JSON.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -8,29 +8,29 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::repair::failure;
-use super::{Exit, Failure};
+use super::failure::{Exit, Failure, unless_closed};
 use crate::recording::{Decoded, Decoder, Message, Reader, RecordingError};
 use crate::whole_file::WholeFile;
 
-/// What `column-twin export` is told.
+/// Arguments of `column-twin export`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 #[command(group = clap::ArgGroup::new("format").required(true))]
 pub struct ExportArgs {
-    /// Directory of the recording, or an .mcap file
+    /// Directory of the recording, or an MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
-    /// Write a directory with one table (CSV) per topic, one row per message
+    /// Write a directory with one CSV table per topic, one row per message
     #[arg(long, group = "format")]
     csv: bool,
-    /// Write one file with one message (JSON) per line
+    /// Write one file with one JSON message per line
     #[arg(long, group = "format")]
     json: bool,
-    /// Where to; default: beside the recording, with _csv or .jsonl behind its name; - prints JSON
+    /// Directory or file to write; default: next to the recording, with _csv or .jsonl appended to its name; with -,
+    /// JSON goes to the standard output
     #[arg(long, short, value_name = "PATH")]
     output: Option<PathBuf>,
-    /// Only these topics; default: all
+    /// Topics to export; default: all
     #[arg(long, value_name = "TOPIC", num_args = 1..)]
     topics: Vec<String>,
 }
@@ -40,18 +40,18 @@ Example: displacements and hinge forces for a spreadsheet
   column-twin export recordings/column_twin_2026_11_21-07_40_00 --csv \\
     --topics /column_state /hinge_forces
 
-Times are in nanoseconds since 1970. Messages are taken apart by the definitions in the
-recording, so that every rosbag2 MCAP file can be exported. Nothing is overwritten.
+Times are in nanoseconds since 1970. Messages are decoded with the definitions in the recording,
+so that every rosbag2 MCAP file can be exported. Nothing is overwritten.
 Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done, but some topics or messages could
-not be taken apart.";
+not be decoded.";
 
-/// Writes the messages and says where.
+/// Writes the messages and prints where they are.
 pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let reader = Reader::open(&arguments.bag).map_err(failure)?;
+    let reader = Reader::open(&arguments.bag)?;
     let bag = arguments.bag.display();
     if !reader.wholeness().is_whole() {
         let reason = format!(
-            "{bag} is {}; write it anew first, with: column-twin repair {bag}",
+            "{bag} is {}; repair it first: column-twin repair {bag}",
             reader.wholeness()
         );
         return Err(Failure::plain(Exit::BadInput, reason));
@@ -61,19 +61,19 @@ pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> 
     if to_stdout && arguments.csv {
         return Err(Failure::plain(
             Exit::BadInput,
-            "tables of several topics need a directory; give --output DIR",
+            "CSV tables need a directory; give --output DIR",
         ));
     }
     let output = arguments
         .output
         .clone()
-        .unwrap_or_else(|| beside(&arguments.bag, arguments.csv));
+        .unwrap_or_else(|| default_output(&arguments.bag, arguments.csv));
     if !to_stdout && output.symlink_metadata().is_ok() {
-        return Err(failure(RecordingError::Exists { path: output }));
+        return Err(RecordingError::Exists { path: output }.into());
     }
     let written = if to_stdout {
         let written = write_json(&reader, &mut selection, out).map(drop);
-        super::unless_closed(written)
+        unless_closed(written)
             .map(|()| 0)
             .map_err(|error| unwritable(&output, error))
     } else if arguments.csv {
@@ -83,19 +83,19 @@ pub fn run(arguments: &ExportArgs, out: &mut impl Write) -> Result<(), Failure> 
     };
     let messages = written?;
     if !to_stdout {
-        // Nobody to tell if this cannot be printed.
-        let _ = writeln!(out, "{messages} messages are in {}", output.display());
+        // A failure to print cannot be reported.
+        let _ = writeln!(out, "{messages} messages written to {}", output.display());
     }
     selection.losses()
 }
 
-/// What is exported, and what cannot be.
+/// The topics and messages that are exported, and those that cannot be decoded.
 struct Selection {
-    /// By the places of their topics.
+    /// By the index of the topic.
     decoders: BTreeMap<usize, Decoder>,
-    left_out: Vec<String>,
-    misfits: u64,
-    first_misfit: Option<String>,
+    undecodable_topics: Vec<String>,
+    undecodable_messages: u64,
+    first_fault: Option<String>,
 }
 
 impl Selection {
@@ -106,56 +106,56 @@ impl Selection {
         {
             let names: Vec<&str> = reader.topics().iter().map(|it| &*it.name).collect();
             let reason = format!(
-                "expected one of the topics {}, found {unknown}",
+                "the recording has no topic {unknown}; expected one of {}",
                 names.join(", ")
             );
             return Err(Failure::plain(Exit::BadInput, reason));
         }
-        let (mut decoders, mut left_out) = (BTreeMap::new(), Vec::new());
+        let (mut decoders, mut undecodable_topics) = (BTreeMap::new(), Vec::new());
         for (index, topic) in reader.topics().iter().enumerate() {
             if !wanted.is_empty() && wanted.iter().all(|name| **name != *topic.name) {
                 continue;
             }
             match Decoder::new(topic) {
                 Ok(decoder) => drop(decoders.insert(index, decoder)),
-                Err(error) => left_out.push(error.to_string()),
+                Err(error) => undecodable_topics.push(error.to_string()),
             }
         }
         if decoders.is_empty() {
-            let reason = match left_out.is_empty() {
-                true => "the recording has no topics; there is nothing to export".to_owned(),
-                false => left_out.join("\n"),
+            let reason = match undecodable_topics.is_empty() {
+                true => "the recording has no topics to export".to_owned(),
+                false => undecodable_topics.join("\n"),
             };
             return Err(Failure::plain(Exit::BadInput, reason));
         }
         Ok(Self {
             decoders,
-            left_out,
-            misfits: 0,
-            first_misfit: None,
+            undecodable_topics,
+            undecodable_messages: 0,
+            first_fault: None,
         })
     }
 
-    /// The content of a message that is wanted; one that does not fit is counted.
+    /// Decodes a message of a selected topic; counts it if it cannot be decoded.
     fn decode(&mut self, message: &Message) -> Option<(&Decoder, Decoded)> {
         let decoder = self.decoders.get(&message.topic_index)?;
         match decoder.decode(message) {
             Ok(content) => Some((decoder, content)),
             Err(error) => {
-                self.misfits += 1;
-                self.first_misfit.get_or_insert_with(|| error.to_string());
+                self.undecodable_messages += 1;
+                self.first_fault.get_or_insert_with(|| error.to_string());
                 None
             }
         }
     }
 
-    /// What is missing in what was written.
+    /// Reports what could not be decoded.
     fn losses(self) -> Result<(), Failure> {
-        let mut lines = self.left_out;
-        if let Some(first) = self.first_misfit {
+        let mut lines = self.undecodable_topics;
+        if let Some(first) = self.first_fault {
             lines.push(format!(
-                "{} messages are left out, the first: {first}",
-                self.misfits
+                "{} messages could not be decoded and are left out; the first: {first}",
+                self.undecodable_messages
             ));
         }
         match lines.is_empty() {
@@ -165,7 +165,8 @@ impl Selection {
     }
 }
 
-fn beside(bag: &Path, csv: bool) -> PathBuf {
+/// The default output, next to the recording.
+fn default_output(bag: &Path, csv: bool) -> PathBuf {
     let whole = fs::canonicalize(bag).unwrap_or_else(|_| bag.to_path_buf());
     let name = if bag.is_dir() {
         whole.file_name()
@@ -210,7 +211,7 @@ fn write_json(
                 "log_time": message.log_time,
                 "publish_time": message.publish_time,
             });
-            // The content in the order of its fields, which a map of values would not keep.
+            // The content keeps the order of its fields, which a map of values would not.
             let head = line.to_string();
             let head = head.trim_end_matches('}');
             writeln!(
@@ -224,7 +225,7 @@ fn write_json(
     Ok(messages)
 }
 
-/// Writes in a directory of another name, which gets its own when it is complete.
+/// Writes to a temporary directory, which is renamed when it is complete.
 fn write_tables(
     reader: &Reader,
     selection: &mut Selection,
@@ -235,16 +236,16 @@ fn write_tables(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let workshop = tempfile::Builder::new()
+    let temporary = tempfile::Builder::new()
         .prefix(".column-twin-export-")
         .tempdir_in(parent)
         .map_err(failed)?;
-    let unnamed = workshop.path().join("tables");
+    let unnamed = temporary.path().join("tables");
     fs::create_dir(&unnamed).map_err(failed)?;
     let mut tables = Tables::create(reader, selection, &unnamed).map_err(failed)?;
     let mut messages = 0;
     for message in reader.messages() {
-        let message = message.map_err(failure)?;
+        let message = message?;
         if let Some((decoder, content)) = selection.decode(&message) {
             tables
                 .add(&message, decoder.cells(&content))
@@ -295,9 +296,9 @@ impl Tables {
     }
 }
 
-/// A name that is not taken: of `/garage/column_state` that is `garage.column_state.csv`.
+/// An unused file name: for `/garage/column_state`, `garage.column_state.csv`.
 fn file_for(directory: &Path, topic: &str) -> PathBuf {
-    const LONGEST: usize = 200;
+    const MAX_LENGTH: usize = 200;
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() || "_-".contains(c) {
             c
@@ -309,7 +310,7 @@ fn file_for(directory: &Path, topic: &str) -> PathBuf {
         .trim_start_matches('/')
         .chars()
         .map(plain)
-        .take(LONGEST)
+        .take(MAX_LENGTH)
         .collect();
     let name = if name.trim_matches('.').is_empty() {
         "topic"

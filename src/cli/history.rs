@@ -4,8 +4,8 @@ use std::io::Write;
 
 use crate::column::{HINGE_NAMES, HingeSample, HingeState, Phase, Sample};
 
-/// Writes samples as CSV: a header with the unit in every name, then a row per sample. Numbers are written so that
-/// reading them gives the same bits.
+/// Writes samples as CSV: a header with the unit in every name, then one row per sample. Numbers read back to the same
+/// bits.
 pub struct HistoryWriter<W: Write> {
     table: csv::Writer<W>,
     row: csv::StringRecord,
@@ -14,8 +14,8 @@ pub struct HistoryWriter<W: Write> {
 type Column = (&'static str, fn(&Sample) -> f64);
 type HingeColumn = (&'static str, &'static str, fn(&HingeSample) -> f64);
 
-/// Columns of the whole, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and 3,
-/// `Nb` that of 1b and 2.
+/// Columns of column and impactor, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and
+/// 3, `Nb` that of 1b and 2.
 const COLUMNS: [Column; 24] = [
     ("t_s", |sample| sample.time),
     ("v1_m", |sample| sample.v1),
@@ -45,7 +45,7 @@ const COLUMNS: [Column; 24] = [
     }),
 ];
 
-/// Columns of every hinge: what stands before its name, what behind, and the value.
+/// Columns of every hinge: text before its name, unit, and value.
 const HINGE_COLUMNS: [HingeColumn; 7] = [
     ("M", "Nm", |hinge| hinge.moment),
     ("theta", "rad", |hinge| hinge.rotation),
@@ -99,7 +99,7 @@ impl<W: Write> HistoryWriter<W> {
         self.table.write_record(&self.row)
     }
 
-    /// Writes out what is buffered; the target.
+    /// Flushes the buffer and returns the target.
     ///
     /// # Errors
     /// The target cannot be written to.
@@ -110,7 +110,7 @@ impl<W: Write> HistoryWriter<W> {
     }
 }
 
-/// The shortest text that reads as the same number.
+/// The shortest text that reads back to the same number.
 fn exact(value: f64) -> String {
     format!("{value:?}")
 }
@@ -121,7 +121,7 @@ mod tests {
     use crate::figures::reference::Reference;
 
     #[test]
-    fn a_history_reads_as_it_was_written() {
+    fn a_history_reads_back_to_the_same_bits() {
         let samples = Reference::ellipse().samples;
         let mut writer = HistoryWriter::new(Vec::new()).unwrap();
         samples

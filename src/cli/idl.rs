@@ -1,14 +1,14 @@
-//! `column-twin idl`: the topics of the node for a program in plain DDS.
+//! `column-twin idl`: the topics of the node for DDS programs without ROS.
 
 use std::io::Write;
 
 use clap::Args;
 
-use super::{Exit, Failure};
+use super::failure::{Exit, Failure, printed};
 use crate::messages::{self, idl::idl};
 use crate::ros::qos::{Direction, ENDPOINTS, Endpoint};
 
-/// What `column-twin idl` is told.
+/// Arguments of `column-twin idl`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct IdlArgs {}
@@ -16,7 +16,7 @@ pub struct IdlArgs {}
 const EXAMPLE: &str = "\
 Example: read the column's state in C with Cyclone DDS
   column-twin idl > column_twin.idl && idlc column_twin.idl
-  then subscribe to topic rt/column_state, type column_twin::msg::dds_::ColumnState_
+  # then subscribe to the topic rt/column_state, type column_twin::msg::dds_::ColumnState_
 
 Exit codes: 0 done, 1 failed.";
 
@@ -33,12 +33,12 @@ pub fn run(_: &IdlArgs, out: &mut impl Write) -> Result<(), Failure> {
     for (endpoint, interface) in topics {
         text += &topic(endpoint, &interface.dds_name());
     }
-    super::printed(writeln!(out, "{text}\n{definitions}"))
+    printed(writeln!(out, "{text}\n{definitions}"))
 }
 
 const HEAD: &str = "\
-// Topics of the node column_twin on the wire, for programs that know DDS and no ROS. Written by `column-twin idl`.
-// Encoding: plain CDR, little endian. A namespace of the node goes between rt/ and the name: rt/garage/column_state.
+// Topics of the node column_twin on the wire, for DDS programs without ROS. Written by `column-twin idl`.
+// Encoding: plain CDR, little endian. The namespace of the node comes between rt/ and the name: rt/garage/column_state.
 //
 ";
 

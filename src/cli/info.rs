@@ -1,4 +1,4 @@
-//! `column-twin info`: what is in a recording.
+//! `column-twin info`: summarises a recording.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -7,46 +7,45 @@ use clap::Args;
 use jiff::Timestamp;
 use serde_json::{Value as Json, json};
 
-use super::repair::failure;
-use super::{Exit, Failure};
+use super::failure::{Exit, Failure, printed};
 use crate::recording::{
     self, EventSummary, FLUSH_WITHIN, REPAIR_RECORD, Reader, RecordedTopic, RecordingError,
 };
 
-/// What `column-twin info` is told.
+/// Arguments of `column-twin info`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct InfoArgs {
-    /// Directory of the recording, or an .mcap file
+    /// Directory of the recording, or an MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
-    /// Print JSON, for programs
+    /// Print the summary as JSON
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLE: &str = "\
-Example: which impacts a recording holds, and what came of them
+Example: list the impacts of a recording and their outcomes
   column-twin info recordings/column_twin_2026_11_21-07_40_00
 
-Reads recordings of this program and every other MCAP file; impacts are listed where it has
-our messages.
-Exit codes: 0 the recording is whole, 1 failed, 2 bad input, or the recording is not whole.";
+Reads recordings of this program and any other MCAP file; impacts are listed if the file contains
+messages of column_twin.
+Exit codes: 0 the recording is complete, 1 failed, 2 bad input, or the recording is not complete.";
 
-/// Prints what is in the recording.
+/// Prints the summary of the recording.
 pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let reader = Reader::open(&arguments.bag).map_err(failure)?;
+    let reader = Reader::open(&arguments.bag)?;
     let events = recording::summarise_events(&reader);
-    let printed = match arguments.json {
+    let written = match arguments.json {
         true => writeln!(out, "{:#}", as_json(&reader, &events)),
         false => print(&reader, &events, out),
     };
-    super::printed(printed)?;
-    events.map_err(failure)?;
+    printed(written)?;
+    events?;
     if !reader.wholeness().is_whole() {
         let bag = arguments.bag.display();
         let advice = format!(
-            "{bag} is {}; what is listed above can be read, and is written anew with: column-twin repair {bag}",
+            "{bag} is {}; everything listed above can be read and saved with: column-twin repair {bag}",
             reader.wholeness()
         );
         return Err(Failure::plain(Exit::BadInput, advice));
@@ -54,9 +53,9 @@ pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-type Events = Result<(Vec<EventSummary>, u64), RecordingError>;
+type EventSummaries = Result<(Vec<EventSummary>, u64), RecordingError>;
 
-fn print(reader: &Reader, events: &Events, out: &mut impl Write) -> io::Result<()> {
+fn print(reader: &Reader, events: &EventSummaries, out: &mut impl Write) -> io::Result<()> {
     print_head(reader, out)?;
     writeln!(out, "\nTopics")?;
     let width = reader
@@ -99,7 +98,7 @@ fn print(reader: &Reader, events: &Events, out: &mut impl Write) -> io::Result<(
         print_event(event, out)?;
     }
     if *beyond > 0 {
-        writeln!(out, "  and more: {beyond} messages are of other events")?;
+        writeln!(out, "  and {beyond} messages of further events")?;
     }
     Ok(())
 }
@@ -129,11 +128,11 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
                 ),
             )?;
         }
-        None => line("Begins", "never: it has no messages".to_owned())?,
+        None => line("Begins", "never: there are no messages".to_owned())?,
     }
     line("Messages", reader.message_count().to_string())?;
     line(
-        "Whole",
+        "Complete",
         if reader.wholeness().is_whole() {
             "yes".to_owned()
         } else {
@@ -145,13 +144,13 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
         .iter()
         .find(|(name, _)| name == REPAIR_RECORD)
     {
-        let said = |key: &str| repair.get(key).map_or("?", String::as_str);
+        let noted = |key: &str| repair.get(key).map_or("?", String::as_str);
         line(
             "Repaired",
             format!(
-                "from {}, which was {}; what was recorded in its last {} ms may be missing",
-                said("source"),
-                said("fault"),
+                "from {}, which was {}; messages of its last {} ms may be missing",
+                noted("source"),
+                noted("fault"),
                 FLUSH_WITHIN.as_millis()
             ),
         )?;
@@ -172,12 +171,12 @@ fn losses(reader: &Reader) -> String {
         .map(|reason| format!("; ended: {reason}"))
         .unwrap_or_default();
     match reader.lost_messages() {
-        Some(lost) => format!("{lost} messages, as its recorder counted{ended}"),
-        None => "not said".to_owned(),
+        Some(lost) => format!("{lost} messages according to the recorder{ended}"),
+        None => "unknown".to_owned(),
     }
 }
 
-/// What is to be known of a topic that cannot be taken as one of ours.
+/// Explains why a topic cannot be read as one of column_twin.
 fn note(topic: &RecordedTopic) -> Option<String> {
     if !topic.type_name.starts_with("column_twin/") {
         return None;
@@ -198,7 +197,7 @@ fn print_event(event: &EventSummary, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(out)?;
     if let Some(reason) = &event.refused {
-        writeln!(out, "    refused: {reason}")?;
+        writeln!(out, "    rejected: {reason}")?;
     }
     match event.outcome {
         Some(outcome) => print_outcome(event, outcome, out),
@@ -224,14 +223,14 @@ fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> i
     }
 }
 
-/// An instant as a date, UTC, to the millisecond.
+/// A time as a date in UTC, to the millisecond.
 fn instant(nanos: i64) -> String {
-    // Every number of nanoseconds of 64 bits is a date.
+    // Every 64-bit number of nanoseconds is a valid date.
     let time = Timestamp::from_nanosecond(i128::from(nanos)).unwrap_or_default();
     time.strftime("%Y-%m-%d %H:%M:%S%.3f UTC").to_string()
 }
 
-fn as_json(reader: &Reader, events: &Events) -> Json {
+fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
     let topics = reader.topics().iter().map(|topic| {
         json!({
             "name": &*topic.name,

@@ -1,42 +1,41 @@
-//! `column-twin repair`: a recording that was cut off, written anew.
+//! `column-twin repair`: repairs a recording that was cut off or damaged.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Exit, Failure};
-use crate::recording::{self, RecordingError};
+use super::failure::{Exit, Failure};
+use crate::recording;
 
-/// What `column-twin repair` is told.
+/// Arguments of `column-twin repair`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct RepairArgs {
-    /// Directory of the recording, or its .mcap file
+    /// Directory of the recording, or its MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
-    /// Directory to write to; default: beside the recording, with _repaired behind its name
+    /// Directory to write to; default: next to the recording, with _repaired appended to its name
     #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
-Example: what the node recorded until the power went
+Example: repair a recording that a power failure has cut off
   column-twin repair recordings/column_twin_2026_11_21-07_40_00
 
 The original is never changed, and nothing is overwritten.
-Exit codes: 0 all records are saved, or there is nothing to repair; 1 failed, 2 bad input or
-usage, 3 what can be read is saved, but a damaged or incomplete record is left out.";
+Exit codes: 0 all records were saved or no repair was needed, 1 failed, 2 bad input or usage,
+3 everything readable was saved, but a damaged or incomplete record was left out.";
 
-/// Writes the recording anew and says what was saved.
+/// Repairs the recording and prints what was saved.
 pub fn run(arguments: &RepairArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let repaired =
-        recording::repair(&arguments.bag, arguments.output.as_deref()).map_err(failure)?;
+    let repaired = recording::repair(&arguments.bag, arguments.output.as_deref())?;
     let Some(repaired) = repaired else {
-        // Nobody to tell if this cannot be printed.
+        // A failure to print cannot be reported.
         let _ = writeln!(
             out,
-            "{} is whole; there is nothing to repair.",
+            "{} is complete; there is nothing to repair.",
             arguments.bag.display()
         );
         return Ok(());
@@ -49,13 +48,4 @@ pub fn run(arguments: &RepairArgs, out: &mut impl Write) -> Result<(), Failure> 
         ));
     }
     Ok(())
-}
-
-/// How a command ends that cannot read or write a recording.
-pub(super) fn failure(error: RecordingError) -> Failure {
-    let exit = match error.is_bad_input() {
-        true => Exit::BadInput,
-        false => Exit::Failed,
-    };
-    Failure::plain(exit, error)
 }

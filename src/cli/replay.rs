@@ -1,4 +1,4 @@
-//! `column-twin replay`: a recording over DDS.
+//! `column-twin replay`: publishes a recording over DDS, or shows it in the viewer.
 
 use std::io::{IsTerminal, Write, stderr, stdin};
 use std::path::PathBuf;
@@ -9,65 +9,68 @@ use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use crossterm::{event, terminal};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::repair::failure;
-use super::{Exit, Failure, Lines, run::environment};
+#[cfg(feature = "viewer")]
+use super::failure::printed;
+use super::failure::{Exit, Failure, LinePrinter};
+use super::run::environment;
 use crate::ros::RosArguments;
 use crate::ros::replay::{
     RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
 };
 
-/// Ticks of `/clock` where nobody says how many \[Hz\], as in `ros2 bag play`.
+/// Default rate of `/clock` \[Hz\], as in `ros2 bag play`.
 const CLOCK_HZ: &str = "40";
 
-/// What `column-twin replay` is told besides the ROS arguments.
+/// Arguments of `column-twin replay`, besides the ROS arguments.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true, after_help = EXAMPLE)]
 #[cfg_attr(feature = "viewer", command(group = clap::ArgGroup::new("shown")))]
 pub struct ReplayArgs {
-    /// A recording: its directory, or an MCAP file of it
+    /// Directory of the recording, or its MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
-    /// Recorded seconds per second
+    /// Replay speed: recorded seconds per second
     #[arg(long, short, value_name = "X", default_value_t = 1.0, value_parser = rate)]
     rate: f64,
-    /// Begin again at the end
+    /// Start again at the end
     #[arg(long = "loop", short = 'l')]
     repeat: bool,
-    /// Only these topics, by their recorded names
+    /// Topics to replay, by their recorded names; default: all but the journal
     #[arg(long, value_name = "TOPIC", num_args = 1..)]
     topics: Vec<String>,
-    /// Publish /clock, so that nodes with use_sim_time live in recorded time [Hz]
+    /// Also publish /clock at this rate, so that nodes with use_sim_time follow the recorded time [Hz]
     #[arg(long, value_name = "HZ", num_args = 0..=1, default_missing_value = CLOCK_HZ, value_parser = hertz)]
     clock: Option<f64>,
-    /// Publish nothing: write what the Rerun viewer shows into this file
+    /// Instead of publishing, write a file for the Rerun viewer
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", group = "shown", conflicts_with_all = ["rate", "repeat", "topics", "clock", "wait_for_readers"])]
     rrd: Option<PathBuf>,
-    /// Publish nothing: serve it to Rerun viewers on this machine, until Ctrl-C
+    /// Instead of publishing, serve the recording to Rerun viewers on this machine, until Ctrl-C
     #[cfg(feature = "viewer")]
     #[arg(long, group = "shown", conflicts_with_all = ["rate", "repeat", "topics", "clock", "wait_for_readers"])]
     serve: bool,
-    /// Parameter file of the column, for --rrd and --serve of a recording without a journal
+    /// Parameter file of the column, for --rrd or --serve with a recording without a journal
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", requires = "shown")]
     config: Option<PathBuf>,
-    /// Wait this long until every topic has a reader, and then begin [s]
+    /// Maximum wait until every topic has a reader; then the replay starts [s]
     #[arg(long, value_name = "S", default_value_t = 0)]
     wait_for_readers: u16,
 }
 
 const EXAMPLE: &str = "\
-Publishes the recorded bytes with their timing and their quality of service. Keys: space pauses,
-right arrow gives the next message while it is paused, up and down change the rate by a tenth,
-Ctrl-C ends. The journal, which nobody has sent, is left out. Remap with --ros-args, as in every
-ROS 2 program.
+Publishes the recorded bytes with their recorded timing and quality of service. The journal, which
+was only recorded and never sent, is left out. Remap topics with --ros-args, as in every ROS 2
+program.
+Keys: space pauses and resumes, right arrow publishes the next message while paused, up and down
+change the rate by 10 %, Ctrl-C stops.
 
-Examples: ten times slower; the events alone, into a twin that follows simulated time; as a film
+Examples: ten times slower; only the events, for a twin that follows simulated time; in the viewer
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --rate 0.1
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin replay impact --topics /impact_event --clock
   column-twin replay impact --rrd impact.rrd && rerun impact.rrd
 
-Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 messages could not be sent.";
+Exit codes: 0 replayed or stopped, 1 failed, 2 bad input or usage, 3 some messages could not be sent.";
 
 fn rate(text: &str) -> Result<f64, String> {
     number_in(text, RATES)
@@ -112,22 +115,22 @@ pub fn run(
     let environment = environment()?;
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
-    drop(terminal); // as it was, before anything is printed
+    drop(terminal); // restores the terminal before anything is printed
     let replayed = replayed.map_err(|error| match error {
-        ReplayError::Recording(error) => failure(error),
+        ReplayError::Recording(error) => error.into(),
         ReplayError::Node(_) | ReplayError::Signals(_) => Failure::plain(Exit::Failed, error),
         ReplayError::Name(_) | ReplayError::NoSuchTopic { .. } | ReplayError::Nothing { .. } => {
             Failure::plain(Exit::BadInput, error)
         }
     })?;
-    let lines = Lines::new(out);
-    lines.say(format_args!("{} messages sent", replayed.sent));
-    if let Some([half, most, worst]) = replayed.lateness {
-        lines.say(format_args!(
-            "later than due: {:.3} ms half of them, {:.3} ms 99 of 100, {:.3} ms at most",
-            1e3 * half,
-            1e3 * most,
-            1e3 * worst
+    let lines = LinePrinter::new(out);
+    lines.print(format_args!("{} messages sent", replayed.sent));
+    if let Some([median, percentile, maximum]) = replayed.lateness {
+        lines.print(format_args!(
+            "delay: median {:.3} ms, 99th percentile {:.3} ms, maximum {:.3} ms",
+            1e3 * median,
+            1e3 * percentile,
+            1e3 * maximum
         ));
     }
     lines.end()?;
@@ -136,35 +139,36 @@ pub fn run(
         lost => Err(Failure::plain(
             Exit::Lossy,
             format!(
-                "{lost} messages could not be sent: a reliable reader did not keep up, or they are no plain CDR; try a lower \
-                 --rate, or fewer --topics"
+                "{lost} messages could not be sent: a reliable reader did not keep up, or they are not plain CDR; try a \
+                 lower --rate or fewer --topics"
             ),
         )),
     }
 }
 
-/// Gives the recording to the viewer instead of DDS.
+/// Shows the recording in the viewer.
 #[cfg(feature = "viewer")]
 fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let failed = |error| Failure::plain(Exit::Failed, error);
-    let film = super::film::of_recording(&arguments.bag, arguments.config.as_ref())?;
+    let recorded = super::recorded_items::of_recording(&arguments.bag, arguments.config.as_ref())?;
     if let Some(path) = &arguments.rrd {
-        crate::viewer::write_rrd(path, &film.parameters, film.items, false).map_err(failed)?;
-        return super::printed(writeln!(out, "rerun {}", path.display()));
+        crate::viewer::write_rrd(path, &recorded.parameters, recorded.items, false)
+            .map_err(failed)?;
+        return printed(writeln!(out, "rerun {}", path.display()));
     }
     let mut signals =
         crate::ros::StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
-    let served = crate::viewer::serve(&film.parameters, film.items).map_err(failed)?;
-    super::printed(writeln!(
+    let served = crate::viewer::serve(&recorded.parameters, recorded.items).map_err(failed)?;
+    printed(writeln!(
         out,
-        "serving until Ctrl-C; look with: rerun {}",
+        "serving until Ctrl-C; to watch: rerun {}",
         served.url()
     ))?;
     signals.wait();
     Ok(())
 }
 
-/// Progress and keys, where there is a terminal.
+/// Progress bar and keys, if there is a terminal.
 struct Terminal {
     bar: ProgressBar,
     keys: bool,
@@ -172,7 +176,7 @@ struct Terminal {
 
 impl Terminal {
     fn new() -> Self {
-        // Keys one by one, without waiting for the end of a line.
+        // Raw mode delivers every key at once.
         let keys =
             stdin().is_terminal() && stderr().is_terminal() && terminal::enable_raw_mode().is_ok();
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
@@ -185,7 +189,7 @@ impl Terminal {
 impl Drop for Terminal {
     fn drop(&mut self) {
         if self.keys {
-            let _ = terminal::disable_raw_mode(); // nothing else can be done about it
+            let _ = terminal::disable_raw_mode(); // nothing else can be done
         }
         self.bar.abandon();
     }
@@ -232,7 +236,7 @@ impl ReplayControls for Terminal {
     }
 
     fn say(&mut self, line: &str) {
-        // Where no bar is shown the lines of a bar are not shown either.
+        // A hidden bar does not print lines.
         match self.bar.is_hidden() {
             true => eprintln!("{line}"),
             false => self.bar.println(line),
@@ -247,7 +251,7 @@ fn meaning(key: &KeyEvent) -> Option<ReplayCommand> {
         KeyCode::Up => Some(ReplayCommand::Faster),
         KeyCode::Down => Some(ReplayCommand::Slower),
         KeyCode::Char('q') | KeyCode::Esc => Some(ReplayCommand::Stop),
-        // In raw mode it is a key as any other.
+        // In raw mode, Ctrl-C is a key like any other.
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => {
             Some(ReplayCommand::Stop)
         }
@@ -260,7 +264,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_mean_what_the_help_says() {
+    fn keys_have_the_meaning_that_the_help_gives() {
         let press = |code, modifiers| meaning(&KeyEvent::new(code, modifiers));
         let none = KeyModifiers::NONE;
         assert_eq!(
@@ -275,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_that_are_none_are_refused() {
+    fn invalid_rates_are_rejected() {
         for text in ["0", "-1", "nan", "inf", "fast", ""] {
             assert!(rate(text).is_err(), "{text}");
         }

@@ -1,4 +1,4 @@
-//! `column-twin simulate`: one impact, and what it does to the column.
+//! `column-twin simulate`: the response of the column to one impact.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,12 +10,15 @@ use std::time::SystemTime;
 
 use clap::Args;
 
-use super::{Exit, Failure, HistoryWriter, Summary, unless_closed};
+use super::failure::{Exit, Failure, unless_closed};
+use super::history::HistoryWriter;
+use super::impact_args::{ImpactSpecificationArgs, yaml};
+use super::summary::Summary;
 use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
 #[cfg(feature = "record")]
 use crate::evidence::SimulatedRecordingError;
 use crate::figures::units::significant;
-use crate::figures::{self, FigureError, Thinning};
+use crate::figures::{self, FigureError, HistoryThinning};
 use crate::parameters::{Parameters, parse_override};
 #[cfg(feature = "record")]
 use crate::recording::RecordingError;
@@ -23,79 +26,66 @@ use crate::recording::RecordingError;
 use crate::viewer::{self, ViewerError};
 use crate::whole_file::WholeFile;
 
-/// What `column-twin simulate` is told.
+/// Arguments of `column-twin simulate`.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true, after_help = EXAMPLE)]
 pub struct SimulateArgs {
-    /// Parameter file (ROS 2 YAML); several are read in turn, none gives the default column
+    /// Parameter file (ROS 2 YAML), may be repeated: later files win; default: the built-in column
     #[arg(long, short, value_name = "FILE")]
     config: Vec<PathBuf>,
-    /// Mass of the impactor [kg]; default: impact.mass
-    #[arg(long, value_name = "KG")]
-    mass: Option<f64>,
-    /// Speed of the impactor over the ground [m/s]; default: impact.velocity
-    #[arg(long, value_name = "M/S")]
-    velocity: Option<f64>,
-    /// Distance of the impactor from the column at the start [m]; default: impact.gap
-    #[arg(long, value_name = "M")]
-    gap: Option<f64>,
-    /// Coefficient of restitution [-], 0 to 1; default: impact.restitution
-    #[arg(long, value_name = "E")]
-    restitution: Option<f64>,
-    /// Height of the impact point above the base [m]; default: geometry.length_below
-    #[arg(long, value_name = "M")]
-    height: Option<f64>,
-    /// Any parameter, as ROS 2 writes it: -p top.load:=2.0e6; may be repeated
+    #[command(flatten)]
+    impact: ImpactSpecificationArgs,
+    /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
     #[arg(long = "param", short, value_name = "NAME:=VALUE")]
     parameter: Vec<String>,
-    /// Print the summary as JSON (SI units) and nothing else
+    /// Print the summary as JSON (SI units), and nothing else
     #[arg(long)]
     json: bool,
-    /// Write the history, one row per step, as CSV; - is the standard output, the summary then goes to the standard
-    /// error
+    /// Write the history as CSV, one row per step; with -, the history goes to the standard output and the summary to
+    /// the standard error
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw the figures as SVG and PNG into this folder
+    /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Record what a node would publish into this new folder, as an MCAP recording that ROS tools read
+    /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
-    /// Instant of the event in the recording [s since 1970]
+    /// Time of the event in the recording [s since 1970]
     #[cfg(feature = "record")]
     #[arg(long, value_name = "S", default_value_t = 0.0, requires = "record")]
     record_stamp: f64,
-    /// Write what the Rerun viewer shows into this file: the deforming column, its curves and yield surfaces
+    /// Write a file for the Rerun viewer: the deforming column, its curves and its yield surfaces
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE")]
     rrd: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
-Example: what a car of 1.5 t at 36 km/h does to the paper's column, with figures
+Without --mass or --velocity, the parameters impact.mass and impact.velocity apply.
+
+Example: a car of 1.5 t hits the paper's column at 36 km/h; with figures
   column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
-Example: the same as a recording, and the proof of it
+Example: record an impact, and verify the recording by recomputation
   column-twin simulate --mass 1500 --velocity 10 --record impact && column-twin verify impact
 
 Exit codes: 0 done (a collapse is a result), 1 failed, 2 bad input or usage.";
 
-/// Why there is no result.
+/// Why the simulation failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum SimulateError {
-    #[error(
-        "--height {height}: the impact point must lie on the column, whose height is {total} m"
-    )]
-    #[diagnostic(help("give a height above 0 m and below {total} m"))]
+    #[error("--height {height}: the impact point must be on the column, which is {total} m high")]
+    #[diagnostic(help("give a height greater than 0 m and less than {total} m"))]
     Height { height: f64, total: f64 },
-    #[error("--json and --csv - both ask for the standard output")]
+    #[error("--json and --csv - cannot both write to the standard output")]
     #[diagnostic(help("write the history to a file: --csv FILE"))]
     OneOutput,
     #[error("the impact cannot be simulated: {0}")]
-    #[diagnostic(help("check the column's and the impact's parameters"))]
+    #[diagnostic(help("check the parameters of the column and of the impact"))]
     Simulation(#[from] SimulationError),
     #[error("cannot write the history to {}: {reason}", path.display())]
-    #[diagnostic(help("name a file in a folder that exists and can be written to"))]
+    #[diagnostic(help("name a file in an existing, writable folder"))]
     History { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
@@ -129,26 +119,26 @@ impl From<SimulateError> for Failure {
     }
 }
 
-/// An impact on a column, ready to be simulated.
+/// An impact on a column.
 struct Case {
     title: String,
     #[cfg(any(feature = "record", feature = "viewer"))]
     parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
-    /// Longest response \[s\].
+    /// Maximum duration of the response \[s\].
     max_duration: f64,
 }
 
-/// Simulates the impact and writes what was asked for; the summary, or the history, goes to `output`.
+/// Simulates the impact and writes the requested files; the summary or the history goes to `output`.
 pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<(), Failure> {
     let history_to_output = arguments.csv.as_deref() == Some(Path::new("-"));
     if arguments.json && history_to_output {
         return Err(SimulateError::OneOutput.into());
     }
     let case = Case::from_arguments(arguments)?;
-    // The first run is timed and observed by nobody; the histories come from a second, equal bit for bit. Its
-    // length is known by then, so that even the longest history fits into a bounded memory.
+    // The first run is timed and writes nothing; histories come from further runs, which are equal bit for bit. Their length
+    // is known by then, so that a history of any length fits in a bounded memory.
     let start = Instant::now();
     let report = case.simulate(&mut |_| ())?;
     let solve_time = start.elapsed();
@@ -179,9 +169,9 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         solve_time,
     };
     #[cfg(feature = "viewer")]
-    let film = arguments.rrd.as_deref();
+    let viewer_file = arguments.rrd.as_deref();
     #[cfg(not(feature = "viewer"))]
-    let film = None;
+    let viewer_file = None;
     let text = if arguments.json {
         summary
             .json()
@@ -192,7 +182,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
             &summary,
             arguments.csv.as_deref().filter(|_| !history_to_output),
             recorded.as_deref(),
-            film,
+            viewer_file,
             &files,
         )
     };
@@ -206,12 +196,12 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     Ok(unless_closed(written).map_err(SimulateError::Output)?)
 }
 
-/// The summary and the files written.
+/// The summary and a list of the files written.
 fn listing(
     summary: &Summary<'_>,
     history: Option<&Path>,
     recording: Option<&Path>,
-    film: Option<&Path>,
+    viewer_file: Option<&Path>,
     figures: &[PathBuf],
 ) -> String {
     let mut text = summary.to_string();
@@ -228,28 +218,19 @@ fn listing(
             folder.display()
         );
     }
-    if let Some(path) = film {
+    if let Some(path) = viewer_file {
         text += &format!("Viewer     rerun {}\n", path.display());
     }
     text
 }
 
 impl Case {
-    /// Reads the parameters, with what the options say in place of them.
+    /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
         let mut overrides = arguments.parameter.clone();
-        let options = [
-            ("impact.mass", arguments.mass),
-            ("impact.velocity", arguments.velocity),
-            ("impact.gap", arguments.gap),
-            ("impact.restitution", arguments.restitution),
-        ];
-        for (name, value) in options {
-            // An option is an override, so that the one table of parameters judges it.
-            overrides.extend(value.map(|value| format!("{name}:={}", yaml(value))));
-        }
+        overrides.extend(arguments.impact.overrides());
         let mut parameters = load(&arguments.config, &overrides)?;
-        if let Some(height) = arguments.height {
+        if let Some(height) = arguments.impact.height() {
             let column = parameters.column_properties();
             let total = column.length_below + column.length_above;
             if !(height > 0.0 && height < total) {
@@ -300,7 +281,7 @@ impl Case {
             .map_err(fault)
     }
 
-    /// Writes the history; the target, or the first fault in writing to it.
+    /// Writes the history and returns the target.
     fn write_history<W: Write>(&self, target: W) -> io::Result<W> {
         let mut writer = HistoryWriter::new(target)?;
         let mut fault = None;
@@ -316,7 +297,7 @@ impl Case {
         }
     }
 
-    /// The recording, if one is asked for.
+    /// Writes the recording, if one is requested.
     #[cfg(feature = "record")]
     fn record(&self, arguments: &SimulateArgs) -> Result<Option<PathBuf>, SimulateError> {
         let Some(directory) = &arguments.record else {
@@ -326,17 +307,17 @@ impl Case {
             compression: self.parameters.settings().record.compression,
             ..crate::recording::WriterOptions::default()
         };
-        // `as` saturates, and what is no instant is refused.
+        // `as` saturates; a time out of range is rejected below.
         let origin = (arguments.record_stamp * 1e9).round() as i64;
         crate::evidence::record_impact(&self.parameters, origin, directory, &options)
             .map_err(SimulateError::Recording)?;
         Ok(Some(directory.clone()))
     }
 
-    /// A file for the viewer; it dates the impact now.
+    /// Writes a file for the viewer, in which the impact happens now.
     #[cfg(feature = "viewer")]
     fn write_rrd(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
-        let mut thinning = Thinning::new(report.steps, report.end_time);
+        let mut thinning = HistoryThinning::new(report.steps, report.end_time);
         self.simulate(&mut |sample| thinning.push(sample))?;
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
@@ -350,10 +331,10 @@ impl Case {
     }
 
     fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
-        let mut thinning = Thinning::new(report.steps, report.end_time);
+        let mut thinning = HistoryThinning::new(report.steps, report.end_time);
         self.simulate(&mut |sample| thinning.push(sample))?;
         let samples = thinning.finish();
-        let response = figures::Response {
+        let response = figures::ResponseHistory {
             title: &self.title,
             samples: &samples,
             report,
@@ -365,40 +346,20 @@ impl Case {
     }
 }
 
-/// A number of a title: four significant digits, no zeros behind them.
+/// A number for a title: four significant digits without trailing zeros.
 fn short(value: f64) -> String {
     let text = significant(value, 4);
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
 }
 
-/// A number as YAML writes it, always with a point.
-fn yaml(value: f64) -> String {
-    match value {
-        value if value.is_nan() => ".nan".into(),
-        f64::INFINITY => ".inf".into(),
-        f64::NEG_INFINITY => "-.inf".into(),
-        value => {
-            let text = format!("{value:?}");
-            // Rust writes 1e-7, which YAML 1.1 takes for text.
-            match text.split_once('e') {
-                Some((digits, power)) if !digits.contains('.') => format!("{digits}.0e{power}"),
-                _ => text,
-            }
-        }
-    }
-}
-
-/// The parameters of the files with the overrides.
+/// Loads the parameters of the files with the overrides.
 fn load(files: &[PathBuf], overrides: &[String]) -> Result<Parameters, Failure> {
     let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
-    Parameters::load(files, &overrides).map_err(|faults| Failure {
-        exit: Exit::BadInput,
-        report: faults.report(),
-    })
+    Ok(Parameters::load(files, &overrides)?)
 }
 
-/// The section if it is named, otherwise the column's identity.
+/// The name of the section, or the `column_id` if the section has none.
 fn column_name(parameters: &Parameters) -> &str {
     parameters
         .section()

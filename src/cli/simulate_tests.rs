@@ -1,22 +1,22 @@
-//! The command as it is typed, without a process of its own.
+//! Tests of the command `simulate` in this process.
 
 use std::fs;
 
 use clap::Parser;
 
+use super::failure::{Exit, Failure};
 use super::simulate::{SimulateArgs, run};
-use super::{Exit, Failure};
 use crate::column::simulate;
 use crate::parameters::{Parameters, Value};
 
 #[derive(Parser)]
-struct Line {
+struct CommandLine {
     #[command(flatten)]
     arguments: SimulateArgs,
 }
 
 fn typed(line: &[&str]) -> (String, Result<(), Failure>) {
-    let line = Line::try_parse_from(["simulate"].iter().chain(line)).unwrap();
+    let line = CommandLine::try_parse_from(["simulate"].iter().chain(line)).unwrap();
     let mut output = Vec::new();
     let ended = run(&line.arguments, &mut output);
     (String::from_utf8(output).unwrap(), ended)
@@ -52,7 +52,7 @@ fn history_and_figures_are_written() {
 }
 
 #[test]
-fn a_history_for_the_standard_output_is_all_that_goes_there() {
+fn only_the_history_goes_to_the_standard_output() {
     let (output, ended) = typed(&["--csv", "-"]);
     assert!(ended.is_ok());
     assert!(output.starts_with("t_s,"));
@@ -60,7 +60,7 @@ fn a_history_for_the_standard_output_is_all_that_goes_there() {
     assert!(table.records().all(|row| row.is_ok()));
 }
 
-/// What is printed is what the library simulates, of which the node's stream is a part: every number of every step.
+/// The printed history is the one that the library simulates, in every number of every step.
 #[test]
 fn the_history_is_the_simulation() {
     let (output, ended) = typed(&["--csv", "-", "--mass", "1500", "--velocity", "8"]);
@@ -131,7 +131,7 @@ fn bad_input_leaves_nothing_behind() {
 }
 
 #[test]
-fn places_that_cannot_be_written_to_are_named() {
+fn unwritable_places_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();

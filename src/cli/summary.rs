@@ -1,4 +1,4 @@
-//! The outcome of one impact, for a person and for programs.
+//! The summary of one impact, for a person and for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -7,23 +7,23 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
-use crate::figures::HINGE_PLACES;
 use crate::figures::units::{Unit, significant};
+use crate::shape::HINGE_PLACES;
 
-/// What is told of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
+/// The summary of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
 #[derive(Debug, Clone, Copy)]
 pub struct Summary<'a> {
-    /// One line that says which column was hit by what.
+    /// One line that describes column and impact.
     pub title: &'a str,
     /// The outcome.
     pub report: &'a Report,
-    /// What the solver took, without writing histories and drawing figures.
+    /// Computing time of the solver, without histories and figures.
     pub solve_time: Duration,
 }
 
-/// The summary for programs; the names are the contract. What did not happen is null.
+/// The summary for programs; the names are a stable interface. A value that does not exist is null.
 #[derive(Serialize)]
-struct Fields {
+struct SummaryFields {
     outcome: Outcome,
     end: End,
     end_time_s: f64,
@@ -70,7 +70,7 @@ impl Summary<'_> {
     /// None in practice: numbers that are not finite become null.
     pub fn json(&self) -> serde_json::Result<String> {
         let report = self.report;
-        serde_json::to_string_pretty(&Fields {
+        serde_json::to_string_pretty(&SummaryFields {
             outcome: report.outcome,
             end: report.end,
             end_time_s: report.end_time,
@@ -114,13 +114,13 @@ impl Summary<'_> {
         let report = self.report;
         let verdict = match report.outcome {
             Outcome::Elastic => "elastic: no hinge has yielded",
-            Outcome::Plastic => "plastic: hinges have yielded and the column stands",
+            Outcome::Plastic => "plastic: hinges have yielded and the column remains standing",
             Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
         };
         let end = match report.end {
-            End::AtRest => "over",
-            End::DurationReached => "stopped at response.duration, not over",
-            End::Collapsed => "collapse",
+            End::AtRest => "at rest",
+            End::DurationReached => "stopped at response.duration, not at rest",
+            End::Collapsed => "collapsed",
         };
         writeln!(f, "Outcome    {verdict}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
@@ -129,7 +129,7 @@ impl Summary<'_> {
     fn displacements(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let report = self.report;
         let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
-        // Round-off of the solver is nothing that stays.
+        // Round-off of the solver is not a residual.
         let residual = |value: Option<f64>, unit: Unit| match value {
             None => "none".into(),
             Some(value) if value.abs() < 1e-15 => unit.show(0.0),
@@ -138,7 +138,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "\n{:<32}{:>14}{:>14}{:>14}",
-            "Displacements", "peak", "at", "residual"
+            "Displacements", "peak", "time", "residual"
         )?;
         writeln!(
             f,
@@ -151,7 +151,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "  {:<30}{:>14}{:>14}{:>14}",
-            "u2  of the top, down",
+            "u2  of the top, downwards",
             u2.show(report.max_u2),
             "",
             residual(report.residual_u2, u2),
@@ -162,14 +162,14 @@ impl Summary<'_> {
         let report = self.report;
         writeln!(f, "\nContact")?;
         let Some(first) = report.first_contact_time else {
-            return writeln!(f, "  none: the impactor has not reached the column");
+            return writeln!(f, "  none: the impactor did not reach the column");
         };
         let force = Unit::force(report.peak_contact_force);
         let at = report.peak_contact_force_time;
         let lines = [
-            ("first touch", self.time(first)),
+            ("first contact", self.time(first)),
             (
-                "last parting",
+                "last separation",
                 report
                     .release_time
                     .map_or("none".into(), |time| self.time(time)),
@@ -178,7 +178,7 @@ impl Summary<'_> {
             (
                 "percussions",
                 format!(
-                    "{}, together {} N s",
+                    "{}, {} N s in total",
                     report.percussions,
                     significant(report.percussion_impulse, 4)
                 ),
@@ -192,11 +192,11 @@ impl Summary<'_> {
                 ),
             ),
             (
-                "impulse, percussions included",
+                "impulse including percussions",
                 format!("{} N s", significant(report.impulse, 5)),
             ),
             (
-                "impactor's velocity at the end",
+                "final velocity of the impactor",
                 format!("{} m/s", significant(report.impactor_velocity, 4)),
             ),
         ];
@@ -209,7 +209,7 @@ impl Summary<'_> {
         writeln!(
             f,
             "\n{:<24}{:>14}{:>24}{:>16}",
-            "Hinges, first to yield", "first yield", "plastic rotation", "utilisation"
+            "Hinges in order of yield", "first yield", "plastic rotation", "utilisation"
         )?;
         let mut order: Vec<usize> = (0..HINGES).collect();
         let when = |hinge: usize| {
@@ -248,16 +248,13 @@ impl Summary<'_> {
         let entries = [
             ("plastic work in the hinges", report.plastic_work),
             ("lost in percussions", report.impact_loss),
-            ("work of the damping", report.damping_work),
-            ("left: motion of the column", report.column_kinetic_energy),
+            ("damping", report.damping_work),
+            ("kinetic energy of the column", report.column_kinetic_energy),
             (
-                "left: motion of the impactor",
+                "kinetic energy of the impactor",
                 report.impactor_kinetic_energy,
             ),
-            (
-                "stored: elastic energy, change",
-                report.elastic_energy_change,
-            ),
+            ("change of the elastic energy", report.elastic_energy_change),
         ];
         let spent: f64 = entries.iter().map(|entry| entry.1).sum();
         let row = |f: &mut Formatter<'_>, name: &str, energy: f64| {
@@ -272,27 +269,27 @@ impl Summary<'_> {
                 aligned(energy, supplied)
             )
         };
-        writeln!(f, "\nWhere the energy went")?;
+        writeln!(f, "\nEnergy balance at the end")?;
         entries
             .iter()
             .try_for_each(|(name, energy)| row(f, name, *energy))?;
         row(f, "sum", spent)?;
         row(f, "supplied by the impactor", report.input_energy)?;
         row(f, "supplied by the load", report.load_work)?;
-        row(f, "supplied together", supplied)?;
+        row(f, "supplied in total", supplied)?;
         writeln!(
             f,
-            "  {:<32}{:.1e} of the impactor's energy",
-            "largest residual of any step", report.ledger_residual
+            "  {:<32}{:.1e} of the energy of the impactor",
+            "largest residual of a step", report.ledger_residual
         )
     }
 }
 
-/// Energies in a column, with as many decimals as the size of their sum asks for.
+/// An energy with a number of decimals that suits the magnitude of the sum.
 fn aligned(energy: f64, sum: f64) -> String {
     let decimals =
         (5.0 - sum.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
-    // Without this, an energy of -1e-12 would read as -0.
+    // Otherwise an energy of -1e-12 would be printed as -0.
     let shown = if energy.abs() < 0.5 * 10f64.powi(-(decimals as i32)) {
         0.0
     } else {
@@ -345,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn the_summary_reads_as_agreed() {
+    fn the_summary_has_the_expected_text() {
         let reference = Reference::ellipse();
         let text = text(&reference.report);
         println!("{text}");

@@ -1,39 +1,40 @@
-//! `column-twin verify`: is a recording what the model gives?
+//! `column-twin verify`: verifies a recording by recomputation.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Exit, Failure};
+use super::failure::{Exit, Failure, printed};
 use crate::evidence;
 
-/// What `column-twin verify` is told.
+/// Arguments of `column-twin verify`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct VerifyArgs {
-    /// A recording: its directory, or an MCAP file of it
+    /// Directory of the recording, or its MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
 }
 
 const EXAMPLE: &str = "\
-Runs the twin anew from the recorded state, parameters and inputs, and compares every value of
+Runs the twin again from the recorded state, parameters and inputs, and compares every value of
 column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and markers
-with what was recorded. The same build computes the same bits. How long computing took and what
-other threads of the node did cannot be recomputed and is left out.
+with the recording. The same build computes the same bits. Computing times and counts of other
+threads cannot be recomputed and are not compared.
 
-Example: simulate an impact, and prove the recording of it
+Example: record a simulated impact, and verify the recording
   column-twin simulate --record impact && column-twin verify impact
 
-Exit codes: 0 equal as far as it can be checked, 1 it differs, messages are missing without a
-word about it, or nothing could be checked, 2 it cannot be read or has no journal.";
+Exit codes: 0 everything that could be checked is equal, 1 the recording differs, messages are
+missing although no loss is declared, or nothing could be checked, 2 the recording cannot be read
+or has no journal.";
 
-/// Prints what was found.
+/// Verifies the recording and prints the result.
 pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {
     let found =
         evidence::verify(&arguments.bag).map_err(|error| Failure::plain(Exit::BadInput, error))?;
-    super::printed(write!(out, "{found}"))?;
+    printed(write!(out, "{found}"))?;
     if found.is_equal() {
         return Ok(());
     }
@@ -42,12 +43,12 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
         Exit::Failed,
         match found.is_contradicted() {
             true => format!(
-                "{bag} is not what this model gives: {} differences, {} messages missing",
+                "{bag} differs from the recomputation: {} differences, {} messages missing",
                 found.differences,
                 found.missing()
             ),
             false => format!(
-                "nothing in {bag} could be checked, for the reasons above; verify the recording before or after it"
+                "nothing in {bag} could be checked, for the reasons above; verify the previous or the next recording"
             ),
         },
     ))

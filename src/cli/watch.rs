@@ -1,14 +1,15 @@
-//! `column-twin watch`: what a running twin publishes, in the terminal.
+//! `column-twin watch`: prints what a running twin publishes.
 
 use std::io::Write;
 use std::ops::ControlFlow;
 
 use clap::Args;
 
-use super::{Exit, Failure, run::environment};
+use super::failure::{Exit, Failure, printed};
+use super::run::environment;
 use crate::ros::{RosArguments, watch};
 
-/// What `column-twin watch` is told besides the ROS arguments.
+/// Arguments of `column-twin watch`, besides the ROS arguments.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct WatchArgs {}
@@ -19,7 +20,7 @@ Example: a twin in the namespace /garage, on this machine only
 
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
-/// Prints until SIGINT or SIGTERM, or until nobody reads it any more (`| head`).
+/// Prints until SIGINT or SIGTERM, or until the reader closes the pipe (`| head`).
 pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
     let mut written = Ok(());
     watch(&environment()?, &ros.remap_rules, &mut |line| {
@@ -30,5 +31,5 @@ pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<()
         }
     })
     .map_err(|error| Failure::plain(Exit::Failed, error))?;
-    super::printed(written)
+    printed(written)
 }

@@ -1,29 +1,31 @@
-//! Axes: where a range begins and ends, and round numbers to mark on it.
+//! Axes of plots: a range and round numbers marked on it.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-/// Range of an axis and its marks, in the unit of the axis.
+use crate::shape::round_number;
+
+/// The range of an axis and its marks, in the unit of the axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct PlotAxis {
     pub from: f64,
     pub to: f64,
     pub marks: Vec<f64>,
     step: f64,
 }
 
-impl Axis {
+impl PlotAxis {
     /// An axis from `low` to `high`, with about `count` round numbers marked.
     pub fn between(low: f64, high: f64, count: usize) -> Self {
         let (low, high) = widened(low, high);
-        Self::marked(low, high, round_step(high - low, count))
+        Self::marked(low, high, round_number((high - low) / count as f64))
     }
 
     fn marked(from: f64, to: f64, step: f64) -> Self {
         let first = (from / step - 1e-6).ceil();
         let last = (to / step + 1e-6).floor();
-        // Counted, so that a step too small for the size of the numbers cannot loop for ever.
+        // Marks are counted, so that a step too small for the magnitude of the numbers cannot cause an endless loop.
         let marks = (0..=((last - first) as usize).min(100))
             .map(|number| (first + number as f64) * step + 0.0)
             .collect();
@@ -36,7 +38,7 @@ impl Axis {
     }
 }
 
-impl Ranged for Axis {
+impl Ranged for PlotAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
@@ -58,7 +60,7 @@ impl Ranged for Axis {
     }
 }
 
-impl ValueFormatter<f64> for Axis {
+impl ValueFormatter<f64> for PlotAxis {
     fn format_ext(&self, mark: &f64) -> String {
         if *mark == 0.0 {
             return "0".into();
@@ -73,7 +75,7 @@ impl ValueFormatter<f64> for Axis {
     }
 }
 
-/// The range in order, and never so narrow that its ends are the same number.
+/// The range with its ends in order, and never so narrow that they coincide.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let (low, high) = if low.is_finite() && high.is_finite() {
         (low.min(high), low.max(high))
@@ -90,31 +92,24 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, so that `count` steps cover about `span`.
-fn round_step(span: f64, count: usize) -> f64 {
-    let rough = span / count.max(1) as f64;
-    let power = 10f64.powf(rough.log10().floor());
-    let factor = [1.0, 2.0, 5.0]
-        .into_iter()
-        .find(|factor| factor * power >= rough * 0.999_999);
-    factor.unwrap_or(10.0) * power
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn marks_are_round() {
-        let axis = Axis::between(-3.0, 94.6, 6);
+        let axis = PlotAxis::between(-3.0, 94.6, 6);
         assert_eq!((axis.from, axis.to), (-3.0, 94.6));
         assert_eq!(axis.marks, [0.0, 20.0, 40.0, 60.0, 80.0]);
         assert_eq!(axis.format_ext(&20.0), "20");
-        let time = Axis::between(0.0, 43.7, 8);
+        let time = PlotAxis::between(0.0, 43.7, 8);
         assert_eq!(time.to, 43.7);
         assert_eq!(*time.marks.last().unwrap(), 40.0);
-        assert_eq!(Axis::between(0.0, 0.3, 5).format_ext(&0.1), "0.1");
-        assert_eq!(Axis::between(0.0, 3e-10, 3).format_ext(&1e-10), "1.0e-10");
+        assert_eq!(PlotAxis::between(0.0, 0.3, 5).format_ext(&0.1), "0.1");
+        assert_eq!(
+            PlotAxis::between(0.0, 3e-10, 3).format_ext(&1e-10),
+            "1.0e-10"
+        );
     }
 
     #[test]
@@ -131,7 +126,7 @@ mod tests {
             (3.0, 1.0),
         ] {
             {
-                let axis = Axis::between(low, high, 6);
+                let axis = PlotAxis::between(low, high, 6);
                 assert!(axis.from < axis.to, "{low} {high}: {axis:?}");
                 assert!(!axis.marks.is_empty() && axis.marks.len() < 100);
                 assert!(axis.marks.iter().all(|mark| mark.is_finite()));

@@ -1,4 +1,4 @@
-//! Plots on a page: axes of one plot, and the chart of quantities against time.
+//! Plots on a page: the axes of a plot, and the chart of quantities against time.
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
@@ -7,22 +7,23 @@ use plotters::prelude::SVGBackend;
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, RGBColor};
 
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::page::{
-    self, Area, BOTTOM, CANVAS, Drawn, Key, LEFT, RIGHT, SMALL, Stroke, TEXT, colour,
+    self, Area, BOTTOM, CANVAS, Drawn, LEFT, LegendKey, RIGHT, SMALL, Stroke, TEXT, colour,
 };
 use super::thinning::thin_curve;
 use super::units::Unit;
 
-pub(super) type Plot<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<Axis, Axis>>;
+pub(super) type PlotArea<'a, 'b> =
+    ChartContext<'b, SVGBackend<'a>, Cartesian2d<PlotAxis, PlotAxis>>;
 
-/// Axes with marks, names and a light grid on an area whose left and bottom edges they keep free for the marks.
+/// Draws axes with marks, names and a light grid; the left and bottom edges of the area are kept free for the marks.
 pub(super) fn axes<'a, 'b>(
     area: &'b Area<'a>,
-    x: &Axis,
-    y: &Axis,
+    x: &PlotAxis,
+    y: &PlotAxis,
     names: [&str; 2],
-) -> Drawn<Plot<'a, 'b>> {
+) -> Drawn<PlotArea<'a, 'b>> {
     let mut plot = ChartBuilder::on(area)
         .margin_left(EDGE)
         .margin_bottom(EDGE)
@@ -52,16 +53,16 @@ pub(super) fn axes<'a, 'b>(
     Ok(plot)
 }
 
-/// Between the name of an axis and the edge of the page.
+/// Distance between the name of an axis and the edge of the page.
 const EDGE: i32 = 28;
 
-/// A line through values over time, in SI units.
+/// A curve over time, in SI units.
 pub(super) struct Curve {
-    /// For the legend; empty: not in it.
+    /// Name in the legend; empty: not in the legend.
     pub name: String,
     pub points: Vec<(f64, f64)>,
     pub stroke: Stroke,
-    /// Colour of the area between the line and zero, if that is filled.
+    /// Colour of the area between the curve and zero, if it is filled.
     pub fill: Option<RGBColor>,
 }
 
@@ -76,19 +77,19 @@ impl Curve {
     }
 }
 
-/// A dot on a curve, with or without text.
+/// A mark on a curve.
 pub(super) struct Mark {
     pub time: f64,
     pub value: f64,
     pub colour: RGBColor,
-    /// Text above the dot; without text the dot is a ring.
+    /// Text above a dot; without text the mark is a ring.
     pub text: Option<String>,
 }
 
-/// An upright arrow from zero: something that happens in an instant.
-pub(super) struct Arrow {
+/// An upright arrow from zero for an instantaneous event.
+pub(super) struct ImpulseArrow {
     pub time: f64,
-    /// Height as a part of the highest arrow's, 0..=1.
+    /// Height relative to the highest arrow, 0 to 1.
     pub height: f64,
     pub text: Option<String>,
 }
@@ -104,10 +105,10 @@ pub(super) struct TimeChart<'a> {
     pub span: (f64, f64),
     pub curves: Vec<Curve>,
     pub marks: Vec<Mark>,
-    pub arrows: Vec<Arrow>,
-    /// Further entries of the legend.
-    pub keys: Vec<(Key, String)>,
-    /// Instants named above the plot \[s\].
+    pub arrows: Vec<ImpulseArrow>,
+    /// Additional entries of the legend.
+    pub keys: Vec<(LegendKey, String)>,
+    /// Events named above the plot, with their times \[s\].
     pub events: Vec<(f64, &'a str)>,
 }
 
@@ -117,7 +118,7 @@ impl TimeChart<'_> {
         page::draw(|page| {
             let top = page::heading(page, self.title, self.lines, &self.legend())?;
             let unit = Unit::time(self.span.0.abs().max(self.span.1.abs()));
-            let time = Axis::between(unit.of(self.span.0), unit.of(self.span.1), 10);
+            let time = PlotAxis::between(unit.of(self.span.0), unit.of(self.span.1), 10);
             let events = self.placed_events(page, &time, unit)?;
             let rows = events.iter().map(|event| event.row + 1).max().unwrap_or(0);
             let plot_top = top + 40 + rows * EVENT_ROW;
@@ -142,7 +143,7 @@ impl TimeChart<'_> {
             for arrow in &self.arrows {
                 frame.arrow(arrow, &value)?;
             }
-            // Rings first: a text lies above them.
+            // Texts are drawn over rings.
             for ring in self.marks.iter().filter(|mark| mark.text.is_none()) {
                 frame.mark(ring)?;
             }
@@ -153,20 +154,20 @@ impl TimeChart<'_> {
         })
     }
 
-    fn legend(&self) -> Vec<(Key, String)> {
+    fn legend(&self) -> Vec<(LegendKey, String)> {
         let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
         let curves = named.map(|curve| {
             let key = match curve.fill {
-                Some(colour) if curve.stroke.width == 0 => Key::Fill(colour),
-                _ => Key::Line(curve.stroke),
+                Some(colour) if curve.stroke.width == 0 => LegendKey::Fill(colour),
+                _ => LegendKey::Line(curve.stroke),
             };
             (key, curve.name.clone())
         });
         curves.chain(self.keys.iter().cloned()).collect()
     }
 
-    /// Holds every curve and zero, with room for the texts of the marks.
-    fn value_axis(&self) -> Axis {
+    /// An axis that contains every curve and zero, with room for the texts of the marks.
+    fn value_axis(&self) -> PlotAxis {
         let values = self
             .curves
             .iter()
@@ -188,11 +189,16 @@ impl TimeChart<'_> {
             0.0
         };
         let top = if high > 0.0 { high + room } else { 0.0 };
-        Axis::between(self.unit.of(bottom), self.unit.of(top), 8)
+        PlotAxis::between(self.unit.of(bottom), self.unit.of(top), 8)
     }
 
-    /// The events with their place: each in the first row where its text does not meet another.
-    fn placed_events(&self, page: &Area<'_>, time: &Axis, unit: Unit) -> Drawn<Vec<PlacedEvent>> {
+    /// Places each event in the first row in which its text does not overlap another.
+    fn placed_events(
+        &self,
+        page: &Area<'_>,
+        time: &PlotAxis,
+        unit: Unit,
+    ) -> Drawn<Vec<PlacedEvent>> {
         let style = page::text_style(SMALL, colour::FAINT, HPos::Left, VPos::Center);
         let (left, right) = (LEFT, CANVAS.0 as i32 - RIGHT);
         let mut row_ends = [i32::MIN; 3];
@@ -201,7 +207,7 @@ impl TimeChart<'_> {
         events.sort_by(|one, other| one.0.total_cmp(&other.0));
         for (instant, name) in events {
             let part = (unit.of(instant) - time.from) / (time.to - time.from);
-            // The last sample may stand a step before the end that the report names.
+            // The last sample may be one step before the end time of the report.
             if !(0.0..=1.001).contains(&part) {
                 continue;
             }
@@ -234,10 +240,10 @@ struct PlacedEvent {
     row: i32,
 }
 
-/// A fine upright line through the plot for each event, its text above.
+/// Draws a thin vertical line through the plot for each event, with its text above.
 fn draw_events(
     page: &Area<'_>,
-    plot: &Plot<'_, '_>,
+    plot: &PlotArea<'_, '_>,
     events: &[PlacedEvent],
     top: i32,
 ) -> Drawn<()> {
@@ -248,7 +254,7 @@ fn draw_events(
         let (x, _) = plot.backend_coord(&(event.time, 0.0));
         page.draw_text(&event.text, &style, (event.start, y))?;
         if (x - LEFT).abs() < 8 {
-            continue; // The axis is there already.
+            continue; // the axis is drawn there
         }
         let stroke = Stroke {
             dashes: Some((16, 24)),
@@ -259,10 +265,10 @@ fn draw_events(
     Ok(())
 }
 
-/// A plot with the units of its axes: draws what is given in SI.
+/// A plot with the units of its axes; everything is given in SI units.
 struct Frame<'a, 'b, 'c> {
     page: &'c Area<'a>,
-    plot: &'c Plot<'a, 'b>,
+    plot: &'c PlotArea<'a, 'b>,
     time: Unit,
     value: Unit,
 }
@@ -273,7 +279,7 @@ impl Frame<'_, '_, '_> {
             .backend_coord(&(self.time.of(time), self.value.of(value)))
     }
 
-    fn zero_line(&self, time: &Axis, value: &Axis) -> Drawn<()> {
+    fn zero_line(&self, time: &PlotAxis, value: &PlotAxis) -> Drawn<()> {
         if value.from >= 0.0 || value.to <= 0.0 {
             return Ok(());
         }
@@ -329,10 +335,10 @@ impl Frame<'_, '_, '_> {
         }
     }
 
-    fn arrow(&self, arrow: &Arrow, value: &Axis) -> Drawn<()> {
+    fn arrow(&self, arrow: &ImpulseArrow, value: &PlotAxis) -> Drawn<()> {
         let range = self.plot.plotting_area().get_pixel_range();
         let (x, foot) = self.place(arrow.time, 0.0);
-        // The highest stays below the texts of the curve's peak.
+        // The highest arrow stays below the text of the peak.
         let highest = f64::from(self.plot.backend_coord(&(0.0, value.to)).1 - foot) * 0.6;
         let head = foot + (highest * arrow.height) as i32;
         page::arrow(self.page, x, foot, head, colour::PERCUSSION)?;
@@ -349,7 +355,7 @@ impl Frame<'_, '_, '_> {
     }
 }
 
-/// A light ground behind a plot.
-pub(super) fn ground(area: &Area<'_>, corners: [(i32, i32); 2], ground: RGBColor) -> Drawn<()> {
-    area.draw(&Rectangle::new(corners, ground.filled()))
+/// A filled rectangle.
+pub(super) fn rectangle(area: &Area<'_>, corners: [(i32, i32); 2], colour: RGBColor) -> Drawn<()> {
+    area.draw(&Rectangle::new(corners, colour.filled()))
 }

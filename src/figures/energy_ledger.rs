@@ -1,14 +1,14 @@
-//! Where the energy is, stacked over time.
+//! The energy ledger as a stack over time.
 
-use super::Response;
 use super::chart::{Curve, Mark, TimeChart};
 use super::page::{Drawn, Stroke, colour};
+use super::response_history::ResponseHistory;
 use super::units::Unit;
 use crate::column::Sample;
 
-/// Entries of the stack from its foot: what is lost lies below what is still there.
-type Entry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
-const ENTRIES: [Entry; 5] = [
+/// The entries of the stack from the bottom: dissipated energy is below stored energy.
+type LedgerEntry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
+const LEDGER_ENTRIES: [LedgerEntry; 5] = [
     ("lost in percussions", colour::IMPACT_LOSS, |sample| {
         sample.impact_loss
     }),
@@ -20,11 +20,11 @@ const ENTRIES: [Entry; 5] = [
     ("kinetic", colour::KINETIC, |sample| sample.kinetic_energy),
 ];
 
-/// The energy ledger: the stack of all entries reaches, at every instant, what was supplied until then.
+/// The energy ledger: at every instant the stack of all entries reaches the energy supplied until then.
 ///
-/// The line of the supply is computed from the impactor's energy, the preload and the load's work alone, so
-/// that it meets the top of the stack only if the ledger closes.
-pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
+/// The supplied energy is computed from the impactor's energy, the preload and the work of the load alone, so that it
+/// meets the top of the stack only if the ledger closes.
+pub(super) fn energy_ledger(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let (first_load, preload) = response
         .samples
@@ -36,7 +36,7 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
 
     let mut sum: Vec<f64> = vec![0.0; response.samples.len()];
     let mut curves = Vec::new();
-    for (name, colour, entry) in ENTRIES {
+    for (name, colour, entry) in LEDGER_ENTRIES {
         if response.largest(|sample| [entry(sample)]) == 0.0 {
             continue;
         }
@@ -59,7 +59,7 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
             fill: Some(colour),
         });
     }
-    // Each is filled down to zero: the highest sum first, so that the lower ones cover it.
+    // Each curve is filled down to zero; the highest is drawn first, so that the lower ones cover it.
     curves.reverse();
     let level = vec![(response.span().0, start), (response.span().1, start)];
     curves.push(Curve::line(
@@ -68,13 +68,13 @@ pub(super) fn energy_ledger(response: &Response<'_>) -> Drawn<String> {
         Stroke::solid(colour::FAINT, 6),
     ));
     curves.push(Curve::line(
-        "with the work of the load since",
+        "plus the work of the load since then",
         response.over_time(supply),
         Stroke::dashed(colour::INK, 10),
     ));
     let last = response.samples.last();
     let key = format!(
-        "supplied: {} by the impactor, {} in the preload, {} by the load since; largest residual {:.1e}",
+        "supplied: {} by the impactor, {} by the preload, {} by the load since then; largest residual {:.1e}",
         unit.show(report.input_energy),
         unit.show(preload),
         unit.show(last.map_or(0.0, |last| last.load_work - first_load)),

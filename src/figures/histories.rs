@@ -1,20 +1,21 @@
 //! Displacements, forces and moments over time: the paper's Figures 5 to 8, and the contact force.
 
-use super::chart::{Arrow, Curve, Mark, TimeChart};
-use super::page::{Drawn, Key, Stroke, colour};
+use super::chart::{Curve, ImpulseArrow, Mark, TimeChart};
+use super::page::{Drawn, LegendKey, Stroke, colour};
+use super::response_history::ResponseHistory;
 use super::units::{Unit, significant};
-use super::{HINGE_PLACES, Response};
 use crate::column::{HINGE_NAMES, HINGES, Sample};
+use crate::shape::HINGE_PLACES;
 
 /// Figure 5: `v1` and the impactor's position `v_c`.
-pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> {
+pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::length(response.largest(|sample| [sample.v1]));
     let residual = report
         .residual_v1
         .map_or("none".into(), |value| unit.show(value));
     let key = format!(
-        "peak {} at {}, residual {residual}; impactor's velocity at the end {} m/s",
+        "peak {} at {}, residual {residual}; final velocity of the impactor {} m/s",
         unit.show(report.max_v1),
         response.time_unit().show(report.max_v1_time),
         significant(report.impactor_velocity, 4),
@@ -51,7 +52,7 @@ pub(super) fn horizontal_displacement(response: &Response<'_>) -> Drawn<String> 
 }
 
 /// Figure 6: `u1` and `u2`.
-pub(super) fn vertical_displacement(response: &Response<'_>) -> Drawn<String> {
+pub(super) fn vertical_displacement(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::length(response.largest(|sample| [sample.u1, sample.u2]));
     let residual = report
@@ -69,7 +70,7 @@ pub(super) fn vertical_displacement(response: &Response<'_>) -> Drawn<String> {
     TimeChart {
         title: "Vertical displacement of the impact point and the top",
         lines: [response.title, &key],
-        quantity: "displacement u, down",
+        quantity: "displacement u, positive down",
         unit,
         span: response.span(),
         curves: vec![
@@ -96,7 +97,7 @@ pub(super) fn vertical_displacement(response: &Response<'_>) -> Drawn<String> {
 }
 
 /// Figure 7: the normal forces of the bars, tension positive.
-pub(super) fn normal_forces(response: &Response<'_>) -> Drawn<String> {
+pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
     let bar_a = |sample: &Sample| sample.hinges[0].normal_force;
     let bar_b = |sample: &Sample| sample.hinges[1].normal_force;
     let unit = Unit::force(response.largest(|sample| [bar_a(sample), bar_b(sample)]));
@@ -140,10 +141,10 @@ pub(super) fn normal_forces(response: &Response<'_>) -> Drawn<String> {
     .draw()
 }
 
-/// Figure 8: the bending moments of the hinges, a ring where each first flows.
+/// Figure 8: the bending moments of the hinges, with a ring at the first yield of each.
 ///
 /// The moments of 1a and 1b are equal: 1b is dashed over 1a.
-pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
+pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
     let largest = response.largest(|sample| sample.hinges.map(|hinge| hinge.moment));
     let unit = Unit::moment(largest.max(response.resistance_moment));
     let strokes = [
@@ -177,7 +178,7 @@ pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
     let keys = if marks.is_empty() {
         Vec::new()
     } else {
-        vec![(Key::Ring(colour::INK), "first yield".to_owned())]
+        vec![(LegendKey::Ring(colour::INK), "first yield".to_owned())]
     };
     TimeChart {
         title: "Bending moments of the hinges",
@@ -195,7 +196,7 @@ pub(super) fn bending_moments(response: &Response<'_>) -> Drawn<String> {
 }
 
 /// The smooth contact force as a curve, percussions as arrows.
-pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
+pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
     let report = response.report;
     let unit = Unit::force(response.largest(|sample| [sample.contact_force]));
     let key = if report.first_contact_time.is_none() {
@@ -221,8 +222,8 @@ pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
         Vec::new()
     } else {
         vec![(
-            Key::Arrow(colour::PERCUSSION),
-            "percussion (impulse in an instant, not on the scale)".to_owned(),
+            LegendKey::Arrow(colour::PERCUSSION),
+            "percussion (instantaneous impulse, not to scale)".to_owned(),
         )]
     };
     let marks = report
@@ -243,11 +244,10 @@ pub(super) fn contact_force(response: &Response<'_>) -> Drawn<String> {
     .draw()
 }
 
-/// The largest percussions, as high as they are large; up to three of the largest, apart from each other, with
-/// their impulse.
-fn percussions(response: &Response<'_>) -> Vec<Arrow> {
-    /// More cannot be told apart.
-    const MOST: usize = 200;
+/// The largest percussions as arrows of proportional height; up to three of them, far enough apart, with their impulse.
+fn percussions(response: &ResponseHistory<'_>) -> Vec<ImpulseArrow> {
+    /// More arrows could not be distinguished.
+    const MAX_ARROWS: usize = 200;
     let mut struck: Vec<_> = response
         .samples
         .iter()
@@ -255,7 +255,7 @@ fn percussions(response: &Response<'_>) -> Vec<Arrow> {
         .map(|sample| (sample.time, sample.percussion))
         .collect();
     struck.sort_by(|one, other| other.1.total_cmp(&one.1));
-    struck.truncate(MOST);
+    struck.truncate(MAX_ARROWS);
     let largest = struck.first().map_or(1.0, |first| first.1);
     let (from, to) = response.span();
     let mut named: Vec<f64> = Vec::new();
@@ -269,14 +269,14 @@ fn percussions(response: &Response<'_>) -> Vec<Arrow> {
                 named.push(time);
                 format!("{} N s", significant(impulse, 4))
             });
-            Arrow {
+            ImpulseArrow {
                 time,
                 height: impulse / largest,
                 text,
             }
         })
         .collect();
-    // Texts last, above the arrows of others.
+    // The largest are drawn last, so that their texts lie over other arrows.
     arrows.into_iter().rev().collect()
 }
 
@@ -289,8 +289,8 @@ fn peak(time: f64, value: f64, unit: Unit, colour: plotters::style::RGBColor) ->
     }
 }
 
-/// A ring on the moment of a hinge at its first yield.
-fn first_yield(response: &Response<'_>, hinge: usize) -> Option<Mark> {
+/// A ring at the first yield of a hinge.
+fn first_yield(response: &ResponseHistory<'_>, hinge: usize) -> Option<Mark> {
     let time = response.report.hinges[hinge].first_yield?;
     let sample = response.samples.iter().find(|sample| sample.time >= time)?;
     Some(Mark {
@@ -302,7 +302,7 @@ fn first_yield(response: &Response<'_>, hinge: usize) -> Option<Mark> {
 }
 
 /// "first yield: hinge 3 at 0.3170 ms, ..."
-fn order_of_yield(response: &Response<'_>) -> String {
+fn order_of_yield(response: &ResponseHistory<'_>) -> String {
     let mut yields: Vec<_> = (0..HINGES)
         .filter_map(|hinge| Some((response.report.hinges[hinge].first_yield?, hinge)))
         .collect();

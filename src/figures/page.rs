@@ -1,4 +1,4 @@
-//! The page that every figure stands on: canvas, font, colours, heading and legend.
+//! The page of every figure: canvas, font, colours, heading and legend.
 
 use std::io;
 
@@ -10,29 +10,29 @@ use plotters::style::{
     Color, FontStyle, IntoFont, RGBColor, ShapeStyle, TextStyle, WHITE, register_font,
 };
 
-/// Size of the canvas. Plotters places everything on whole units, so these are finer than the pixels shown.
+/// Size of the canvas. Plotters places everything at integer coordinates, so the canvas is finer than the pixels shown.
 pub(super) const CANVAS: (u32, u32) = (4800, 3000);
-/// Width and height at which an SVG asks to be shown.
+/// Width and height of the displayed SVG.
 const SHOWN: (u32, u32) = (960, 600);
-/// From the left edge to the axis.
+/// Distance from the left edge to the axis.
 pub(super) const LEFT: i32 = 460;
-/// From the end of the axis to the right edge.
+/// Distance from the end of the axis to the right edge.
 pub(super) const RIGHT: i32 = 140;
 /// Room for the marks and the name of the horizontal axis.
 pub(super) const BOTTOM: i32 = 300;
 
-/// Sizes of text in plotters' measure, 1.24 times that of the SVG.
+/// Text sizes as plotters measures them: 1.24 times those of the SVG.
 pub(super) const TITLE: u32 = 116;
 pub(super) const TEXT: u32 = 84;
 pub(super) const SMALL: u32 = 76;
 
-/// The embedded font under the name that viewers may know; Verdana has nearly the same widths.
+/// The embedded font under the name that viewers know; Verdana has nearly the same widths.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Drawn<T> = Result<T, DrawingAreaErrorKind<io::Error>>;
 
-/// Colours that stay apart for the colour-blind (Okabe and Ito), one per quantity throughout the figures.
+/// Colours that the colour-blind can distinguish (Okabe and Ito), one per quantity throughout the figures.
 pub(super) mod colour {
     use plotters::style::RGBColor;
 
@@ -49,7 +49,7 @@ pub(super) mod colour {
     pub const CONTACT: RGBColor = RGBColor(0, 114, 178);
     pub const PERCUSSION: RGBColor = RGBColor(213, 94, 0);
 
-    /// Of the hinges 1a, 1b, 2, 3.
+    /// Colours of the hinges 1a, 1b, 2, 3.
     pub const HINGES: [RGBColor; 4] = [
         RGBColor(230, 159, 0),
         RGBColor(0, 80, 140),
@@ -64,7 +64,7 @@ pub(super) mod colour {
     pub const KINETIC: RGBColor = RGBColor(86, 180, 233);
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stroke {
     pub colour: RGBColor,
@@ -100,19 +100,19 @@ impl Stroke {
     }
 }
 
-/// What a legend shows beside a name.
+/// The symbol of an entry of the legend.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Key {
+pub(super) enum LegendKey {
     Line(Stroke),
     Fill(RGBColor),
-    /// A dot with a white core: first yield.
+    /// A dot with a white core.
     Ring(RGBColor),
     Arrow(RGBColor),
 }
 
-/// Draws a figure on an empty page; the SVG's text.
+/// Draws a figure on an empty page and returns the SVG.
 pub(super) fn draw(draw: impl FnOnce(&Area<'_>) -> Drawn<()>) -> Drawn<String> {
-    // The font is a part of the program and was parsed by the tests: registering it cannot fail for a user.
+    // The font is part of the program and is parsed in the tests: registering it cannot fail for a user.
     let _ = register_font(FONT, FontStyle::Normal, dejavu::sans::regular());
     let _ = register_font(FONT, FontStyle::Bold, dejavu::sans::bold());
     let mut body = String::new();
@@ -122,7 +122,7 @@ pub(super) fn draw(draw: impl FnOnce(&Area<'_>) -> Drawn<()>) -> Drawn<String> {
         draw(&area)?;
         area.present()?;
     }
-    // Plotters writes the size of the canvas as the size to show; the frame around it says the latter.
+    // Plotters writes the size of the canvas as the displayed size; the outer element gives the latter.
     Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" \
          stroke-linejoin=\"round\">\n{body}</svg>\n",
@@ -130,7 +130,7 @@ pub(super) fn draw(draw: impl FnOnce(&Area<'_>) -> Drawn<()>) -> Drawn<String> {
     ))
 }
 
-/// Text of that size, placed by the given point of it.
+/// A text style with its size, colour and anchor.
 pub(super) fn text_style(
     size: u32,
     colour: RGBColor,
@@ -149,12 +149,12 @@ pub(super) fn width(area: &Area<'_>, text: &str, style: &TextStyle<'_>) -> Drawn
     Ok(area.estimate_text_size(text, style)?.0 as i32)
 }
 
-/// Title, two lines below it and the legend; the height used.
+/// Draws title, two lines below it and the legend; returns the height used.
 pub(super) fn heading(
     area: &Area<'_>,
     title: &str,
     lines: [&str; 2],
-    legend: &[(Key, String)],
+    legend: &[(LegendKey, String)],
 ) -> Drawn<i32> {
     let start = LEFT / 2;
     let room = CANVAS.0 as i32 - start - RIGHT;
@@ -168,12 +168,12 @@ pub(super) fn heading(
     draw_legend(area, legend, 472)
 }
 
-/// The text, or as much of it as fits.
+/// The text, shortened until it fits.
 fn fitted(area: &Area<'_>, text: &str, style: &TextStyle<'_>, room: i32) -> Drawn<String> {
     let mut fitting = text.to_owned();
     while width(area, &fitting, style)? > room && !fitting.is_empty() {
         let mut shorter: Vec<char> = fitting.trim_end_matches("...").chars().collect();
-        // Long texts lose a tenth at a time, so that no text takes long.
+        // Long texts lose a tenth at a time, which bounds the number of measurements.
         shorter.truncate(shorter.len().saturating_sub(1 + shorter.len() / 10));
         if shorter.is_empty() {
             break;
@@ -183,8 +183,8 @@ fn fitted(area: &Area<'_>, text: &str, style: &TextStyle<'_>, room: i32) -> Draw
     Ok(fitting)
 }
 
-/// One or more rows above the plot, where no curve can pass; the height below them.
-fn draw_legend(area: &Area<'_>, entries: &[(Key, String)], top: i32) -> Drawn<i32> {
+/// Draws the legend in rows above the plot and returns the height below them.
+fn draw_legend(area: &Area<'_>, entries: &[(LegendKey, String)], top: i32) -> Drawn<i32> {
     const ROW: i32 = 116;
     const SPACE: i32 = 112;
     let style = text_style(TEXT, colour::INK, HPos::Left, VPos::Center);
@@ -192,8 +192,8 @@ fn draw_legend(area: &Area<'_>, entries: &[(Key, String)], top: i32) -> Drawn<i3
     let (mut x, mut y) = (start, top);
     for (key, name) in entries {
         let swatch = match key {
-            Key::Line(_) | Key::Fill(_) => 192,
-            Key::Ring(_) | Key::Arrow(_) => 68,
+            LegendKey::Line(_) | LegendKey::Fill(_) => 192,
+            LegendKey::Ring(_) | LegendKey::Arrow(_) => 68,
         };
         let length = swatch + 32 + width(area, name, &style)?;
         if x > start && x + length > CANVAS.0 as i32 - RIGHT {
@@ -210,25 +210,25 @@ fn draw_legend(area: &Area<'_>, entries: &[(Key, String)], top: i32) -> Drawn<i3
     })
 }
 
-fn draw_key(area: &Area<'_>, key: Key, x: i32, y: i32, length: i32) -> Drawn<()> {
+fn draw_key(area: &Area<'_>, key: LegendKey, x: i32, y: i32, length: i32) -> Drawn<()> {
     match key {
-        Key::Line(stroke) => stroke.draw(area, vec![(x, y), (x + length, y)]),
-        Key::Fill(colour) => area.draw(&Rectangle::new(
+        LegendKey::Line(stroke) => stroke.draw(area, vec![(x, y), (x + length, y)]),
+        LegendKey::Fill(colour) => area.draw(&Rectangle::new(
             [(x, y - 34), (x + length, y + 34)],
             colour.filled(),
         )),
-        Key::Ring(colour) => ring(area, (x + length / 2, y), colour),
-        Key::Arrow(colour) => arrow(area, x + length / 2, y + 44, y - 44, colour),
+        LegendKey::Ring(colour) => ring(area, (x + length / 2, y), colour),
+        LegendKey::Arrow(colour) => arrow(area, x + length / 2, y + 44, y - 44, colour),
     }
 }
 
 /// A dot with a white core.
-pub(super) fn notify(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
+pub(super) fn ring(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
     area.draw(&Circle::new(centre, 30, colour.filled()))?;
     area.draw(&Circle::new(centre, 16, WHITE.filled()))
 }
 
-/// A full dot with a white rim.
+/// A filled dot with a white rim.
 pub(super) fn dot(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
     area.draw(&Circle::new(centre, 34, WHITE.filled()))?;
     area.draw(&Circle::new(centre, 26, colour.filled()))
@@ -252,7 +252,7 @@ pub(super) fn arrow(area: &Area<'_>, x: i32, foot: i32, head: i32, colour: RGBCo
     ))
 }
 
-/// Text on a ground that keeps it readable over lines, its lower middle at `place`, moved into the range of x.
+/// Text on a background that keeps it readable over lines, with its lower centre at `place`, shifted into the range of x.
 pub(super) fn label(
     area: &Area<'_>,
     text: &str,

@@ -1,14 +1,14 @@
-//! PNG from SVG.
+//! Renders SVG as PNG.
 
 use std::sync::Arc;
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Pixels per unit of length of the SVG as shown.
+/// Pixels per displayed unit of the SVG.
 const SCALE: f32 = 5.0 / 3.0;
 
-/// Renders SVG with the embedded font and no other.
+/// Renders SVG with the embedded font only.
 pub(super) struct Raster {
     options: Options<'static>,
 }
@@ -23,7 +23,7 @@ impl Raster {
         Self { options }
     }
 
-    /// The picture as PNG; the error is the library's own words.
+    /// The picture as PNG; the error is the message of the library.
     pub fn png(&self, svg: &str) -> Result<Vec<u8>, String> {
         let tree = self.tree(svg)?;
         let size = tree

@@ -7,7 +7,7 @@ use crate::column::{
     YieldExponents,
 };
 
-use super::Response;
+use super::response_history::ResponseHistory;
 
 /// A reference response, read from `tests/data`.
 pub(crate) struct Reference {
@@ -44,9 +44,9 @@ impl Reference {
         )
     }
 
-    /// What is drawn.
-    pub fn response(&self) -> Response<'_> {
-        Response {
+    /// The history for the figures.
+    pub fn response(&self) -> ResponseHistory<'_> {
+        ResponseHistory {
             title: "HEB 220, paper's example: 1500 kg at 10 m/s, 1 m above the base",
             samples: &self.samples,
             report: &self.report,
@@ -75,9 +75,9 @@ impl Reference {
     }
 }
 
-type Row = std::collections::HashMap<String, f64>;
+type ReferenceRow = std::collections::HashMap<String, f64>;
 
-fn sample(row: &Row, summary: &serde_json::Value, exponents: YieldExponents) -> Sample {
+fn sample(row: &ReferenceRow, summary: &serde_json::Value, exponents: YieldExponents) -> Sample {
     let time = row["t_s"];
     let forces = [
         (row["M1a_Nm"], row["Na_N"], "1a"),

@@ -1,4 +1,4 @@
-//! The figures against the reference responses, and on histories that hardly are any.
+//! Tests of the figures with the reference responses and with degenerate histories.
 
 use std::sync::LazyLock;
 
@@ -7,20 +7,20 @@ use resvg::usvg::{Group, Node, Tree};
 
 use super::reference::Reference;
 use super::*;
-use crate::column::{End, HingeReport};
+use crate::column::{End, HINGES, HingeReport, Outcome, Report, YieldExponents};
 
 fn svg<'f>(figures: &'f [(String, String)], name: &str) -> &'f str {
     &figures.iter().find(|(figure, _)| figure == name).unwrap().1
 }
 
-/// Fonts are parsed once for all tests.
+/// Parses the fonts once for all tests.
 static RASTER: LazyLock<raster::Raster> = LazyLock::new(raster::Raster::new);
 
 fn tree(svg: &str) -> Tree {
     RASTER.tree(svg).unwrap()
 }
 
-/// Calls back with every node below a group.
+/// Calls `found` with every node below a group.
 fn visit<'t>(group: &'t Group, found: &mut dyn FnMut(&'t Node)) {
     for node in group.children() {
         found(node);
@@ -30,7 +30,7 @@ fn visit<'t>(group: &'t Group, found: &mut dyn FnMut(&'t Node)) {
     }
 }
 
-/// Corners of the canvas coordinates of all strokes of one colour.
+/// The points of all strokes of one colour, in coordinates of the canvas.
 fn stroke_points(tree: &Tree, colour: plotters::style::RGBColor) -> Vec<(f32, f32)> {
     let mut points = Vec::new();
     visit(tree.root(), &mut |node| {
@@ -52,7 +52,7 @@ fn path_points(data: &PathData) -> impl Iterator<Item = (f32, f32)> + '_ {
     data.points().iter().map(|point| (point.x, point.y))
 }
 
-/// Texts with their boxes on the page as shown.
+/// Texts with their bounding boxes on the displayed page.
 fn texts(tree: &Tree) -> Vec<(String, resvg::tiny_skia::Rect)> {
     let mut texts = Vec::new();
     visit(tree.root(), &mut |node| {
@@ -65,7 +65,7 @@ fn texts(tree: &Tree) -> Vec<(String, resvg::tiny_skia::Rect)> {
 }
 
 #[test]
-fn every_text_lies_on_the_page_and_none_on_another() {
+fn every_text_is_on_the_page_and_none_overlaps_another() {
     for reference in [Reference::ellipse(), Reference::duan_chen()] {
         for (name, svg) in svg_figures(&reference.response()).unwrap() {
             let tree = tree(&svg);
@@ -83,7 +83,7 @@ fn every_text_lies_on_the_page_and_none_on_another() {
                         || other_place.right() <= place.left()
                         || place.bottom() <= other_place.top()
                         || other_place.bottom() <= place.top();
-                    assert!(apart, "{name}: {text:?} lies on {other:?}");
+                    assert!(apart, "{name}: {text:?} overlaps {other:?}");
                 }
             }
         }
@@ -96,13 +96,13 @@ fn the_curve_of_v1_peaks_where_the_reference_does() {
     let figures = svg_figures(&reference.response()).unwrap();
     let tree = tree(svg(&figures, "fig5_horizontal_displacement"));
     let points = stroke_points(&tree, page::colour::IMPACT_POINT);
-    // The legend's line lies left of the axis or above; the curve starts at time zero.
+    // The line of the legend is to the left of the axis or above the plot; the curve starts at time zero.
     let left = page::LEFT as f32;
     let right = (page::CANVAS.0 as i32 - page::RIGHT) as f32;
     let bottom = (page::CANVAS.1 as i32 - page::BOTTOM) as f32;
     let curve: Vec<_> = points.into_iter().filter(|point| point.1 > 700.0).collect();
     assert!(curve.len() > 400);
-    // The canvas has whole units: the peak is the middle of the highest ones.
+    // Coordinates are integers: the peak is the middle of the highest points.
     let height = curve.iter().map(|point| point.1).fold(f32::MAX, f32::min);
     let highest: Vec<_> = curve.iter().filter(|point| point.1 <= height).collect();
     let middle = (highest[0].0 + highest[highest.len() - 1].0) / 2.0;
@@ -136,7 +136,7 @@ fn the_stack_of_the_ledger_meets_the_supply() {
 }
 
 #[test]
-fn pictures_and_drawings_are_written_whole() {
+fn every_file_is_written_completely() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().join("new/plots");
     let reference = Reference::ellipse();
@@ -156,7 +156,7 @@ fn pictures_and_drawings_are_written_whole() {
             assert!(colours.len() > 20, "{} is empty", file.display());
         }
     }
-    // For eyes: tests may keep what they drew.
+    // To look at the figures of the tests.
     if let Some(kept) = std::env::var_os("COLUMN_TWIN_KEEP_FIGURES") {
         draw_all(Path::new(&kept), &reference.response()).unwrap();
     }
@@ -168,7 +168,7 @@ fn pictures_and_drawings_are_written_whole() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_is_named() {
+fn a_folder_that_cannot_be_created_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
@@ -178,11 +178,11 @@ fn a_folder_that_cannot_be_made_is_named() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// Every figure of a history can be drawn, and its texts stay on the page.
+/// Checks that every figure of a history can be drawn and that its texts stay on the page.
 fn draws(samples: &[Sample], report: &Report) {
-    let response = Response {
-        title: "a history that hardly is one, with a title that is much longer than the page is wide, \
-                so that it has to be cut somewhere: 1500 kg at 10 m/s, 1 m above the base, < & > \" '",
+    let response = ResponseHistory {
+        title: "a degenerate history, with a title that is much longer than the page is wide, \
+                so that it has to be shortened: 1500 kg at 10 m/s, 1 m above the base, < & > \" '",
         samples,
         report,
         yield_surface: YieldExponents {
@@ -194,7 +194,7 @@ fn draws(samples: &[Sample], report: &Report) {
         resistance_axial: 1e9,
     };
     for (name, svg) in svg_figures(&response).unwrap() {
-        // Laying out shows every fault there can be; pixels take longer.
+        // Layout finds every possible fault; rendering takes longer.
         if name == "contact_force" {
             RASTER.png(&svg).unwrap();
         }
@@ -239,7 +239,7 @@ fn nothing_happened() -> Report {
 }
 
 #[test]
-fn histories_that_hardly_are_one_are_drawn() {
+fn degenerate_histories_can_be_drawn() {
     let report = nothing_happened();
     let at = |time, v1| Sample {
         time,
@@ -259,7 +259,7 @@ fn histories_that_hardly_are_one_are_drawn() {
         &report,
     );
     assert!(matches!(
-        svg_figures(&Response {
+        svg_figures(&ResponseHistory {
             samples: &[],
             ..Reference::ellipse().response()
         }),
@@ -268,7 +268,7 @@ fn histories_that_hardly_are_one_are_drawn() {
 }
 
 #[test]
-fn a_collapse_with_many_percussions_is_drawn() {
+fn a_collapse_with_many_percussions_can_be_drawn() {
     let samples: Vec<_> = (0..30_000)
         .map(|number| {
             let time = f64::from(number) * 1e-5;

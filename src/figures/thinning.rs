@@ -1,40 +1,41 @@
-//! Long histories, thinned to what the pixels of a figure can show without losing an extreme value.
+//! Thins long histories to what the pixels of a figure can show, without losing an extreme value.
 
 use crate::column::Sample;
 
-/// Keeps of a history the samples that a figure needs: in each of many equal parts of its time the first, the
-/// last, and those with the lowest and the highest value of every quantity that is drawn.
+/// Keeps the samples of a history that a figure needs: in each of many equal intervals of time the first, the last, and
+/// those with the lowest and the highest value of every quantity drawn.
 ///
-/// Samples are pushed one by one; memory is bounded by the number of parts, not by the length of the history.
+/// Samples are pushed one by one; the memory is bounded by the number of intervals, not by the length of the history.
 #[derive(Debug, Clone)]
-pub struct Thinning {
-    part: f64,
-    /// End of the part that is being filled \[s\]; infinitely early before the first sample.
-    part_end: f64,
-    /// Samples of that part.
+pub struct HistoryThinning {
+    /// Length of an interval \[s\]; 0: every sample is kept.
+    interval: f64,
+    /// End of the current interval \[s\]; minus infinity before the first sample.
+    interval_end: f64,
+    /// Samples of the current interval.
     pending: Vec<Sample>,
     kept: Vec<Sample>,
 }
 
-/// Parts of a history: a few per pixel of the widest figure.
-const PARTS: f64 = 2000.0;
+/// Number of intervals of a history: a few per pixel of the widest figure.
+const INTERVALS: f64 = 2000.0;
 
-/// Histories up to this many samples are kept as they are.
-const KEPT_WHOLE: u64 = 20_000;
+/// Histories up to this number of samples are kept completely.
+const MAX_COMPLETE: u64 = 20_000;
 
-/// Bounds the memory of one part; a part with more samples counts as several.
-const PENDING: usize = 4096;
+/// Maximum number of samples of an interval, which bounds the memory; an interval with more samples counts as several.
+const MAX_PENDING: usize = 4096;
 
-impl Thinning {
-    /// For a history of so many samples that lasts so long \[s\].
+impl HistoryThinning {
+    /// For a history of `samples` samples and this duration \[s\].
     pub fn new(samples: u64, duration: f64) -> Self {
         Self {
-            part: if samples <= KEPT_WHOLE {
+            interval: if samples <= MAX_COMPLETE {
                 0.0
             } else {
-                duration / PARTS
+                duration / INTERVALS
             },
-            part_end: f64::NEG_INFINITY,
+            interval_end: f64::NEG_INFINITY,
             pending: Vec::new(),
             kept: Vec::new(),
         }
@@ -42,24 +43,24 @@ impl Thinning {
 
     /// Takes the next sample; time does not run backwards.
     pub fn push(&mut self, sample: &Sample) {
-        if self.part <= 0.0 {
+        if self.interval <= 0.0 {
             self.kept.push(*sample);
             return;
         }
-        if sample.time >= self.part_end || self.pending.len() >= PENDING {
-            self.close_part();
-            self.part_end = ((sample.time / self.part).floor() + 1.0) * self.part;
+        if sample.time >= self.interval_end || self.pending.len() >= MAX_PENDING {
+            self.close_interval();
+            self.interval_end = ((sample.time / self.interval).floor() + 1.0) * self.interval;
         }
         self.pending.push(*sample);
     }
 
-    /// The samples kept, in the order of time.
+    /// Returns the samples kept, in the order of time.
     pub fn finish(mut self) -> Vec<Sample> {
-        self.close_part();
+        self.close_interval();
         self.kept
     }
 
-    fn close_part(&mut self) {
+    fn close_interval(&mut self) {
         let Some(last) = self.pending.len().checked_sub(1) else {
             return;
         };
@@ -87,7 +88,7 @@ impl Thinning {
 
 const QUANTITIES: usize = 18;
 
-/// What the figures draw of a sample.
+/// The quantities of a sample that the figures draw.
 fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
     let [hinge_1a, hinge_1b, hinge_2, hinge_3] = &sample.hinges;
     [
@@ -112,9 +113,9 @@ fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
     ]
 }
 
-/// First, lowest, highest and last point in each of `columns` equal parts of the range of x, in the order given.
+/// The first, lowest, highest and last point in each of `columns` equal intervals of x, in order.
 ///
-/// x does not decrease; points that are not finite are left out.
+/// x must not decrease; points that are not finite are left out.
 pub(super) fn thin_curve(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
     let finite = || {
         points
@@ -135,7 +136,7 @@ pub(super) fn thin_curve(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64
         .collect()
 }
 
-/// Of one column: first, lowest, highest, last, each once and in order.
+/// The first, lowest, highest and last point of one interval, each once and in order.
 fn extremes(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     let by_height = |left: &usize, right: &usize| points[*left].1.total_cmp(&points[*right].1);
     let mut chosen = vec![0, points.len() - 1];
@@ -173,16 +174,16 @@ mod tests {
     }
 
     fn thinned(samples: &[Sample]) -> Vec<Sample> {
-        let mut thinning = Thinning::new(samples.len() as u64, samples.last().unwrap().time);
+        let mut thinning = HistoryThinning::new(samples.len() as u64, samples.last().unwrap().time);
         samples.iter().for_each(|sample| thinning.push(sample));
         thinning.finish()
     }
 
     #[test]
-    fn short_histories_stay_whole() {
+    fn short_histories_are_kept_completely() {
         let samples = vibration(5000);
         assert_eq!(thinned(&samples), samples);
-        assert!(Thinning::new(0, 0.0).finish().is_empty());
+        assert!(HistoryThinning::new(0, 0.0).finish().is_empty());
     }
 
     #[test]

@@ -1,31 +1,31 @@
-//! Units in which a person reads a number.
+//! Units for numbers that people read.
 
-/// A unit: its symbol and how many of it make one SI unit.
+/// A unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// As it is written behind a number.
+    /// Symbol behind a number.
     pub symbol: &'static str,
-    /// Multiplies an SI value into this unit.
+    /// Factor from the SI unit to this unit.
     pub per_si: f64,
 }
 
 impl Unit {
-    /// For displacements whose largest magnitude is `largest` \[m\].
+    /// The unit for displacements up to `largest` \[m\].
     pub fn length(largest: f64) -> Self {
         Self::fitting(largest, [(1e-5, "µm", 1e6), (10.0, "mm", 1e3)], ("m", 1.0))
     }
 
-    /// For times up to `largest` \[s\].
+    /// The unit for times up to `largest` \[s\].
     pub fn time(largest: f64) -> Self {
         Self::fitting(largest, [(1e-5, "µs", 1e6), (10.0, "ms", 1e3)], ("s", 1.0))
     }
 
-    /// For forces up to `largest` \[N\].
+    /// The unit for forces up to `largest` \[N\].
     pub fn force(largest: f64) -> Self {
         Self::fitting(largest, [(1e3, "N", 1.0), (1e7, "kN", 1e-3)], ("MN", 1e-6))
     }
 
-    /// For moments up to `largest` \[N m\].
+    /// The unit for moments up to `largest` \[N m\].
     pub fn moment(largest: f64) -> Self {
         Self::fitting(
             largest,
@@ -34,12 +34,12 @@ impl Unit {
         )
     }
 
-    /// For energies up to `largest` \[J\].
+    /// The unit for energies up to `largest` \[J\].
     pub fn energy(largest: f64) -> Self {
         Self::fitting(largest, [(1e3, "J", 1.0), (1e7, "kJ", 1e-3)], ("MJ", 1e-6))
     }
 
-    /// The first unit whose limit, in SI, lies above `largest`; zero takes the second, the field's usual one.
+    /// The first unit whose limit, in SI units, is above `largest`; the second, most common one for zero.
     fn fitting(
         largest: f64,
         [small, usual]: [(f64, &'static str, f64); 2],
@@ -66,7 +66,7 @@ impl Unit {
     }
 }
 
-/// `value` rounded to so many significant digits, without exponent where it stays short.
+/// `value` rounded to this number of significant digits, without an exponent if it stays short.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".into();

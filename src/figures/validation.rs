@@ -1,12 +1,12 @@
-//! `docs/validation.md`: what both schemes compute, against the reference responses, and its figures.
-//! `UPDATE_DOCS=1 cargo test --release --lib validation` writes it anew; without, the page must be what is computed.
+//! `docs/validation.md` and its figures: both schemes compared with the reference responses.
+//! `UPDATE_DOCS=1 cargo test --release --lib validation` regenerates the page; otherwise the test checks it.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::chart::{Curve, TimeChart, axes};
-use super::page::{self, Drawn, Key, Stroke, colour};
+use super::page::{self, Drawn, LegendKey, Stroke, colour};
 use super::raster::Raster;
 use super::reference::Reference;
 use super::units::Unit;
@@ -19,10 +19,16 @@ type Exponents = [&'static str; 2];
 const ELLIPSE: Exponents = ["yield_surface.alpha:=2.0", "yield_surface.beta:=2.0"];
 const DUAN_CHEN: Exponents = ["yield_surface.alpha:=1.0", "yield_surface.beta:=1.3"];
 
-/// Steps of the convergence study \[s\].
+/// Time steps of the convergence study \[s\].
 const STEPS: [&str; 6] = ["2.0e-4", "1.0e-4", "5.0e-5", "2.0e-5", "1.0e-5", "5.0e-6"];
 
-/// Length of the reference responses \[s\].
+/// The value of `solver.scheme` for the conserving midpoint scheme, and its name here.
+const CONSERVING: [&str; 2] = ["energy", "conserving midpoint"];
+
+/// Both schemes: the value of `solver.scheme`, and the name here.
+const SCHEMES: [[&str; 2]; 2] = [["midpoint", "midpoint"], CONSERVING];
+
+/// Duration of the reference responses \[s\].
 const DURATION: f64 = 0.06;
 
 /// The paper's example: 1500 kg at 10 m/s.
@@ -44,7 +50,8 @@ fn response(scheme: &str, dt: &str, exponents: Exponents) -> (Report, Vec<Sample
     (report, samples)
 }
 
-fn off(found: f64, expected: f64) -> f64 {
+/// Relative deviation.
+fn deviation(found: f64, expected: f64) -> f64 {
     found / expected - 1.0
 }
 
@@ -52,14 +59,17 @@ fn over_time(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<(f64, f6
     samples.iter().map(|it| (it.time, value(it))).collect()
 }
 
-/// `v1` and `v_c` of the reference, dashed, over those of the energy scheme.
+/// Draws `v1` and `v_c` of the reference, dashed, over those of the default scheme.
 fn displacement(reference: &Reference, samples: &[Sample], title: &str) -> Drawn<String> {
     let line = |name: &str, samples: &[Sample], value: fn(&Sample) -> f64, stroke| {
         Curve::line(name, over_time(samples, value), stroke)
     };
     TimeChart {
-        title: "Displacement of the impact point and the impactor against the reference",
-        lines: [title, "solid: energy scheme, dt = 20 µs; dashed: reference"],
+        title: "Displacement of impact point and impactor compared with the reference",
+        lines: [
+            title,
+            "solid: conserving midpoint scheme, dt = 20 µs; dashed: reference",
+        ],
         quantity: "displacement v",
         unit: Unit::length(0.1),
         span: (0.0, DURATION),
@@ -97,7 +107,7 @@ fn displacement(reference: &Reference, samples: &[Sample], title: &str) -> Drawn
     .draw()
 }
 
-/// Error of the peak against the step, both on logarithmic scales.
+/// Draws the error of the peak against the time step, both on logarithmic scales.
 fn convergence(errors: &[(f64, [f64; 2])]) -> Drawn<String> {
     page::draw(|page| {
         let strokes = [
@@ -105,21 +115,21 @@ fn convergence(errors: &[(f64, [f64; 2])]) -> Drawn<String> {
             Stroke::solid(colour::IMPACT_POINT, 18),
         ];
         let order = Stroke::dashed(colour::FAINT, 8);
-        let legend = ["midpoint", "energy"]
+        let legend = SCHEMES
             .into_iter()
             .zip(strokes)
-            .map(|(name, stroke)| (Key::Line(stroke), name.to_owned()))
-            .chain([(Key::Line(order), "second order".to_owned())])
+            .map(|([_, name], stroke)| (LegendKey::Line(stroke), name.to_owned()))
+            .chain([(LegendKey::Line(order), "second order".to_owned())])
             .collect::<Vec<_>>();
         let lines = [
             "HEB 220, paper's example, elliptical hinges: 1500 kg at 10 m/s",
-            "relative error of the largest v₁ against the reference (steps of 0.5 µs)",
+            "relative error of the peak of v₁ compared with the reference (steps of 0.5 µs)",
         ];
-        let title = "Convergence of both schemes with the step";
+        let title = "Convergence of both schemes with the time step";
         let top = page::heading(page, title, lines, &legend)?;
         let (_, below) = page.split_vertically(top + 40);
-        let x = Axis::between(-5.4, -3.6, 9);
-        let y = Axis::between(-7.0, -2.5, 9);
+        let x = PlotAxis::between(-5.4, -3.6, 9);
+        let y = PlotAxis::between(-7.0, -2.5, 9);
         let plot = axes(&below, &x, &y, ["log₁₀ (dt / s)", "log₁₀ |relative error|"])?;
         let place = |dt: f64, error: f64| plot.backend_coord(&(dt.log10(), error.abs().log10()));
         for (which, stroke) in strokes.into_iter().enumerate() {
@@ -142,27 +152,22 @@ fn convergence(errors: &[(f64, [f64; 2])]) -> Drawn<String> {
     })
 }
 
-/// What the ledger fails to close by, as a part of the impactor's energy.
+/// Draws the residual of the energy ledger relative to the energy of the impactor.
 fn ledger(runs: &[(&str, &[Sample], Stroke)]) -> Drawn<String> {
     const INPUT: f64 = 75_000.0;
     page::draw(|page| {
         let legend: Vec<_> = runs
             .iter()
-            .map(|(name, _, stroke)| (Key::Line(*stroke), (*name).to_owned()))
+            .map(|(name, _, stroke)| (LegendKey::Line(*stroke), (*name).to_owned()))
             .collect();
         let lines = [
             "HEB 220, paper's example, elliptical hinges, dt = 20 µs",
-            "|supplied - stored - dissipated| / impactor's energy, at every step",
+            "|supplied - stored - dissipated| / energy of the impactor, at every step",
         ];
-        let top = page::heading(
-            page,
-            "What the energy ledger fails to close by",
-            lines,
-            &legend,
-        )?;
+        let top = page::heading(page, "Residual of the energy ledger", lines, &legend)?;
         let (_, below) = page.split_vertically(top + 40);
-        let x = Axis::between(0.0, 60.0, 10);
-        let y = Axis::between(-18.0, -2.0, 8);
+        let x = PlotAxis::between(0.0, 60.0, 10);
+        let y = PlotAxis::between(-18.0, -2.0, 8);
         let plot = axes(&below, &x, &y, ["time t [ms]", "log₁₀ residual"])?;
         for (_, samples, stroke) in runs {
             let points = samples
@@ -202,7 +207,7 @@ fn validation() -> Validation {
         ),
     ];
     for (name, title, exponents, reference) in &cases {
-        let (report, samples) = response("energy", "2.0e-5", *exponents);
+        let (report, samples) = response(CONSERVING[0], "2.0e-5", *exponents);
         let file = match *name {
             "ellipse" => "validation_ellipse",
             _ => "validation_duan_chen",
@@ -214,23 +219,23 @@ fn validation() -> Validation {
             page,
             "\n### With {title}\n\n![{title}](images/{file}.png)\n\n"
         );
-        page += "| quantity | reference | energy scheme, dt 20 µs | off by |\n|---|---|---|---|\n";
+        page += "| quantity | reference | conserving midpoint, dt 20 µs | deviation |\n|---|---|---|---|\n";
         let release = |it: &Report| it.release_time.unwrap_or(f64::NAN);
         for (quantity, unit, expected, found) in [
             (
-                "largest v1",
+                "peak of v1",
                 "mm",
                 1e3 * expected.max_v1,
                 1e3 * report.max_v1,
             ),
             (
-                "its time",
+                "time of the peak",
                 "ms",
                 1e3 * expected.max_v1_time,
                 1e3 * report.max_v1_time,
             ),
             (
-                "parting",
+                "last separation",
                 "ms",
                 1e3 * release(expected),
                 1e3 * release(&report),
@@ -248,7 +253,7 @@ fn validation() -> Validation {
                 1e-3 * report.impulse,
             ),
             (
-                "rebound",
+                "final velocity of the impactor",
                 "m/s",
                 expected.impactor_velocity,
                 report.impactor_velocity,
@@ -260,7 +265,7 @@ fn validation() -> Validation {
                 1e-3 * report.plastic_work,
             ),
             (
-                "lost in the percussion",
+                "lost in percussions",
                 "kJ",
                 1e-3 * expected.impact_loss,
                 1e-3 * report.impact_loss,
@@ -269,7 +274,7 @@ fn validation() -> Validation {
             let _ = writeln!(
                 page,
                 "| {quantity} | {expected:.5} {unit} | {found:.5} {unit} | {:+.1e} |",
-                off(found, expected)
+                deviation(found, expected)
             );
         }
     }
@@ -277,20 +282,24 @@ fn validation() -> Validation {
     let reference = &cases[0].3.report;
     let mut errors = Vec::new();
     for dt in STEPS {
-        let [midpoint, energy] = ["midpoint", "energy"].map(|scheme| {
+        let [midpoint, conserving] = SCHEMES.map(|[scheme, _]| {
             let (report, _) = response(scheme, dt, ELLIPSE);
-            off(report.max_v1, reference.max_v1)
+            deviation(report.max_v1, reference.max_v1)
         });
-        let _ = writeln!(page, "| {dt} s | {midpoint:+.2e} | {energy:+.2e} |");
-        errors.push((dt.parse().unwrap(), [midpoint, energy]));
+        let _ = writeln!(page, "| {dt} s | {midpoint:+.2e} | {conserving:+.2e} |");
+        errors.push((dt.parse().unwrap(), [midpoint, conserving]));
     }
     figures.push(("validation_convergence", convergence(&errors).unwrap()));
     page += LEDGER;
     let midpoint = response("midpoint", "2.0e-5", ELLIPSE).1;
-    let energy = response("energy", "2.0e-5", ELLIPSE).1;
+    let conserving = response(CONSERVING[0], "2.0e-5", ELLIPSE).1;
     let runs: [(&str, &[Sample], Stroke); 2] = [
         ("midpoint", &midpoint, Stroke::solid(colour::IMPACTOR, 10)),
-        ("energy", &energy, Stroke::solid(colour::IMPACT_POINT, 10)),
+        (
+            CONSERVING[1],
+            &conserving,
+            Stroke::solid(colour::IMPACT_POINT, 10),
+        ),
     ];
     figures.push(("validation_energy", ledger(&runs).unwrap()));
     Validation { page, figures }
@@ -299,11 +308,12 @@ fn validation() -> Validation {
 const PREFACE: &str = "\
 # Validation
 
-Written by the program's own tests (`UPDATE_DOCS=1 cargo test --release --lib validation`), which fail where this page is not what they
-compute. The reference responses (`tests/data/`) were computed independently, with steps of 0.5 µs. What is compared is the solution of the model,
-not the model with nature: there is no crash test in here.
+The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`) and fail if it differs from what they compute.
+The reference responses (`tests/data/`) were computed independently with steps of 0.5 µs.
+This page validates the solution of the model's equations, not the model itself: it contains no comparison with crash tests.
+Terms are explained in the [glossary](../README.md#glossary).
 
-## Against the reference
+## Comparison with the reference
 ";
 
 const CONVERGENCE: &str = "
@@ -311,10 +321,11 @@ const CONVERGENCE: &str = "
 
 ![Convergence](images/validation_convergence.png)
 
-Relative error of the largest v1, elliptical hinges. The paper's midpoint rule spreads the percussion over the first step, half of which the column
-loses; the energy scheme strikes at the instant, and its error comes from the hinges' switching inside a step.
+The table gives the relative error of the peak of v1 with elliptical hinges.
+The paper's midpoint scheme distributes the percussion over the first step, during which the column loses half of it.
+The conserving midpoint scheme applies the percussion instantaneously; its error comes from hinges that change state within a step.
 
-| dt | midpoint | energy |
+| dt | midpoint | conserving midpoint |
 |---|---|---|
 ";
 
@@ -323,7 +334,8 @@ const LEDGER: &str = "
 
 ![Energy](images/validation_energy.png)
 
-The energy scheme closes at every step to round-off. The midpoint rule does not conserve energy; here it is off by some 4e-9 of the impactor's.
+With the conserving midpoint scheme the ledger closes at every step to round-off.
+The paper's midpoint scheme does not conserve energy; here the residual is about 4e-9 of the energy of the impactor.
 ";
 
 #[test]
@@ -345,7 +357,7 @@ fn the_validation_page_is_what_is_computed() {
     let kept = std::fs::read_to_string(docs.join("validation.md")).unwrap_or_default();
     assert!(
         kept == page,
-        "docs/validation.md differs from what is computed; write it anew with\n    \
+        "docs/validation.md differs from what is computed; regenerate it with\n    \
          UPDATE_DOCS=1 cargo test --release --lib validation\n\n{page}"
     );
 }

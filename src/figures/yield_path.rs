@@ -5,15 +5,16 @@ use std::collections::HashSet;
 use plotters::element::{PathElement, Polygon};
 use plotters::style::{Color, RGBColor};
 
-use super::axis::Axis;
-use super::chart::{Plot, axes, ground};
-use super::page::{self, Area, CANVAS, Drawn, Key, Stroke, colour};
+use super::axis::PlotAxis;
+use super::chart::{PlotArea, axes, rectangle};
+use super::page::{self, Area, CANVAS, Drawn, LegendKey, Stroke, colour};
+use super::response_history::ResponseHistory;
 use super::units::{Unit, significant};
-use super::{HINGE_PLACES, Response};
 use crate::column::HINGE_NAMES;
+use crate::shape::{HINGE_PLACES, yield_curve};
 
-/// The whole surface on the left, the part that the path passes on the right.
-pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String> {
+/// Draws the whole surface on the left and the part around the path on the right.
+pub(super) fn yield_path(response: &ResponseHistory<'_>, hinge: usize) -> Drawn<String> {
     let path: Vec<(f64, f64)> = response
         .samples
         .iter()
@@ -60,8 +61,8 @@ pub(super) fn yield_path(response: &Response<'_>, hinge: usize) -> Drawn<String>
     })
 }
 
-/// Key figures of the hinge.
-fn key(response: &Response<'_>, hinge: usize) -> String {
+/// LegendKey figures of the hinge.
+fn key(response: &ResponseHistory<'_>, hinge: usize) -> String {
     let report = &response.report.hinges[hinge];
     let yielded = match report.first_yield {
         Some(time) => format!("first yield at {}", response.time_unit().show(time)),
@@ -76,18 +77,13 @@ fn key(response: &Response<'_>, hinge: usize) -> String {
     )
 }
 
-/// The closed curve `|M/M^p|^alpha + |N/N^p|^beta = 1` (Eq 28).
-fn surface(response: &Response<'_>) -> Vec<(f64, f64)> {
-    const POINTS: i32 = 720;
-    let exponents = response.yield_surface;
-    // With the parameter t, M^alpha = cos^2 t and N^beta = sin^2 t satisfy the equation for every exponent.
-    let power = |value: f64, exponent: f64| value.abs().powf(2.0 / exponent).copysign(value);
-    (0..=POINTS)
-        .map(|number| {
-            let angle = f64::from(number) / f64::from(POINTS) * std::f64::consts::TAU;
+/// The yield surface, in SI units.
+fn surface(response: &ResponseHistory<'_>) -> Vec<(f64, f64)> {
+    yield_curve(response.yield_surface, 720)
+        .map(|[moment, force]| {
             (
-                response.resistance_moment * power(angle.cos(), exponents.alpha),
-                response.resistance_axial * power(angle.sin(), exponents.beta),
+                response.resistance_moment * moment,
+                response.resistance_axial * force,
             )
         })
         .filter(|(moment, force)| moment.is_finite() && force.is_finite())
@@ -97,36 +93,36 @@ fn surface(response: &Response<'_>) -> Vec<(f64, f64)> {
 struct YieldPath {
     moment: Unit,
     force: Unit,
-    /// SI.
+    /// In SI units.
     surface: Vec<(f64, f64)>,
-    /// SI.
+    /// In SI units.
     path: Vec<(f64, f64)>,
     first_yield: Option<(f64, f64)>,
     colour: RGBColor,
 }
 
-/// Low and high end of moment and normal force, SI.
+/// The ranges of moment and normal force, in SI units.
 type Extent = [(f64, f64); 2];
 
 impl YieldPath {
-    fn legend(&self) -> Vec<(Key, String)> {
+    fn legend(&self) -> Vec<(LegendKey, String)> {
         let mut entries = vec![
             (
-                Key::Line(Stroke::solid(colour::INK, 8)),
+                LegendKey::Line(Stroke::solid(colour::INK, 8)),
                 "yield surface".to_owned(),
             ),
             (
-                Key::Line(Stroke::solid(self.colour, 12)),
+                LegendKey::Line(Stroke::solid(self.colour, 12)),
                 "path (● start, ■ end)".to_owned(),
             ),
         ];
         if self.first_yield.is_some() {
-            entries.push((Key::Ring(self.colour), "first yield".to_owned()));
+            entries.push((LegendKey::Ring(self.colour), "first yield".to_owned()));
         }
         entries
     }
 
-    /// Extent of some points with a margin; never empty.
+    /// The extent of some points with a margin; never empty.
     fn extent<'p>(&self, points: impl Iterator<Item = &'p (f64, f64)>, margin: f64) -> Extent {
         let empty = [(f64::INFINITY, f64::NEG_INFINITY); 2];
         let extent = points.fold(empty, |[moment, force], point| {
@@ -141,7 +137,7 @@ impl YieldPath {
             .fold((0.0, 0.0), |(moment, force): (f64, f64), point| {
                 (moment.max(point.0), force.max(point.1))
             });
-        // A path that stands still is shown within a fiftieth of the surface.
+        // A path without extent is shown within a fiftieth of the surface.
         let widen = |(low, high): (f64, f64), size: f64| {
             let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
             let room = margin * (high - low) + 0.02 * size * f64::from(high - low < 0.02 * size);
@@ -159,7 +155,7 @@ impl YieldPath {
         enlarged: Option<&Extent>,
     ) -> Drawn<()> {
         let axis = |(low, high): (f64, f64), unit: Unit, count| {
-            Axis::between(unit.of(low), unit.of(high), count)
+            PlotAxis::between(unit.of(low), unit.of(high), count)
         };
         let plot = axes(
             area,
@@ -198,13 +194,13 @@ impl YieldPath {
         if let (Some(start), Some(end)) = (self.path.first(), self.path.last()) {
             page::dot(page, place(start), colour::INK)?;
             let (x, y) = place(end);
-            ground(page, [(x - 28, y - 28), (x + 28, y + 28)], colour::INK)?;
+            rectangle(page, [(x - 28, y - 28), (x + 28, y + 28)], colour::INK)?;
         }
         Ok(())
     }
 
-    /// The surface, cut off at the edges of the plot.
-    fn draw_surface(&self, page: &Area<'_>, plot: &Plot<'_, '_>, extent: &Extent) -> Drawn<()> {
+    /// Draws the surface, clipped to the plot.
+    fn draw_surface(&self, page: &Area<'_>, plot: &PlotArea<'_, '_>, extent: &Extent) -> Drawn<()> {
         let inside = clipped(&self.surface, extent);
         let place = |point: &(f64, f64)| {
             plot.backend_coord(&(self.moment.of(point.0), self.force.of(point.1)))
@@ -213,7 +209,7 @@ impl YieldPath {
         if polygon.len() > 2 {
             page.draw(&Polygon::new(polygon, colour::SURFACE.mix(0.7).filled()))?;
         }
-        // The middle of a piece of the plot's edge lies on that edge, also after rounding.
+        // The middle of a piece of the plot's edge lies on that edge, even after rounding.
         let within = |(from, to): (f64, f64), value: f64| {
             let rounding = 1e-9 * (to - from);
             value > from + rounding && value < to - rounding
@@ -221,7 +217,7 @@ impl YieldPath {
         let on_surface = |from: &(f64, f64), to: &(f64, f64)| {
             within(extent[0], (from.0 + to.0) / 2.0) && within(extent[1], (from.1 + to.1) / 2.0)
         };
-        // The outline follows the surface, not the edges of the plot where it was cut.
+        // The outline follows the surface, not the edges of the plot.
         for line in inside.chunk_by(on_surface) {
             let line: Vec<_> = line.iter().map(place).collect();
             page.draw(&PathElement::new(line, colour::INK.stroke_width(8)))?;
@@ -230,10 +226,10 @@ impl YieldPath {
     }
 }
 
-/// A closed curve cut to a rectangle, edge by edge (Sutherland and Hodgman); exact as the surface is convex.
+/// Clips a closed curve to a rectangle, edge by edge (Sutherland and Hodgman); exact because the surface is convex.
 fn clipped(curve: &[(f64, f64)], [moment, force]: &Extent) -> Vec<(f64, f64)> {
     let mut points = curve.to_vec();
-    // Signed distance from each edge, positive inside.
+    // The signed distance from each edge, positive inside.
     type Distance<'e> = &'e dyn Fn(&(f64, f64)) -> f64;
     let edges: [Distance<'_>; 4] = [
         &|point| point.0 - moment.0,
@@ -263,7 +259,7 @@ fn clipped(curve: &[(f64, f64)], [moment, force]: &Extent) -> Vec<(f64, f64)> {
     points
 }
 
-/// The lines of a path on whole units of the canvas, each drawn once however often it is passed.
+/// The segments of a path in units of the canvas, each once however often the path passes it.
 fn lines_once(path: impl Iterator<Item = (i32, i32)>) -> Vec<Vec<(i32, i32)>> {
     let mut drawn = HashSet::new();
     let mut lines: Vec<Vec<(i32, i32)>> = Vec::new();
@@ -288,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_to_and_fro_is_drawn_once() {
+    fn a_path_back_and_forth_is_drawn_once() {
         let there = [(0, 0), (5, 0), (9, 3)];
         let and_back = there.iter().chain(there.iter().rev()).cycle().take(600);
         assert_eq!(lines_once(and_back.copied()), [there.to_vec()]);
@@ -296,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_is_cut_to_the_plot() {
+    fn the_surface_is_clipped_to_the_plot() {
         let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let cut = clipped(&square, &[(0.0, 5.0), (-0.5, 0.5)]);
         let expected = [(1.0, -0.5), (1.0, 0.5), (0.0, 0.5), (0.0, -0.5)];

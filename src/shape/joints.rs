@@ -1,10 +1,13 @@
-//! Where the ends of the two bars are.
+//! The ends of the two bars.
 
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
 use crate::twin::Lengths;
 
-/// A point in the plane that the column bends in \[m\].
+/// Where each hinge is, in the order of [`HINGE_NAMES`](crate::column::HINGE_NAMES).
+pub const HINGE_PLACES: [&str; HINGES] = ["below the impact", "above the impact", "top", "base"];
+
+/// A point in the plane of bending \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlanePoint {
     /// In the vehicle's direction of travel.
@@ -32,7 +35,7 @@ impl PlanePoint {
         self.x.hypot(self.z)
     }
 
-    /// The direction from here to `other`, of length 1; up where the two coincide.
+    /// The unit vector from here to `other`; upwards if the two coincide.
     #[must_use]
     pub fn direction_to(self, other: Self) -> Self {
         let between = other.plus(-1.0, self);
@@ -63,19 +66,19 @@ impl From<&Parameters> for Lengths {
     }
 }
 
-/// The ends of the two bars of a deformed column.
+/// The ends of the bars of a deformed column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
     /// The base, which does not move: hinge 3.
     pub base: PlanePoint,
     /// The impact point: hinges 1a and 1b.
     pub impact: PlanePoint,
-    /// The top, which moves along the column only: hinge 2.
+    /// The top, which moves only along the column: hinge 2.
     pub top: PlanePoint,
 }
 
 impl Joints {
-    /// The joints of a column whose displacements are drawn `magnification` times as large as they are.
+    /// The joints of a column whose displacements are magnified by `magnification`.
     #[must_use]
     pub fn new(lengths: Lengths, sample: &Sample, magnification: f64) -> Self {
         let drawn = |displacement: f64| magnification * displacement;
@@ -86,8 +89,8 @@ impl Joints {
         }
     }
 
-    /// Where the hinges 1a, 1b, 2, 3 are shown: 1a and 1b, which are one point in the model, `apart` \[m\] from the impact
-    /// point along their bars.
+    /// The positions at which the hinges 1a, 1b, 2, 3 are shown. Hinges 1a and 1b, which are one point in the model, are
+    /// `apart` \[m\] from the impact point along their bars.
     #[must_use]
     pub fn hinges(&self, apart: f64) -> [PlanePoint; HINGES] {
         let Self { base, impact, top } = *self;
@@ -99,8 +102,8 @@ impl Joints {
         ]
     }
 
-    /// `x` of the impactor's front where the column's face lies `half_depth` before its axis \[m\]: its distance from the
-    /// drawn column is the true gap, whatever the magnification.
+    /// `x` of the front of the impactor \[m\]. The face of the column is `half_depth` in front of its axis; the distance
+    /// between the two is the true gap, whatever the magnification.
     #[must_use]
     pub fn impactor_front(&self, sample: &Sample, half_depth: f64) -> f64 {
         self.impact.x - sample.gap - half_depth
@@ -127,12 +130,12 @@ mod tests {
     }
 
     #[test]
-    fn the_joints_are_where_the_sample_says() {
+    fn the_joints_follow_the_sample() {
         let joints = Joints::new(LENGTHS, &bent(), 1.0);
         assert_eq!(joints.base, PlanePoint::default());
         assert_eq!(joints.impact, PlanePoint::new(0.25, 0.875));
         assert_eq!(joints.top, PlanePoint::new(0.0, 3.5));
-        // The face is 0.1 m before the axis.
+        // The face is 0.1 m in front of the axis.
         assert_eq!(joints.impactor_front(&bent(), 0.1), 0.25 - 0.75 - 0.1);
     }
 

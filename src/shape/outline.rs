@@ -1,15 +1,15 @@
-//! The outline of the section that is drawn.
+//! The outline of the section.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::column::RolledSection;
 use crate::parameters::{CatalogueSection, Parameters, catalogue};
 
-/// Straight pieces that a root fillet is drawn in.
+/// Number of straight pieces of a root fillet.
 const FILLET_PIECES: usize = 2;
 
-/// The closed outline of an I or H section: `[a, b]` along its depth and along its flanges \[m\], counter-clockwise, the
-/// centroid at the origin.
+/// The closed outline of an I or H section: points `[a, b]` along the depth and along the flanges \[m\], counter-clockwise,
+/// with the centroid at the origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     corners: Vec<[f64; 2]>,
@@ -43,7 +43,7 @@ impl Outline {
         }
     }
 
-    /// The corners in turn; the last is joined to the first.
+    /// The corners in order; the last one is connected to the first.
     #[must_use]
     pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners
@@ -102,8 +102,8 @@ fn quarter(section: &RolledSection) -> Vec<[f64; 2]> {
     corners
 }
 
-/// The section to draw. One that is given by numbers alone is drawn as that of the catalogue that is nearest to it in area
-/// and radius of gyration, enlarged or reduced to its radius of gyration.
+/// The section to draw. A section given by numbers alone is drawn as the section of the catalogue that is nearest in area and
+/// radius of gyration, scaled to its radius of gyration.
 #[must_use]
 pub fn drawn_section(parameters: &Parameters) -> RolledSection {
     if let Some(named) = CatalogueSection::named(&parameters.settings().section.name) {
@@ -115,7 +115,7 @@ pub fn drawn_section(parameters: &Parameters) -> RolledSection {
     let distance = |section: &CatalogueSection| {
         let it = section.properties();
         let of_gyration = (gyration(it.second_moment, it.area) / wanted).ln();
-        // An area goes as the square of a length.
+        // An area is proportional to the square of a length.
         let of_area = 0.5 * (it.area / given.area).ln();
         of_gyration.hypot(of_area)
     };
@@ -170,7 +170,7 @@ mod tests {
         sums
     }
 
-    /// The polygon has the area and the second moment of the section itself, up to the fillets' chords.
+    /// The polygon has the area and the second moment of the section, except for the chords of the fillets.
     #[test]
     fn the_outline_is_that_of_the_section() {
         for section in catalogue() {
@@ -201,15 +201,15 @@ mod tests {
     }
 
     #[test]
-    fn a_named_section_is_drawn_as_it_is() {
+    fn a_named_section_is_drawn_with_its_dimensions() {
         let parameters = Parameters::load(&[], &[parse_override("section.name:=IPE300")]);
         let section = drawn_section(&parameters.expect("admissible"));
         assert_eq!((section.depth, section.width), (0.3, 0.15));
     }
 
-    /// The paper's column by its numbers: it looks like the HEB 220 that it is.
+    /// The paper's column, given by numbers, looks like the HEB 220 that it is.
     #[test]
-    fn a_section_by_numbers_is_drawn_as_the_nearest_one() {
+    fn a_section_given_by_numbers_is_drawn_like_the_nearest_one() {
         let parameters = Parameters::from_values([
             ("section.name", Value::from("")),
             ("section.area", Value::from(91.0e-4)),

@@ -1,25 +1,26 @@
-//! The solid that a section sweeps along a bent axis.
+//! The solid that a section sweeps along the bent axis.
 
-use super::{Axis, Outline, Station};
+use super::bent_axis::{BentAxis, Station};
+use super::outline::Outline;
 
-/// Triangles with a normal at each corner. Corners are not shared between faces, so that edges stay sharp.
+/// Triangles with a normal at each corner. Faces do not share corners, so that edges stay sharp.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Solid {
     /// Corners \[m\].
     pub positions: Vec<[f32; 3]>,
-    /// Outward normals of length 1, one for each corner.
+    /// Outward unit normals, one for each corner.
     pub normals: Vec<[f32; 3]>,
-    /// Three corners each, counter-clockwise from outside.
+    /// Three corners each, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Corners of the two ends: four of each plate.
+/// Number of corners of the two ends: four for each plate.
 const END_CORNERS: usize = 2 * 3 * 4;
 
 impl Solid {
     /// The solid that `outline` sweeps along `axis`, closed at both ends.
     #[must_use]
-    pub fn swept(outline: &Outline, axis: &Axis) -> Self {
+    pub fn swept(outline: &Outline, axis: &BentAxis) -> Self {
         let mut solid = Self::default();
         solid.move_to(outline, axis);
         solid.triangles = triangles(outline, axis.stations().len());
@@ -32,8 +33,8 @@ impl Solid {
         2 * outline.corners().len()
     }
 
-    /// Positions and normals for another axis; the triangles stay.
-    pub fn move_to(&mut self, outline: &Outline, axis: &Axis) {
+    /// Sets positions and normals for another axis; the triangles stay the same.
+    pub fn move_to(&mut self, outline: &Outline, axis: &BentAxis) {
         let stations = axis.stations();
         let corners = stations.len() * Self::corners_per_station(outline) + END_CORNERS;
         self.positions.clear();
@@ -50,7 +51,7 @@ impl Solid {
         }
     }
 
-    /// Both corners of every face of the outline.
+    /// Adds both corners of every face of the outline.
     fn add_faces(&mut self, outline: &Outline, station: &Station) {
         let corners = outline.corners();
         for (number, from) in corners.iter().enumerate() {
@@ -88,7 +89,7 @@ impl Solid {
     }
 }
 
-/// A vector of the section's plane, `[a, b]`, in space.
+/// A vector `[a, b]` in the plane of the section, in space.
 fn in_space(station: &Station, [a, b]: [f64; 2]) -> [f64; 3] {
     let up = station.direction;
     [a * up.z, b, -a * up.x]
@@ -145,7 +146,7 @@ mod tests {
         };
         let joints = Joints::new(lengths, sample, 1.0);
         let outline = Outline::new(&heb220());
-        let axis = Axis::new(&joints, sample.beta1, true, true);
+        let axis = BentAxis::new(&joints, sample.beta1, true, true);
         (Solid::swept(&outline, &axis), joints, outline)
     }
 
@@ -172,10 +173,9 @@ mod tests {
         (cross, a)
     }
 
-    /// Computed from the state: the ends of the solid are the base and the top, and its section where the column is hit is
-    /// centred on the impact point.
+    /// The ends of the solid are the base and the top, and its middle section is centred on the impact point.
     #[test]
-    fn ends_and_impact_point_are_where_the_state_says() {
+    fn ends_and_impact_point_follow_the_state() {
         let (solid, joints, outline) = solid(&bent());
         let per_station = Solid::corners_per_station(&outline);
         let centre = |station: usize| {
@@ -190,8 +190,8 @@ mod tests {
         };
         for (station, joint) in [
             (0, joints.base),
-            (Axis::STATIONS / 2, joints.impact),
-            (Axis::STATIONS - 1, joints.top),
+            (BentAxis::STATIONS / 2, joints.impact),
+            (BentAxis::STATIONS - 1, joints.top),
         ] {
             let [x, y, z] = centre(station);
             assert!((x - joint.x).abs() < 1e-6 && y.abs() < 1e-6 && (z - joint.z).abs() < 1e-6);
@@ -199,9 +199,9 @@ mod tests {
         assert_eq!((joints.impact.x, joints.impact.z), (0.0946, 1.0 - 0.0047));
     }
 
-    /// Divergence theorem: a closed surface that looks outwards has the volume of area times length.
+    /// By the divergence theorem, a closed surface with outward normals has the volume area times length.
     #[test]
-    fn the_surface_is_closed_and_looks_outwards() {
+    fn the_surface_is_closed_and_its_normals_point_outwards() {
         let (solid, ..) = solid(&Sample::default());
         let volume: f64 = solid
             .triangles
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_look_out_of_their_triangles() {
+    fn normals_point_out_of_their_triangles() {
         let (solid, ..) = solid(&bent());
         assert_eq!(solid.positions.len(), solid.normals.len());
         for triangle in &solid.triangles {

@@ -1,12 +1,12 @@
-//! How the viewer arranges what it shows, for a laptop's screen: column and log on the left, curves in the middle, yield
-//! surfaces on the right.
+//! The layout of the viewer, for a laptop screen: column and log on the left, curves in the middle, yield surfaces on the
+//! right.
 //!
-//! Rerun's own blueprint API for Rust cannot set the eye, the bounds of a view or the range of an axis, so that the
-//! archetypes are logged one by one, as it does it itself.
+//! Rerun's blueprint API for Rust can set neither the eye nor the bounds of a view nor the range of an axis. This module
+//! therefore logs the blueprint archetypes one by one, as the API itself does.
 
 use rerun::blueprint::components::{
-    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
-    LoopMode, PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    BackgroundKind, ContainerKind, Eye3DKind, IncludedContent, LockRangeDuringZoom, LoopMode,
+    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
     VisualBounds2D,
 };
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
@@ -22,19 +22,20 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
-use super::fixtures::stress_entity;
-use super::plots::{self, NamesCorner, PLOTS};
+use super::plots::{self, PLOTS};
+use super::rerun_types::color;
 use super::scene::Drawing;
+use super::static_scene::stress_entity;
 use super::timeline::IMPACT_TIME;
 use crate::column::{HINGE_NAMES, HINGES};
 
-/// What recordings of this program are called in the viewer.
+/// Name of this application in the viewer.
 pub const APPLICATION: &str = "column_twin";
 
-/// How much slower than in reality a recording plays: an impact is over in 60 ms.
+/// Playback speed relative to real time: an impact takes about 60 ms.
 const PLAYBACK_SPEED: f64 = 0.01;
 
-/// Where things of the blueprint are kept, told apart by these numbers.
+/// Numbers that identify the containers and views of the blueprint.
 const ROOT: u8 = 1;
 const LEFT: u8 = 2;
 const MIDDLE: u8 = 3;
@@ -44,10 +45,10 @@ const LOG: u8 = 11;
 const FIRST_PLOT: u8 = 20;
 const FIRST_HINGE: u8 = 40;
 
-/// Sends the blueprint and makes it the one that is shown.
+/// Sends the blueprint and activates it.
 ///
 /// # Errors
-/// The stream takes nothing.
+/// The stream rejects the data.
 pub fn send(
     recording: &RecordingStream,
     drawing: &Drawing,
@@ -175,7 +176,7 @@ impl Blueprint {
         self.write(&format!("{}/{name}", view(number)), what)
     }
 
-    /// Seen along the flanges, a little from above and from the side of the vehicle's nose: the bend lies in the picture.
+    /// Looks along the flanges, from slightly above and in front of the vehicle, so that the column bends in the image plane.
     fn scene(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
         let title = if drawing.magnification == 1.0 {
             format!("{}, to scale", drawing.section)
@@ -198,15 +199,15 @@ impl Blueprint {
             .with_look_target(middle)
             .with_eye_up([0.0, 0.0, 1.0]);
         self.property(SCENE, "EyeControls3D", &eye)?;
-        let background = Background::new(BackgroundKind::SolidColor)
-            .with_color(super::film::color([22, 24, 28]));
+        let background =
+            Background::new(BackgroundKind::SolidColor).with_color(color([22, 24, 28]));
         self.property(SCENE, "Background", &background)?;
         let grid = LineGrid3D::new().with_visible(false);
         self.property(SCENE, "LineGrid3D", &grid)
     }
 
     fn log(&self) -> RecordingStreamResult<()> {
-        let title = "What happened, by time since impact";
+        let title = "Events by time since impact";
         self.view(LOG, "TextLog", title, "/", &["+ /log".to_owned()])?;
         let columns = TextLogColumns::new()
             .with_timeline_columns([TimelineColumn {
@@ -233,15 +234,11 @@ impl Blueprint {
             .with_range(Range1D::new(axis[0], axis[1]))
             .with_zoom_lock(LockRangeDuringZoom(false.into()));
         self.property(id, "ScalarAxis", &axis)?;
-        let legend = PlotLegend::new().with_corner(match plot.names {
-            NamesCorner::RightTop => Corner2D::RightTop,
-            NamesCorner::RightBottom => Corner2D::RightBottom,
-            NamesCorner::LeftBottom => Corner2D::LeftBottom,
-        });
+        let legend = PlotLegend::new().with_corner(plot.names);
         self.property(id, "PlotLegend", &legend)
     }
 
-    /// The whole path until now is seen, everything else as it is now.
+    /// Shows the whole path up to the present time; everything else at the present time.
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
         let title = format!("Hinge {}: M-N [-]", HINGE_NAMES[hinge]);
@@ -282,7 +279,7 @@ impl Blueprint {
             .with_timeline(TimelineName(Utf8::from(IMPACT_TIME)))
             .with_playback_speed(PlaybackSpeed(datatypes::Float64(PLAYBACK_SPEED)))
             .with_play_state(play);
-        // A viewer that loops does not follow.
+        // A looping viewer does not follow the latest data.
         if !follows {
             time = time.with_loop_mode(LoopMode::All);
         }

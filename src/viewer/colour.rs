@@ -1,25 +1,25 @@
-//! Colours: one for each meaning, in the scene and in the plots.
+//! Colours, one for each meaning, in the scene and in the plots.
 
 use crate::column::{HINGES, HingeState};
 
 /// Red, green, blue, each 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// Steel that is not used at all.
+/// Steel at utilisation 0.
 pub const STEEL: Rgb = [122, 134, 148];
-/// Half used.
+/// Steel at utilisation 0.5.
 const HALF: Rgb = [240, 196, 60];
-/// On the yield surface.
+/// Steel at utilisation 1.
 const YIELD: Rgb = [222, 40, 28];
 
-/// Hinge that has never flowed.
+/// Hinge that has never yielded.
 pub const ELASTIC: Rgb = [64, 184, 96];
-/// Hinge that flows.
+/// Hinge that is yielding.
 pub const PLASTIC: Rgb = [235, 52, 40];
-/// Hinge that has flowed and is elastic again.
+/// Hinge that has yielded and is elastic again.
 pub const UNLOADED: Rgb = [250, 160, 40];
 
-/// The vehicle, and what is of it in the plots.
+/// The vehicle and its curves.
 pub const IMPACTOR: Rgb = [70, 130, 220];
 /// Contact force.
 pub const CONTACT: Rgb = [214, 84, 190];
@@ -37,7 +37,7 @@ pub const MOMENT: Rgb = [176, 140, 240];
 pub const BAR_A: Rgb = [120, 190, 255];
 /// Bar b.
 pub const BAR_B: Rgb = [255, 170, 90];
-/// Yield surfaces and axes.
+/// Yield surfaces.
 pub const SURFACE: Rgb = [190, 190, 190];
 /// Axes.
 pub const AXIS: Rgb = [90, 90, 90];
@@ -50,7 +50,7 @@ pub const HINGE: [Rgb; HINGES] = [
     [250, 110, 110],
 ];
 
-/// Entries of the energy ledger, from the foot of the stack.
+/// Entries of the energy ledger, from the bottom of the stack.
 pub const ENERGIES: [Rgb; 5] = [
     [214, 84, 190],
     [235, 70, 50],
@@ -69,7 +69,7 @@ pub fn of_state(state: HingeState) -> Rgb {
     }
 }
 
-/// Colour of the steel at a utilisation: grey at 0, yellow at a half, red from 1 on.
+/// Colour of the steel: grey at utilisation 0, yellow at 0.5, red from 1 on.
 #[must_use]
 pub fn of_utilisation(utilisation: f64) -> Rgb {
     if utilisation <= 0.5 {
@@ -79,14 +79,14 @@ pub fn of_utilisation(utilisation: f64) -> Rgb {
     }
 }
 
-/// `part` of `other` in `one`.
+/// Mixes `part` (0 to 1) of `other` into `one`.
 #[must_use]
 pub fn mix(one: Rgb, other: Rgb, part: f64) -> Rgb {
     let part = part.clamp(0.0, 1.0);
     let mut mixed = one;
     for (value, (from, to)) in mixed.iter_mut().zip(one.into_iter().zip(other)) {
         let (from, to) = (f64::from(from), f64::from(to));
-        *value = (from + part * (to - from)).round() as u8; // between two colours; NaN is 0
+        *value = (from + part * (to - from)).round() as u8; // lies between the two colours; NaN becomes 0
     }
     mixed
 }

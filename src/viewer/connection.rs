@@ -1,4 +1,4 @@
-//! A connection to a viewer that runs, which may stop, go and come again.
+//! A connection to a running viewer, which may stop, end and come back.
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
@@ -11,41 +11,30 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 use rerun::{RecordingStreamBuilder, log::LogMsg};
 
 use super::blueprint::APPLICATION;
-use super::film::{Film, FilmOptions};
-use super::item::Item;
+use super::error::{RERUN_VERSION, ViewerError, ViewerLogger};
+use super::item::ViewerItem;
+use super::rerun_types::batching;
 use super::server::url;
-use super::{RERUN_VERSION, Telling, ViewerError};
+use super::stream::{StreamOptions, ViewerStream};
 use crate::parameters::Parameters;
 use crate::twin::Severity;
 
-/// Between two attempts to connect.
+/// Time between two attempts to connect.
 const RETRY_PERIOD: Duration = Duration::from_secs(1);
 
-/// How long a viewer may take to answer an attempt.
-const ANSWERS_WITHIN: Duration = Duration::from_millis(200);
+/// How long an attempt to connect may take.
+const CONNECT_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// How long a viewer that was started may take until it listens.
-const STARTS_WITHIN: Duration = Duration::from_secs(15);
+/// How long a viewer that this program started may take until it listens.
+const START_TIMEOUT: Duration = Duration::from_secs(15);
 
-/// Most bytes on their way to a viewer; more wait in the queue of the twin's outputs.
-const BYTES_IN_FLIGHT: u64 = 8_000_000;
-
-/// What an item of the history weighs, about \[B\].
+/// Approximate size of an item of the history \[B\].
 const ITEM_BYTES: u64 = 1_000;
 
-/// Name of the thread that waits for a stream that may never end.
-pub const FAREWELL_THREAD: &str = "viewer-farewell";
+/// Name of the thread that closes a stream, which may block for ever.
+const CLOSING_THREAD: &str = "viewer-closing";
 
-/// How data are collected before they leave.
-#[must_use]
-pub fn batches() -> ChunkBatcherConfig {
-    ChunkBatcherConfig {
-        max_bytes_in_flight: BYTES_IN_FLIGHT,
-        ..ChunkBatcherConfig::LOW_LATENCY
-    }
-}
-
-/// A sink whose connection can be asked how it is while a stream has it.
+/// A sink whose state can be queried while a stream owns it.
 struct SharedSink(Arc<GrpcSink>);
 
 impl LogSink for SharedSink {
@@ -58,36 +47,36 @@ impl LogSink for SharedSink {
     }
 
     fn default_batcher_config(&self) -> ChunkBatcherConfig {
-        batches()
+        batching()
     }
 }
 
-/// What goes to a viewer that runs, with all that it has to be shown again after it was gone.
+/// A connection to a running viewer, with the history that is sent again after the viewer was gone.
 pub struct Connection {
     address: SocketAddr,
-    /// Those of the column where the history begins.
+    /// Parameters of the column at the beginning of the history.
     parameters: Arc<Parameters>,
-    options: FilmOptions,
-    /// The same recording for a viewer that was gone.
+    options: StreamOptions,
+    /// Identifies the recording, so that a viewer that comes back continues the same one.
     recording: String,
-    history: VecDeque<Item>,
-    longest_history: usize,
-    film: Option<(Film, Arc<GrpcSink>)>,
-    /// When there was a connection last.
+    history: VecDeque<ViewerItem>,
+    max_history: usize,
+    stream: Option<(ViewerStream, Arc<GrpcSink>)>,
+    /// Time of the last successful connection.
     connected: Instant,
-    /// The last connection did not last.
+    /// Whether the peer closed the last connection at once.
     hangs_up: bool,
     next_try: Instant,
-    told_of_absence: bool,
-    /// Until then its absence is no news.
+    absence_reported: bool,
+    /// Before this time a missing viewer is not reported.
     expected_by: Instant,
-    telling: Telling,
+    log: ViewerLogger,
 }
 
-/// The address of a viewer.
+/// Resolves the address of a viewer.
 ///
 /// # Errors
-/// It is none.
+/// The address is invalid or cannot be resolved.
 pub fn resolve(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
     let resolved = (address, port).to_socket_addrs().ok();
     let found = resolved.and_then(|mut all| all.next());
@@ -98,13 +87,13 @@ pub fn resolve(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
 }
 
 impl Connection {
-    /// A connection that is made as soon as there is a viewer.
+    /// A connection that is established as soon as a viewer answers.
     #[must_use]
     pub fn new(
         address: SocketAddr,
         parameters: Arc<Parameters>,
-        options: FilmOptions,
-        telling: Telling,
+        options: StreamOptions,
+        log: ViewerLogger,
     ) -> Self {
         let limit = parameters.settings().viewer.memory_limit / ITEM_BYTES;
         let id = std::process::id();
@@ -114,44 +103,44 @@ impl Connection {
             options,
             recording: format!("{APPLICATION}-{id}-{}", crate::live::monotonic_nanos()),
             history: VecDeque::new(),
-            longest_history: usize::try_from(limit).unwrap_or(usize::MAX).max(1),
-            film: None,
+            max_history: usize::try_from(limit).unwrap_or(usize::MAX).max(1),
+            stream: None,
             connected: Instant::now(),
             hangs_up: false,
             next_try: Instant::now(),
-            told_of_absence: false,
+            absence_reported: false,
             expected_by: Instant::now(),
-            telling,
+            log,
         }
     }
 
-    /// The same with a viewer that has just been started.
+    /// The same for a viewer that has just been started.
     #[must_use]
     pub fn awaiting_start(mut self) -> Self {
-        self.expected_by += STARTS_WITHIN;
+        self.expected_by += START_TIMEOUT;
         self
     }
 
-    /// Shows some items, now or when there is a viewer again. May wait for a viewer that takes nothing.
-    pub fn show(&mut self, items: Vec<Item>) {
-        self.see_whether_it_is_there();
-        if let Some((film, _)) = &mut self.film
-            && let Err(error) = film.show(items.iter().cloned())
+    /// Shows some items, now or when the viewer is back. Blocks while the viewer reads nothing.
+    pub fn show(&mut self, items: Vec<ViewerItem>) {
+        self.check_connection();
+        if let Some((stream, _)) = &mut self.stream
+            && let Err(error) = stream.show(items.iter().cloned())
         {
-            (self.telling)(
+            (self.log)(
                 Severity::Error,
                 format!("cannot write to the viewer: {error}"),
             );
-            self.part();
+            self.disconnect();
         }
         self.remember(items);
-        if self.film.is_none() && Instant::now() >= self.next_try {
+        if self.stream.is_none() && Instant::now() >= self.next_try {
             self.connect();
         }
     }
 
-    fn see_whether_it_is_there(&mut self) {
-        let Some((_, sink)) = &self.film else {
+    fn check_connection(&mut self) {
+        let Some((_, sink)) = &self.stream else {
             return;
         };
         let lasts = self.connected.elapsed() >= RETRY_PERIOD;
@@ -159,68 +148,68 @@ impl Connection {
         match (gone, lasts) {
             (false, true) if self.hangs_up => {
                 self.hangs_up = false;
-                self.say_connected();
+                self.report_connected();
             }
             (false, _) => {}
             (true, true) => {
                 let text = format!(
-                    "the viewer at {} has gone; everything is shown again when it is back",
+                    "the viewer at {} has gone; everything is shown again when it comes back",
                     self.address
                 );
-                self.say_absent(text);
+                self.report_absent(text);
                 self.hangs_up = false;
-                self.part();
+                self.disconnect();
             }
-            // Another program that listens there does so every time: said once.
+            // A program other than a viewer does so every time: reported once.
             (true, false) => {
                 let text = format!(
-                    "what listens at {} has gone as soon as it was there; is it a viewer of Rerun {RERUN_VERSION}? It is \
-                     tried again every second",
+                    "the program that listens at {} closes every connection at once; is it a viewer of Rerun {RERUN_VERSION}? \
+                     The node tries again every second",
                     self.address
                 );
                 if !self.hangs_up {
-                    self.say_absent(text);
+                    self.report_absent(text);
                 }
                 self.hangs_up = true;
-                self.part();
+                self.disconnect();
             }
         }
     }
 
-    fn say_absent(&mut self, text: String) {
-        self.told_of_absence = true;
-        (self.telling)(Severity::Warning, text);
+    fn report_absent(&mut self, text: String) {
+        self.absence_reported = true;
+        (self.log)(Severity::Warning, text);
     }
 
-    fn say_connected(&mut self) {
-        self.told_of_absence = false;
-        let text = format!("connected with the viewer at {}", self.address);
-        (self.telling)(Severity::Info, text);
+    fn report_connected(&mut self) {
+        self.absence_reported = false;
+        let text = format!("connected to the viewer at {}", self.address);
+        (self.log)(Severity::Info, text);
     }
 
-    /// Lets go of a stream without waiting for its end.
-    fn part(&mut self) {
+    /// Closes the stream without waiting for it.
+    fn disconnect(&mut self) {
         self.next_try = Instant::now() + RETRY_PERIOD;
-        if let Some(film) = self.film.take() {
-            let waiting = thread::Builder::new().name(FAREWELL_THREAD.to_owned());
-            // Without a thread it is dropped here, which may take a while.
-            let _ = waiting.spawn(move || drop(film));
+        if let Some(stream) = self.stream.take() {
+            let closing = thread::Builder::new().name(CLOSING_THREAD.to_owned());
+            // If no thread can be started, the stream is dropped here, which may take a while.
+            let _ = closing.spawn(move || drop(stream));
         }
     }
 
-    /// The oldest go first; the parameters that hold are kept.
-    fn remember(&mut self, items: Vec<Item>) {
+    /// Appends to the history. The oldest items are dropped first; the parameters that apply are kept.
+    fn remember(&mut self, items: Vec<ViewerItem>) {
         for item in items {
-            // A twin at rest says so every second.
-            let again = matches!((self.history.back(), &item),
-                (Some(Item::Rest { v1, u2, .. }), Item::Rest { v1: next_v1, u2: next_u2, .. })
+            // A twin at rest reports its state every second.
+            let repeated = matches!((self.history.back(), &item),
+                (Some(ViewerItem::Rest { v1, u2, .. }), ViewerItem::Rest { v1: next_v1, u2: next_u2, .. })
                     if v1 == next_v1 && u2 == next_u2);
-            if !again {
+            if !repeated {
                 self.history.push_back(item);
             }
         }
-        while self.history.len() > self.longest_history {
-            if let Some(Item::Parameters(parameters)) = self.history.pop_front() {
+        while self.history.len() > self.max_history {
+            if let Some(ViewerItem::Parameters(parameters)) = self.history.pop_front() {
                 self.parameters = parameters;
             }
         }
@@ -228,32 +217,32 @@ impl Connection {
 
     fn connect(&mut self) {
         self.next_try = Instant::now() + RETRY_PERIOD;
-        // Rerun's own client waits for a viewer for ever, and keeps everything until then.
-        if TcpStream::connect_timeout(&self.address, ANSWERS_WITHIN).is_err() {
-            if !self.told_of_absence && Instant::now() >= self.expected_by {
+        // Rerun's own client would wait for ever and buffer everything in the meantime.
+        if TcpStream::connect_timeout(&self.address, CONNECT_TIMEOUT).is_err() {
+            if !self.absence_reported && Instant::now() >= self.expected_by {
                 let text = format!(
-                    "no viewer answers at {}; start one (rerun --port {}), it is looked for every second",
+                    "no viewer answers at {}; start one with `rerun --port {}`; the node tries again every second",
                     self.address,
                     self.address.port()
                 );
-                self.say_absent(text);
+                self.report_absent(text);
             }
             return;
         }
         match self.open() {
-            Ok(film) => {
-                self.film = Some(film);
+            Ok(stream) => {
+                self.stream = Some(stream);
                 self.connected = Instant::now();
                 if !self.hangs_up {
-                    self.say_connected();
+                    self.report_connected();
                 }
             }
-            Err(error) => (self.telling)(Severity::Error, error.to_string()),
+            Err(error) => (self.log)(Severity::Error, error.to_string()),
         }
     }
 
-    /// A stream that has shown everything.
-    fn open(&self) -> Result<(Film, Arc<GrpcSink>), ViewerError> {
+    /// Opens a stream and sends the history.
+    fn open(&self) -> Result<(ViewerStream, Arc<GrpcSink>), ViewerError> {
         let uri = url(self.address)
             .parse()
             .map_err(|error| ViewerError::Stream(format!("{error}")))?;
@@ -261,11 +250,12 @@ impl Connection {
         let stream = RecordingStreamBuilder::new(APPLICATION)
             .enabled(true)
             .recording_id(self.recording.as_str())
-            .batcher_config(batches())
+            .batcher_config(batching())
             .buffered()?;
         stream.set_sink(Box::new(SharedSink(Arc::clone(&sink))));
-        let mut film = Film::new(stream, Arc::clone(&self.parameters), self.options.clone())?;
-        film.show(self.history.iter().cloned())?;
-        Ok((film, sink))
+        let mut stream =
+            ViewerStream::new(stream, Arc::clone(&self.parameters), self.options.clone())?;
+        stream.show(self.history.iter().cloned())?;
+        Ok((stream, sink))
     }
 }

@@ -1,4 +1,4 @@
-//! Where the pictures of a running twin go, as `viewer.mode` says.
+//! The destination of the frames of a running twin, selected by `viewer.mode`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,78 +9,79 @@ use rerun::RecordingStreamBuilder;
 
 use super::blueprint::APPLICATION;
 use super::connection::{self, Connection};
-use super::film::{Budget, Film, FilmOptions};
-use super::item::Item;
+use super::error::{ViewerError, ViewerLogger};
+use super::item::ViewerItem;
 use super::plots::Ranges;
+use super::rerun_types::batching;
 use super::server;
 use super::spawned::Spawned;
-use super::{Telling, ViewerError};
+use super::stream::{FrameBudget, StreamOptions, ViewerStream};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::Severity;
 
-/// Shortest time between two pictures of the scene \[ns\].
-const PICTURE_PERIOD: i64 = 1_000_000;
+/// Minimum time between two frames of the scene \[ns\].
+const FRAME_PERIOD: i64 = 1_000_000;
 
-/// How long curves wait for more of them \[ns\]: each piece costs about as much, however long it is. The end of an impact waits
-/// for nothing.
+/// How long states are collected before their curves are sent \[ns\]: a piece of a curve costs about the same whatever its
+/// length. The end of an impact is sent at once.
 const CURVES_PERIOD: i64 = 200_000_000;
 
-/// Pictures of the scene in the long run \[1/s\].
-const PICTURES_PER_SECOND: f64 = 60.0;
+/// Mean rate of frames of the scene \[1/s\].
+const FRAMES_PER_SECOND: f64 = 60.0;
 
-/// Pictures that an impact may have at once: two ordinary ones, millisecond by millisecond.
-const SAVED_PICTURES: f64 = 120.0;
+/// Number of frames that can be saved up: enough for two ordinary impacts at one frame per millisecond.
+const SAVED_FRAMES: f64 = 120.0;
 
-/// A place that takes what there is to show.
+/// Where items are shown.
 pub enum Destination {
-    /// A file, or viewers that connect to this program.
-    Stream(Box<Film>),
-    /// A viewer that runs.
+    /// A file, or a server for viewers.
+    Stream(Box<ViewerStream>),
+    /// A running viewer.
     Connection(Box<Connection>),
-    /// A viewer that was started.
+    /// A viewer that this program started.
     Spawned(Spawned, Box<Connection>),
 }
 
 impl Destination {
-    /// The destination that the parameters name; `None` where they say off.
+    /// Opens the destination that the parameters select; `None` if the viewer is off.
     ///
     /// # Errors
-    /// It cannot be had.
+    /// The file, the server or the viewer is not available.
     pub fn open(
         parameters: &Arc<Parameters>,
         now: i64,
-        telling: &Telling,
+        log: &ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
         let viewer = &parameters.settings().viewer;
-        let options = FilmOptions {
-            picture_period: PICTURE_PERIOD,
-            budget: Some(Budget::new(PICTURES_PER_SECOND, SAVED_PICTURES)),
+        let options = StreamOptions {
+            frame_period: FRAME_PERIOD,
+            budget: Some(FrameBudget::new(FRAMES_PER_SECOND, SAVED_FRAMES)),
             curves_period: CURVES_PERIOD,
             follows: true,
-            ranges: Ranges::foreseen(parameters, None, None),
+            ranges: Ranges::predicted(parameters, None, None),
         };
-        let film = |stream| Film::new(stream, Arc::clone(parameters), options.clone());
+        let shown_on = |stream| ViewerStream::new(stream, Arc::clone(parameters), options.clone());
         let connection = |address| {
             let parameters = Arc::clone(parameters);
-            Connection::new(address, parameters, options.clone(), Arc::clone(telling))
+            Connection::new(address, parameters, options.clone(), Arc::clone(log))
         };
         Ok(Some(match viewer.mode {
             ViewerMode::Off => return Ok(None),
             ViewerMode::Save => {
                 let path = new_file(Path::new(&viewer.directory), parameters, now)?;
                 let stream = saving(&path)?;
-                telling(
+                log(
                     Severity::Info,
-                    format!("pictures go into {}", path.display()),
+                    format!("the viewer file is {}", path.display()),
                 );
-                Self::Stream(Box::new(film(stream)?))
+                Self::Stream(Box::new(shown_on(stream)?))
             }
             ViewerMode::Serve => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
                 let stream = server::stream(address, viewer.memory_limit)?;
                 let url = server::url(address);
-                telling(Severity::Info, format!("to look: rerun {url}"));
-                Self::Stream(Box::new(film(stream)?))
+                log(Severity::Info, format!("to watch: rerun {url}"));
+                Self::Stream(Box::new(shown_on(stream)?))
             }
             ViewerMode::Connect => {
                 let address = connection::resolve(&viewer.address, viewer.port)?;
@@ -88,24 +89,24 @@ impl Destination {
             }
             ViewerMode::Spawn => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
-                let telling = Arc::clone(telling);
-                let spawned = Spawned::start(address, viewer.memory_limit, telling)?;
+                let log = Arc::clone(log);
+                let spawned = Spawned::start(address, viewer.memory_limit, log)?;
                 let connection = connection(address).awaiting_start();
                 Self::Spawned(spawned, Box::new(connection))
             }
         }))
     }
 
-    /// Shows some items; may wait for as long as the destination takes nothing.
+    /// Shows some items; blocks while the destination accepts nothing.
     ///
     /// # Errors
-    /// The destination takes nothing any more.
-    pub fn show(&mut self, items: Vec<Item>) -> Result<(), ViewerError> {
+    /// The destination has failed.
+    pub fn show(&mut self, items: Vec<ViewerItem>) -> Result<(), ViewerError> {
         match self {
-            Self::Stream(film) => film.show(items)?,
+            Self::Stream(stream) => stream.show(items)?,
             Self::Connection(connection) => connection.show(items),
             Self::Spawned(spawned, connection) => {
-                spawned.look_after();
+                spawned.check();
                 connection.show(items);
             }
         }
@@ -116,7 +117,7 @@ impl Destination {
 fn saving(path: &Path) -> Result<rerun::RecordingStream, ViewerError> {
     RecordingStreamBuilder::new(APPLICATION)
         .enabled(true)
-        .batcher_config(connection::batches())
+        .batcher_config(batching())
         .save(path)
         .map_err(|error| ViewerError::File {
             path: path.to_owned(),
@@ -124,32 +125,32 @@ fn saving(path: &Path) -> Result<rerun::RecordingStream, ViewerError> {
         })
 }
 
-/// A file that is not there yet, named after the column and the time.
+/// A new file, named after the column and the time.
 fn new_file(folder: &Path, parameters: &Parameters, now: i64) -> Result<PathBuf, ViewerError> {
     fs::create_dir_all(folder).map_err(|error| ViewerError::File {
         path: folder.to_owned(),
         reason: error.to_string(),
     })?;
     let column = file_name(&parameters.settings().column_id);
-    // No clock is beyond the year 9999.
+    // 64 bits of nanoseconds end before the year 9999.
     let time = Timestamp::from_nanosecond(now.into()).unwrap_or_default();
     let time = time.strftime("%Y%m%dT%H%M%SZ");
     let free = (0..).map(|number: u32| {
-        let again = if number == 0 {
+        let suffix = if number == 0 {
             String::new()
         } else {
             format!("_{number}")
         };
-        folder.join(format!("{column}_{time}{again}.rrd"))
+        folder.join(format!("{column}_{time}{suffix}.rrd"))
     });
     let found = free.take(1000).find(|path| !path.exists());
     found.ok_or_else(|| ViewerError::File {
         path: folder.to_owned(),
-        reason: "every name of this second is taken".to_owned(),
+        reason: "a thousand files of this second exist already".to_owned(),
     })
 }
 
-/// Only what every file system takes.
+/// Keeps only characters that every file system accepts.
 fn file_name(id: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     id.chars().map(plain).take(64).collect()
@@ -175,7 +176,7 @@ mod tests {
         assert_eq!(name, Some("___garage_a3_20270115T080000Z.rrd"));
         fs::write(&first, "").expect("written");
         assert_ne!(new(), first);
-        let error = new_file(&first, &parameters, 0).expect_err("a file is no folder");
+        let error = new_file(&first, &parameters, 0).expect_err("a file is not a folder");
         assert!(matches!(error, ViewerError::File { .. }));
     }
 }

@@ -1,25 +1,26 @@
-//! What happens in the course of an impact, each with its time: from a report where there is one, else from the states.
+//! The events of an impact with their times: from a report if there is one, otherwise from the states.
 
 use crate::column::{HINGE_NAMES, HINGES, HingeState, Phase, Sample};
 use crate::messages::column_twin::ImpactReport;
 
-use super::scene::{HINGE_PLACES, force};
+use super::scene::force;
+use crate::shape::HINGE_PLACES;
 
-/// Something that happens.
+/// An event of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// Since the event \[s\].
+    /// Time since the stamp of the impact event \[s\].
     pub time: f64,
-    /// In words.
+    /// Description for the log.
     pub text: String,
 }
 
-/// Finds what happens while the states of one impact pass.
+/// Detects the events of one impact in the sequence of its states.
 #[derive(Debug, Clone, Default)]
-pub struct Events {
-    /// Of the report, what has not been told yet, the latest first.
-    announced: Vec<Event>,
-    /// Whether a report tells the times.
+pub struct EventDetector {
+    /// Events of the report that have not been returned yet, the latest first.
+    pending: Vec<Event>,
+    /// Whether a report gives the times.
     has_report: bool,
     touched: bool,
     released: bool,
@@ -28,73 +29,74 @@ pub struct Events {
     last: Option<Sample>,
 }
 
-impl Events {
-    /// A report of the impact whose states begin now, or have begun: what it tells is not looked for in the states.
-    pub fn announce(&mut self, report: &ImpactReport) {
+impl EventDetector {
+    /// Uses a report of the impact: its events are not looked for in the states any more.
+    pub fn use_report(&mut self, report: &ImpactReport) {
         if self.has_report {
             return;
         }
         self.has_report = true;
-        self.announced = of_report(report);
+        self.pending = of_report(report);
         let last = self.last.map_or(f64::NEG_INFINITY, |last| last.time);
-        self.announced.retain(|it| it.time > last);
-        self.announced
+        self.pending.retain(|it| it.time > last);
+        self.pending
             .sort_by(|one, other| other.time.total_cmp(&one.time));
     }
 
-    /// What has happened until this state and has not been told.
+    /// The events up to this state that have not been returned yet.
     pub fn until(&mut self, sample: &Sample) -> Vec<Event> {
         let mut found = Vec::new();
-        let mut tell = |time, text: String| found.push(Event { time, text });
+        let mut add = |time, text: String| found.push(Event { time, text });
         if !self.touched && (sample.phase == Phase::Contact || sample.impulse > 0.0) {
             self.touched = true;
-            tell(sample.time, contact(sample));
+            add(sample.time, contact(sample));
         }
         if sample.percussion > 0.0 {
             let text = format!("percussion of {:.0} N s", sample.percussion);
-            tell(sample.time, text);
+            add(sample.time, text);
         }
         if !self.has_report {
-            self.look(sample, &mut tell);
+            self.detect(sample, &mut add);
         }
         self.last = Some(*sample);
-        while let Some(next) = self.announced.pop_if(|next| next.time <= sample.time) {
+        while let Some(next) = self.pending.pop_if(|next| next.time <= sample.time) {
             found.push(next);
         }
         found.sort_by(|one, other| one.time.total_cmp(&other.time));
         found
     }
 
-    /// What the states alone tell, to the precision of their spacing.
-    fn look(&mut self, sample: &Sample, tell: &mut impl FnMut(f64, String)) {
+    /// The events that follow from the states alone, as precisely as their spacing allows.
+    fn detect(&mut self, sample: &Sample, add: &mut impl FnMut(f64, String)) {
         for (index, hinge) in sample.hinges.iter().enumerate() {
             if hinge.state == HingeState::Plastic && !self.yielded[index] {
                 self.yielded[index] = true;
-                tell(sample.time, first_yield(index));
+                add(sample.time, first_yield(index));
             }
         }
         if let Some(last) = &self.last {
             if !self.peaked && self.touched && last.v1_rate > 0.0 && sample.v1_rate <= 0.0 {
                 self.peaked = true;
-                tell(last.time, peak(last.v1));
+                add(last.time, peak(last.v1));
             }
             if !self.released && last.phase == Phase::Contact && sample.phase == Phase::Free {
                 self.released = true;
-                tell(sample.time, release(sample.impactor_velocity));
+                add(sample.time, separation(sample.impactor_velocity));
             }
         }
     }
 }
 
-/// What a report tells, in no order.
+/// The events of a report, unordered.
 fn of_report(report: &ImpactReport) -> Vec<Event> {
-    let mut told: Vec<_> = (0..HINGES)
+    let mut events: Vec<_> = (0..HINGES)
         .map(|index| (report.first_yield_time[index], first_yield(index)))
         .collect();
-    told.push((report.max_v1_time, peak(report.max_v1)));
-    told.push((report.release_time, release(report.impactor_rebound)));
-    told.push((report.end_time, end(report)));
-    told.into_iter()
+    events.push((report.max_v1_time, peak(report.max_v1)));
+    events.push((report.release_time, separation(report.impactor_rebound)));
+    events.push((report.end_time, end(report)));
+    events
+        .into_iter()
         .filter(|(time, _)| time.is_finite())
         .map(|(time, text)| Event { time, text })
         .collect()
@@ -102,7 +104,7 @@ fn of_report(report: &ImpactReport) -> Vec<Event> {
 
 fn contact(sample: &Sample) -> String {
     format!(
-        "contact: the impactor touches the column, {:.2} m/s after it",
+        "contact: the impactor touches the column; its velocity is then {:.2} m/s",
         sample.impactor_velocity
     )
 }
@@ -118,8 +120,8 @@ fn peak(v1: f64) -> String {
     format!("peak: v1 = {:.1} mm", 1e3 * v1)
 }
 
-fn release(velocity: f64) -> String {
-    format!("release: the impactor leaves with {velocity:.2} m/s")
+fn separation(velocity: f64) -> String {
+    format!("separation: the impactor leaves with {velocity:.2} m/s")
 }
 
 fn end(report: &ImpactReport) -> String {
@@ -127,13 +129,13 @@ fn end(report: &ImpactReport) -> String {
     match (report.outcome, report.end) {
         (ImpactReport::COLLAPSED, _) => "collapse".to_owned(),
         (_, ImpactReport::END_DURATION_REACHED) => {
-            format!("end of response.duration; residual v1 = {residual:.1} mm")
+            format!("stopped at response.duration; residual v1 = {residual:.1} mm")
         }
         _ => format!("rest: residual v1 = {residual:.1} mm"),
     }
 }
 
-/// A report in one line.
+/// One line that summarises a report.
 #[must_use]
 pub fn summary(report: &ImpactReport) -> String {
     let outcome = match report.outcome {
@@ -172,7 +174,7 @@ mod tests {
         (samples, ImpactReport::from(&report.expect("simulated")))
     }
 
-    fn all(events: &mut Events, samples: &[Sample]) -> Vec<Event> {
+    fn all(events: &mut EventDetector, samples: &[Sample]) -> Vec<Event> {
         samples
             .iter()
             .flat_map(|sample| events.until(sample))
@@ -187,50 +189,50 @@ mod tests {
         "first yield of hinge 1a",
         "first yield of hinge 2",
         "peak",
-        "release",
+        "separation",
         "rest",
     ];
 
     #[test]
-    fn a_report_tells_when_things_happen() {
+    fn a_report_gives_the_times_of_the_events() {
         let (samples, report) = impact();
-        let mut events = Events::default();
-        events.announce(&report);
-        let told = all(&mut events, &samples);
-        for (told, expected) in told.iter().zip(EVERYTHING) {
-            assert!(told.text.starts_with(expected), "{told:?} {expected}");
+        let mut events = EventDetector::default();
+        events.use_report(&report);
+        let found = all(&mut events, &samples);
+        for (event, expected) in found.iter().zip(EVERYTHING) {
+            assert!(event.text.starts_with(expected), "{event:?} {expected}");
         }
-        assert_eq!(told.len(), EVERYTHING.len());
-        assert!(told.is_sorted_by_key(|it| it.time));
-        assert_eq!(told[2].time, report.first_yield_time[3]);
-        assert_eq!(told[6].time, report.max_v1_time);
+        assert_eq!(found.len(), EVERYTHING.len());
+        assert!(found.is_sorted_by_key(|it| it.time));
+        assert_eq!(found[2].time, report.first_yield_time[3]);
+        assert_eq!(found[6].time, report.max_v1_time);
     }
 
-    /// A running twin has its forecast when the first states are out: nothing is told twice, or not at all.
+    /// A running twin publishes its first states before its forecast: no event is returned twice or lost.
     #[test]
     fn a_report_may_come_late() {
         let (samples, report) = impact();
         for late in [1, 30, 600] {
-            let mut events = Events::default();
-            let mut told = all(&mut events, &samples[..late]);
-            events.announce(&report);
-            told.extend(all(&mut events, &samples[late..]));
-            for (told, expected) in told.iter().zip(EVERYTHING) {
-                assert!(told.text.starts_with(expected), "{told:?} {expected}");
+            let mut events = EventDetector::default();
+            let mut found = all(&mut events, &samples[..late]);
+            events.use_report(&report);
+            found.extend(all(&mut events, &samples[late..]));
+            for (event, expected) in found.iter().zip(EVERYTHING) {
+                assert!(event.text.starts_with(expected), "{event:?} {expected}");
             }
-            assert_eq!(told.len(), EVERYTHING.len());
+            assert_eq!(found.len(), EVERYTHING.len());
         }
     }
 
-    /// A recording that lacks the report tells the same, to a step.
+    /// A recording without the report gives the same events, to within one step.
     #[test]
-    fn states_alone_tell_the_same() {
+    fn states_alone_give_the_same_events() {
         let (samples, report) = impact();
-        let mut with = Events::default();
-        with.announce(&report);
+        let mut with = EventDetector::default();
+        with.use_report(&report);
         let mut with = all(&mut with, &samples);
         with.retain(|it| !it.text.starts_with("rest"));
-        let alone = all(&mut Events::default(), &samples);
+        let alone = all(&mut EventDetector::default(), &samples);
         assert_eq!(alone.len(), with.len(), "{alone:#?}");
         for (alone, with) in alone.iter().zip(&with) {
             assert_eq!(alone.text.split(':').next(), with.text.split(':').next());

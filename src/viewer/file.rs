@@ -1,4 +1,4 @@
-//! A file for the viewer, of a simulation or of what a recording has told.
+//! A file for the viewer, from a simulation or a recording.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,28 +7,30 @@ use std::time::Duration;
 
 use rerun::RecordingStreamBuilder;
 
-use super::ViewerError;
 use super::blueprint::APPLICATION;
-use super::film::{Film, FilmOptions};
-use super::item::{Announcement, Item};
+use super::error::ViewerError;
+use super::item::{Announcement, ViewerItem};
 use super::plots::Ranges;
+use super::stream::{StreamOptions, ViewerStream};
+use super::timeline::nanos;
 use crate::column::{Outcome, Phase, Report, Sample};
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
 
-/// Shortest time between two pictures of the scene \[ns\].
-const PICTURE_PERIOD: i64 = 500_000;
+/// Minimum time between two frames of the scene \[ns\].
+const FRAME_PERIOD: i64 = 500_000;
 
-/// Most pictures of the scene that one impact is worth.
-const MAX_PICTURES: i64 = 600;
+/// Approximate maximum number of frames of one impact.
+const MAX_FRAMES: i64 = 600;
 
-/// Time between two pictures of an approach \[s\].
+/// Time between two frames of an approach \[s\].
 const APPROACH_PERIOD: f64 = 1e-3;
 
-/// Longest wait for the disk.
-const WRITTEN_WITHIN: Duration = Duration::from_secs(60);
+/// Maximum wait for the disk.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// A simulation takes an approach to a column at rest in one stride: the vehicle moves on evenly, and so it is shown.
+/// Fills in the approach. A simulation takes it in one step if the column is at rest; the vehicle moves at constant
+/// velocity.
 fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
     let mut whole: Vec<Sample> = Vec::new();
     for sample in samples {
@@ -37,10 +39,10 @@ fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sam
             .copied()
             .filter(|it| it.phase == Phase::Approach);
         if let Some(from) = from {
-            let pictures = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
-            let pictures = pictures.clamp(0.0, MAX_PICTURES as f64) as i64;
-            whole.extend((1..pictures).map(|picture| {
-                let part = picture as f64 / pictures as f64;
+            let frames = ((sample.time - from.time) / APPROACH_PERIOD).ceil();
+            let frames = frames.clamp(0.0, MAX_FRAMES as f64) as i64;
+            whole.extend((1..frames).map(|frame| {
+                let part = frame as f64 / frames as f64;
                 approaching(from, part * (sample.time - from.time))
             }));
         }
@@ -49,7 +51,7 @@ fn with_the_whole_approach(samples: impl IntoIterator<Item = Sample>) -> Vec<Sam
     whole
 }
 
-/// The same `elapsed` seconds later, when nothing but the vehicle has moved.
+/// The sample `elapsed` seconds later, when only the vehicle has moved.
 fn approaching(mut sample: Sample, elapsed: f64) -> Sample {
     let way = sample.impactor_velocity * elapsed;
     sample.time += elapsed;
@@ -58,52 +60,52 @@ fn approaching(mut sample: Sample, elapsed: f64) -> Sample {
     sample
 }
 
-/// What a simulation shows, with its outcome before and after; `stamp` dates the event.
+/// The items of a simulation, with its outcome before and after the states; `stamp` dates the event.
 pub fn from_samples(
     event_id: &str,
     stamp: i64,
     samples: impl IntoIterator<Item = Sample>,
     report: &Report,
-) -> Vec<Item> {
+) -> Vec<ViewerItem> {
     let event_id: Arc<str> = event_id.into();
     let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
-    let mut items = vec![Item::Forecast(announcement())];
+    let mut items = vec![ViewerItem::Forecast(announcement())];
     let samples = with_the_whole_approach(samples);
     items.extend(samples.into_iter().map(|sample| {
-        Item::State(StateOutput {
-            stamp: stamp.saturating_add(super::timeline::nanos(sample.time)),
+        ViewerItem::State(StateOutput {
+            stamp: stamp.saturating_add(nanos(sample.time)),
             event_id: Arc::clone(&event_id),
             phase: TwinPhase::from(sample.phase),
             sample,
             lengths: None,
         })
     }));
-    if let (Some(Item::State(last)), Outcome::Elastic | Outcome::Plastic) =
+    if let (Some(ViewerItem::State(last)), Outcome::Elastic | Outcome::Plastic) =
         (items.last_mut(), report.outcome)
     {
         last.phase = TwinPhase::Rest;
     }
-    items.push(Item::Result(announcement()));
+    items.push(ViewerItem::Result(announcement()));
     items
 }
 
-/// How a whole film is made: its axes hold all of it from the start.
-pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
+/// Options for items that are all known: the axes cover all of them from the start.
+pub(super) fn options(items: &[ViewerItem], follows: bool) -> StreamOptions {
     let mut ranges = Ranges::default();
     let mut longest = 0.0_f64;
     for item in items {
         match item {
-            Item::State(state) => {
-                ranges.reach(&state.sample);
+            ViewerItem::State(state) => {
+                ranges.include(&state.sample);
                 longest = longest.max(state.sample.time);
             }
-            Item::Forecast(it) | Item::Result(it) => ranges.reach_report(&it.report),
-            Item::Rest { .. } | Item::Line { .. } | Item::Parameters(_) => {}
+            ViewerItem::Forecast(it) | ViewerItem::Result(it) => ranges.include_report(&it.report),
+            ViewerItem::Rest { .. } | ViewerItem::Line { .. } | ViewerItem::Parameters(_) => {}
         }
     }
-    let spaced = super::timeline::nanos(longest) / MAX_PICTURES;
-    FilmOptions {
-        picture_period: PICTURE_PERIOD.max(spaced),
+    let spaced = nanos(longest) / MAX_FRAMES;
+    StreamOptions {
+        frame_period: FRAME_PERIOD.max(spaced),
         budget: None,
         curves_period: 0,
         follows,
@@ -111,16 +113,16 @@ pub(super) fn options(items: &[Item], follows: bool) -> FilmOptions {
     }
 }
 
-/// Writes a file that the viewer opens. It appears under its name when it is complete.
+/// Writes a file for the viewer, which gets its name when it is complete.
 ///
-/// The viewer shows the first moment and plays on slowly, or the last one where it `follows`.
+/// The viewer plays it slowly from the beginning, or shows the last moment if it `follows`.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write_rrd(
     path: &Path,
     parameters: &Arc<Parameters>,
-    items: Vec<Item>,
+    items: Vec<ViewerItem>,
     follows: bool,
 ) -> Result<(), ViewerError> {
     let fault = |reason: String| ViewerError::File {
@@ -133,23 +135,24 @@ pub fn write_rrd(
             .enabled(true)
             .save(&unfinished)
             .map_err(|error| error.to_string())?;
-        let mut film = Film::new(stream, Arc::clone(parameters), options(&items, follows))
+        let mut shown = ViewerStream::new(stream, Arc::clone(parameters), options(&items, follows))
             .map_err(|error| error.to_string())?;
-        film.show(items).map_err(|error| error.to_string())?;
-        film.stream()
-            .flush_with_timeout(WRITTEN_WITHIN)
+        shown.show(items).map_err(|error| error.to_string())?;
+        shown
+            .stream()
+            .flush_with_timeout(WRITE_TIMEOUT)
             .map_err(|error| error.to_string())
     };
-    // The film ends with the stream and the file's footer in it, before the file has its name.
+    // `written` drops the stream, which writes the footer of the file, before the file gets its name.
     let outcome =
         written().and_then(|()| fs::rename(&unfinished, path).map_err(|error| error.to_string()));
     if outcome.is_err() {
-        let _ = fs::remove_file(&unfinished); // it may not even be there
+        let _ = fs::remove_file(&unfinished); // it may not exist
     }
     outcome.map_err(fault)
 }
 
-/// The name of a file until it is complete.
+/// The temporary name of a file until it is complete.
 fn unfinished(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".unfinished");

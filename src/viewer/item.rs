@@ -1,4 +1,4 @@
-//! What a viewer is shown, one thing after the other, wherever it comes from: a running twin, a simulation, a recording.
+//! The items that are shown in the viewer; they come from a running twin, a simulation or a recording.
 
 use std::sync::Arc;
 
@@ -8,22 +8,22 @@ use crate::parameters::Parameters;
 use crate::shape::Lengths;
 use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
 
-/// One thing that a viewer is shown. Stamps are nanoseconds since the epoch.
+/// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::large_enum_variant,
-    reason = "nearly all are states, which are not to be allocated one by one"
+    reason = "nearly all are states, which should not be allocated one by one"
 )]
-pub enum Item {
+pub enum ViewerItem {
     /// The column at one instant of a response.
     State(StateOutput),
-    /// What an impact will do.
+    /// The forecast of an impact.
     Forecast(Announcement),
-    /// What an impact has done.
+    /// The result of an impact.
     Result(Announcement),
-    /// The column at rest, with the damage that it carries.
+    /// The column at rest, with its accumulated damage.
     Rest {
-        /// When.
+        /// Time of the item.
         stamp: i64,
         /// `v1` \[m\].
         v1: f64,
@@ -32,14 +32,14 @@ pub enum Item {
     },
     /// A line for the log.
     Line {
-        /// When.
+        /// Time of the item.
         stamp: i64,
-        /// How much it matters.
+        /// Severity.
         severity: Severity,
-        /// What there is to say.
+        /// Text.
         text: String,
     },
-    /// Other parameters hold from here on.
+    /// The parameters from here on.
     Parameters(Arc<Parameters>),
 }
 
@@ -55,7 +55,7 @@ pub struct Announcement {
 }
 
 impl Announcement {
-    /// That of a report of the column.
+    /// The announcement of a report of the mechanics.
     #[must_use]
     pub fn new(stamp: i64, event_id: Arc<str>, report: &Report) -> Self {
         Self {
@@ -66,8 +66,8 @@ impl Announcement {
     }
 }
 
-impl Item {
-    /// What of the twin's outputs a viewer shows; `None` for the rest.
+impl ViewerItem {
+    /// Converts an output of the twin; `None` if it is not shown.
     #[must_use]
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
@@ -88,10 +88,10 @@ impl Item {
                 severity: Severity::Warning,
                 text: match it.what {
                     RefusedInput::Impact => {
-                        format!("impact event {:?} is refused: {}", it.event_id, it.refusal)
+                        format!("impact event {:?} rejected: {}", it.event_id, it.refusal)
                     }
                     RefusedInput::Parameters => {
-                        format!("change of parameters is refused: {}", it.refusal)
+                        format!("parameter change rejected: {}", it.refusal)
                     }
                 },
             },
@@ -105,8 +105,8 @@ impl Item {
         })
     }
 
-    /// The column at one instant, as two messages of the same stamp tell it. Where they do not tell the course of the
-    /// impact, it is taken for a column that moves freely; `lengths` are those of its bars, `None`: as the parameters say.
+    /// The column at one instant, from two messages with the same stamp. A phase that is unknown or over is read as free
+    /// motion; `lengths` are those of the bars, `None`: those of the parameters.
     #[must_use]
     pub fn of_messages(
         state: &ColumnState,
@@ -187,9 +187,9 @@ mod tests {
     use super::*;
     use crate::column::{Impact, simulate};
 
-    /// There and back: nothing of a sample is lost.
+    /// A sample survives the conversion to messages and back.
     #[test]
-    fn messages_tell_the_whole_sample() {
+    fn messages_contain_the_whole_sample() {
         let impact = Impact {
             mass: 1500.0,
             velocity: 10.0,
@@ -201,11 +201,11 @@ mod tests {
         simulate(&column, &impact, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
         for sample in &samples {
             let (state, forces) = (ColumnState::from(sample), HingeForces::from(sample));
-            let Item::State(told) = Item::of_messages(&state, &forces, None) else {
-                panic!("no state");
+            let ViewerItem::State(read) = ViewerItem::of_messages(&state, &forces, None) else {
+                panic!("not a state");
             };
-            assert_eq!(told.sample, *sample);
-            assert_eq!(told.phase, TwinPhase::from(sample.phase));
+            assert_eq!(read.sample, *sample);
+            assert_eq!(read.phase, TwinPhase::from(sample.phase));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The viewer of a running twin: a thread of its own behind a queue of its own.
+//! The viewer of a running twin: a thread of its own that reads a queue of its own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,9 +6,9 @@ use std::sync::mpsc::{self, RecvTimeoutError, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::ViewerError;
 use super::destination::Destination;
-use super::item::Item;
+use super::error::{ViewerError, ViewerLogger};
+use super::item::ViewerItem;
 use crate::live::{OutputQueue, Receiver, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::Severity;
@@ -19,20 +19,17 @@ pub const VIEWER_QUEUE: &str = "viewer";
 /// Name of the viewer's thread.
 pub const VIEWER_THREAD: &str = "viewer";
 
-/// Between two looks at what there is to show: 60 Hz.
+/// Period of the viewer's thread: 60 Hz.
 const PERIOD: Duration = Duration::from_nanos(16_666_667);
 
-/// Longest wait for something to show.
+/// Maximum wait for an output of the twin.
 const MAX_WAIT: Duration = Duration::from_millis(100);
 
-/// How long the end of the thread is waited for.
-const ENDS_WITHIN: Duration = Duration::from_millis(700);
+/// How long [`LiveViewer::stop`] waits for the thread.
+const STOP_TIMEOUT: Duration = Duration::from_millis(700);
 
-/// Most outputs that are shown at once, so that a flood does not grow the memory.
-const MAX_AT_ONCE: usize = 2048;
-
-/// Where the viewer's thread says what goes well and what does not.
-pub type Telling = Arc<dyn Fn(Severity, String) + Send + Sync>;
+/// Maximum number of items per period, which bounds the memory.
+const MAX_ITEMS: usize = 2048;
 
 /// The queue of outputs that a [`LiveViewer`] reads.
 #[must_use]
@@ -45,24 +42,24 @@ pub fn output_queue() -> OutputQueue {
     }
 }
 
-/// A thread that shows a running twin. Dropped, it is given up at once.
+/// A thread that shows a running twin. Dropping the value tells the thread to stop and does not wait for it.
 pub struct LiveViewer {
     stop: Arc<AtomicBool>,
     ended: mpsc::Receiver<()>,
     thread: Option<JoinHandle<()>>,
-    telling: Telling,
+    log: ViewerLogger,
 }
 
 impl LiveViewer {
-    /// Starts the thread, unless the parameters say off. What goes wrong later, or cannot be had, is told; the twin goes on.
+    /// Starts the thread, unless `viewer.mode` is off. Later failures are logged; they do not affect the twin.
     ///
     /// # Errors
-    /// There is no thread.
+    /// The thread cannot be started.
     pub fn start(
         parameters: &Arc<Parameters>,
         outputs: Receiver,
         now: i64,
-        telling: Telling,
+        log: ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
         if parameters.settings().viewer.mode == ViewerMode::Off {
             return Ok(None);
@@ -70,13 +67,13 @@ impl LiveViewer {
         let stop = Arc::new(AtomicBool::new(false));
         let (end, ended) = sync_channel(1);
         let thread = {
-            let (stop, telling) = (Arc::clone(&stop), Arc::clone(&telling));
+            let (stop, log) = (Arc::clone(&stop), Arc::clone(&log));
             let parameters = Arc::clone(parameters);
             thread::Builder::new()
                 .name(VIEWER_THREAD.to_owned())
                 .spawn(move || {
-                    run(&parameters, outputs, now, &telling, &stop);
-                    let _ = end.try_send(()); // nobody waits after a drop
+                    run(&parameters, outputs, now, &log, &stop);
+                    let _ = end.try_send(()); // there is no receiver after a drop
                 })
                 .map_err(ViewerError::Thread)?
         };
@@ -84,18 +81,18 @@ impl LiveViewer {
             stop,
             ended,
             thread: Some(thread),
-            telling,
+            log,
         }))
     }
 
-    /// Stops within a second, whatever the viewer does: what it does not take by then is lost, and said.
+    /// Stops within a second whatever the viewer does: what it has not read by then is lost, which is logged.
     pub fn stop(mut self) {
         self.stop.store(true, Ordering::SeqCst);
-        let ended = self.ended.recv_timeout(ENDS_WITHIN);
+        let ended = self.ended.recv_timeout(STOP_TIMEOUT);
         if ended == Err(RecvTimeoutError::Timeout) {
-            (self.telling)(
+            (self.log)(
                 Severity::Warning,
-                "the viewer takes nothing; what it has not shown is lost".to_owned(),
+                "the viewer does not read its data; what it has not shown is lost".to_owned(),
             );
             return;
         }
@@ -104,9 +101,9 @@ impl LiveViewer {
             .take()
             .is_some_and(|thread| thread.join().is_err())
         {
-            (self.telling)(
+            (self.log)(
                 Severity::Error,
-                format!("the thread {VIEWER_THREAD} ended by a panic; please report what it wrote"),
+                format!("the thread {VIEWER_THREAD} panicked; please report its output"),
             );
         }
     }
@@ -118,19 +115,19 @@ impl Drop for LiveViewer {
     }
 }
 
-/// Shows what comes until it is told to stop.
+/// Shows the outputs of the twin until `stop` is set.
 fn run(
     parameters: &Arc<Parameters>,
     mut outputs: Receiver,
     now: i64,
-    telling: &Telling,
+    log: &ViewerLogger,
     stop: &AtomicBool,
 ) {
-    let mut destination = match Destination::open(parameters, now, telling) {
+    let mut destination = match Destination::open(parameters, now, log) {
         Ok(Some(destination)) => destination,
         Ok(None) => return,
         Err(error) => {
-            telling(Severity::Warning, without(&error));
+            log(Severity::Warning, without_viewer(&error));
             return;
         }
     };
@@ -138,20 +135,20 @@ fn run(
         let next = Instant::now() + PERIOD;
         let last = stop.load(Ordering::SeqCst);
         let mut items = Vec::new();
-        while items.len() < MAX_AT_ONCE
+        while items.len() < MAX_ITEMS
             && let Some(output) = outputs.try_next()
         {
-            items.extend(Item::of_twin(output));
+            items.extend(ViewerItem::of_twin(output));
         }
         let idle = items.is_empty();
         if let Err(error) = destination.show(items) {
-            telling(Severity::Error, without(&error));
+            log(Severity::Error, without_viewer(&error));
             return;
         }
         if last {
-            // Curves may wait for more.
+            // Sends the curves that are still being collected.
             if let Err(error) = destination.show(Vec::new()) {
-                telling(Severity::Error, without(&error));
+                log(Severity::Error, without_viewer(&error));
             }
             return;
         }
@@ -162,8 +159,8 @@ fn run(
     }
 }
 
-/// What is wrong, what to do, and what goes on.
-fn without(error: &ViewerError) -> String {
+/// The error with its help, and what it means for the twin.
+fn without_viewer(error: &ViewerError) -> String {
     let help = miette::Diagnostic::help(error).map_or_else(String::new, |help| format!("; {help}"));
-    format!("{error}{help}. The twin goes on without pictures")
+    format!("{error}{help}. The twin continues without a viewer")
 }

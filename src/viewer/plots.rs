@@ -1,51 +1,43 @@
-//! The curves over time: which there are, in which units, and how far their axes reach.
+//! The curves over time: their quantities, units and the ranges of their axes.
+
+use rerun::blueprint::components::Corner2D;
 
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
 use crate::column::{HINGES, Impact, Sample, simulate};
 use crate::messages::column_twin::ImpactReport;
 use crate::parameters::Parameters;
+use crate::shape::round_number;
 
 /// Number of plots.
 pub const PLOTS: usize = 6;
 
-/// The corner of a plot with the names of its curves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NamesCorner {
-    /// Above, at the end.
-    RightTop,
-    /// Below, at the end.
-    RightBottom,
-    /// Below, at the beginning.
-    LeftBottom,
-}
-
-/// A plot of some quantities in one unit.
+/// A plot of quantities with a common unit.
 #[derive(Debug)]
 pub struct Plot {
-    /// Where its values are logged.
+    /// Entity of its values.
     pub entity: &'static str,
-    /// With the unit.
+    /// Title, with the unit.
     pub title: &'static str,
-    /// How many of the unit make one SI unit.
+    /// Factor from the SI unit to the unit of the plot.
     pub per_si: f64,
     /// Names and colours of its curves.
     pub curves: &'static [(&'static str, Rgb)],
-    /// Where the names of the curves hide least.
-    pub names: NamesCorner,
+    /// Where the names of the curves hide least of the curves.
+    pub names: Corner2D,
     /// Width of the last curve \[points\].
     pub last_width: f32,
     /// The values of a sample in SI units, one for each curve.
     pub values: fn(&Sample) -> Vec<f64>,
 }
 
-/// Where percussions are logged: in the plot of the contact force.
+/// Entity of the percussions, which are marked in the plot of the contact force.
 pub const PERCUSSIONS: &str = "plots/contact_force/percussions";
 
-/// The plot of the contact force.
+/// Index of the plot of the contact force.
 pub const CONTACT_FORCE: usize = 4;
 
-/// The paper's Figures 5 to 8, the contact force, the energy ledger.
+/// The paper's Figures 5 to 8, the contact force and the energy ledger.
 pub const ALL: [Plot; PLOTS] = [
     Plot {
         entity: "plots/horizontal_displacement",
@@ -55,7 +47,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("v_c impactor", colour::IMPACTOR),
             ("v1 impact point", colour::IMPACT_POINT),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.impactor_position, it.v1],
     },
@@ -67,7 +59,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("u1 impact point", colour::IMPACT_POINT),
             ("u2 top", colour::TOP),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.u1, it.u2],
     },
@@ -76,7 +68,7 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Fig. 7: N, tension + [kN]",
         per_si: 1e-3,
         curves: &[("N_a below", colour::BAR_A), ("N_b above", colour::BAR_B)],
-        names: NamesCorner::RightTop,
+        names: Corner2D::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
     },
@@ -90,7 +82,7 @@ pub const ALL: [Plot; PLOTS] = [
             ("2", colour::HINGE[2]),
             ("3", colour::HINGE[3]),
         ],
-        names: NamesCorner::LeftBottom,
+        names: Corner2D::LeftBottom,
         last_width: 1.5,
         values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
     },
@@ -99,7 +91,7 @@ pub const ALL: [Plot; PLOTS] = [
         title: "Contact force [kN]",
         per_si: 1e-3,
         curves: &[("contact force", colour::CONTACT)],
-        names: NamesCorner::RightTop,
+        names: Corner2D::RightTop,
         last_width: 2.0,
         values: |it| vec![it.contact_force],
     },
@@ -114,14 +106,14 @@ pub const ALL: [Plot; PLOTS] = [
             ("+ elastic - load", colour::ENERGIES[3]),
             ("+ kinetic = level", colour::ENERGIES[4]),
         ],
-        names: NamesCorner::RightBottom,
+        names: Corner2D::RightBottom,
         last_width: 3.0,
         values: |it| ledger(it).to_vec(),
     },
 ];
 
-/// The energy ledger as a stack \[J\]: each value contains those before it, and the last one stays level as long as the
-/// ledger closes. The potential energy of the load is counted with the elastic energy.
+/// The energy ledger as a stack \[J\]: each value is a cumulative sum, and the last one stays constant as long as the ledger
+/// closes. The potential energy of the load is counted with the elastic energy.
 #[must_use]
 pub fn ledger(sample: &Sample) -> [f64; 5] {
     let mut sum = 0.0;
@@ -138,7 +130,7 @@ pub fn ledger(sample: &Sample) -> [f64; 5] {
     })
 }
 
-/// How far each plot's axis reaches, in its unit: decided before the curves are drawn, so that no axis jumps.
+/// The ranges of the axes, in the unit of each plot. They are known before the curves are drawn, so that no axis jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges {
     /// Smallest and largest value that the curves reach, by plot.
@@ -153,13 +145,13 @@ impl Default for Ranges {
     }
 }
 
-/// Most steps that are computed to foresee how far the axes reach.
-const FORESEEN_STEPS: f64 = 20_000.0;
+/// Maximum number of steps that are computed to predict the ranges of the axes.
+const MAX_PREDICTED_STEPS: f64 = 20_000.0;
 
 impl Ranges {
-    /// Those of an impact on the virgin column of these parameters; what the impact leaves open is theirs.
+    /// The ranges that an impact on the undamaged column reaches; the parameters give what the arguments leave open.
     #[must_use]
-    pub fn foreseen(parameters: &Parameters, mass: Option<f64>, velocity: Option<f64>) -> Self {
+    pub fn predicted(parameters: &Parameters, mass: Option<f64>, velocity: Option<f64>) -> Self {
         let mut ranges = Self::default();
         let given = parameters.impact();
         let impact = Impact {
@@ -169,20 +161,20 @@ impl Ranges {
             ..given
         };
         let column = parameters.column_properties();
-        let longest = FORESEEN_STEPS * 1e-9 * column.step_nanos as f64;
+        let longest = MAX_PREDICTED_STEPS * 1e-9 * column.step_nanos as f64;
         let duration = parameters.response_duration().min(longest);
-        // Where it cannot be simulated the axes follow from what comes.
+        // If the impact cannot be simulated, the axes follow the states that arrive.
         let _ = simulate(&column, &impact, duration, &mut |sample| {
-            ranges.reach(sample)
+            ranges.include(sample)
         });
         ranges
     }
 
-    /// Reaches the values of a sample.
-    pub fn reach(&mut self, sample: &Sample) {
+    /// Extends the ranges to the values of a sample.
+    pub fn include(&mut self, sample: &Sample) {
         for (plot, reached) in ALL.iter().zip(&mut self.reached) {
             let values = (plot.values)(sample);
-            // The impactor goes where it likes: the column decides.
+            // The column sets the range of the displacements: the impactor travels without limit.
             let first = usize::from(plot.entity == ALL[0].entity);
             for value in values.iter().skip(first).filter(|it| it.is_finite()) {
                 reached[0] = reached[0].min(plot.per_si * value);
@@ -191,21 +183,21 @@ impl Ranges {
         }
     }
 
-    /// Reaches what a report says.
-    pub fn reach_report(&mut self, report: &ImpactReport) {
-        let mut reach = |plot: usize, value: f64| {
+    /// Extends the ranges to the values of a report.
+    pub fn include_report(&mut self, report: &ImpactReport) {
+        let mut include = |plot: usize, value: f64| {
             if value.is_finite() {
                 let value = ALL[plot].per_si * value;
                 self.reached[plot][0] = self.reached[plot][0].min(value);
                 self.reached[plot][1] = self.reached[plot][1].max(value);
             }
         };
-        reach(0, report.max_v1);
-        reach(1, report.max_u2);
-        reach(CONTACT_FORCE, report.peak_contact_force);
+        include(0, report.max_v1);
+        include(1, report.max_u2);
+        include(CONTACT_FORCE, report.peak_contact_force);
     }
 
-    /// Reaches all that `other` does; whether an axis has to be drawn anew for it.
+    /// Extends the ranges to those of `other`; whether an axis has changed.
     pub fn cover(&mut self, other: &Self) -> bool {
         let before = self.axes();
         for (own, [low, high]) in self.reached.iter_mut().zip(other.reached) {
@@ -215,7 +207,7 @@ impl Ranges {
         self.axes() != before
     }
 
-    /// The ends of every axis: round numbers beyond what is reached.
+    /// The ends of every axis: round numbers beyond the values.
     #[must_use]
     pub fn axes(&self) -> [[f64; 2]; PLOTS] {
         self.reached.map(|[low, high]| {
@@ -223,7 +215,7 @@ impl Ranges {
             if span <= 0.0 {
                 return [-1.0, 1.0];
             }
-            let step = super::scene::round_number(0.1 * span);
+            let step = round_number(0.1 * span);
             let margin = 0.05 * span;
             let below = ((low - margin) / step).floor() * step;
             let above = ((high + margin) / step).ceil() * step;
@@ -231,7 +223,7 @@ impl Ranges {
         })
     }
 
-    /// Where a percussion is marked in the plot of the contact force: near its upper end.
+    /// The value at which percussions are marked in the plot of the contact force: near its upper end.
     #[must_use]
     pub fn percussion_mark(&self) -> f64 {
         let [low, high] = self.axes()[CONTACT_FORCE];
@@ -239,11 +231,11 @@ impl Ranges {
     }
 }
 
-/// The mass of the vehicle, from what a sample of its impact tells \[kg\].
+/// The mass of the vehicle, deduced from samples of its impact \[kg\].
 ///
-/// If the column stood still before the first sample, the vehicle has the kinetic energy that is not the column's, of which
-/// a percussion has given it some: half the impulse times the velocity of the impact point, whose mass is `struck` \[kg\].
-/// Otherwise it follows from the impulse that the vehicle has given away since then.
+/// If the column was at rest before the first sample, the vehicle has the kinetic energy that is not the column's; a
+/// percussion has given the column half the impulse times the velocity of the impact point, whose mass is `struck` \[kg\].
+/// Otherwise the mass follows from the impulse that the vehicle has lost since the first sample.
 #[must_use]
 pub fn mass_of(first: &Sample, sample: &Sample, struck: f64) -> Option<f64> {
     let by_percussion = first.impulse / struck;
@@ -262,13 +254,13 @@ pub fn mass_of(first: &Sample, sample: &Sample, struck: f64) -> Option<f64> {
     (mass.is_finite() && mass > 0.0).then_some(mass)
 }
 
-/// Whether two samples are so far apart in time that both are to be seen in the scene.
+/// Whether two samples are so far apart in time that the scene shows both.
 #[must_use]
 pub fn apart(last: Option<f64>, next: f64, period_nanos: i64) -> bool {
     last.is_none_or(|last| next < last || nanos(next) - nanos(last) >= period_nanos)
 }
 
-/// Moment and normal force of a hinge as parts of its resistances, `[M / M^p, N / N^p]`.
+/// Moment and normal force of a hinge relative to its resistances, `[M / M^p, N / N^p]`.
 #[must_use]
 pub fn stress(sample: &Sample, hinge: usize, resistances: [f64; 2]) -> [f32; 2] {
     debug_assert!(hinge < HINGES);
@@ -306,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stack_of_energies_stays_level() {
+    fn the_stack_of_energies_stays_constant() {
         let samples = samples();
         let supplied = ledger(&samples[0])[4];
         assert!((supplied - 75e3).abs() < 5e3, "{supplied}");
@@ -318,19 +310,19 @@ mod tests {
     }
 
     #[test]
-    fn foreseen_axes_hold_the_whole_impact_and_do_not_move() {
+    fn predicted_axes_hold_the_whole_impact_and_do_not_move() {
         let parameters = Parameters::default();
-        let mut ranges = Ranges::foreseen(&parameters, Some(1500.0), Some(10.0));
+        let mut ranges = Ranges::predicted(&parameters, Some(1500.0), Some(10.0));
         let axes = ranges.axes();
         let mut reached = Ranges::default();
         for sample in samples() {
-            reached.reach(&sample);
+            reached.include(&sample);
         }
         for (plot, [low, high]) in reached.reached.iter().enumerate() {
             assert!(axes[plot][0] < *low && *high < axes[plot][1]);
         }
         assert!(!ranges.cover(&reached));
-        reached.reach(&Sample {
+        reached.include(&Sample {
             v1: 1.0,
             ..Sample::default()
         });

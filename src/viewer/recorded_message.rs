@@ -1,39 +1,42 @@
-//! What the messages of a recording show.
+//! Converts the messages of a recording to items for the viewer.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::item::{Announcement, Item};
+use super::item::{Announcement, ViewerItem};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 
-/// One thing that a recording tells.
+/// A message of a recording, or a pair of messages that belong together.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::large_enum_variant,
-    reason = "nearly all are states, which are not to be allocated one by one"
+    reason = "nearly all are states, which should not be allocated one by one"
 )]
 pub enum RecordedMessage {
-    /// The column at one instant: two messages of the same stamp.
+    /// The column at one instant: two messages with the same stamp.
     State(ColumnState, HingeForces),
     /// A forecast or a result.
     Report(Box<ImpactReport>),
-    /// What hit the column, and where.
+    /// The impact event.
     Event(Box<ImpactEvent>),
-    /// Which column it is from here on.
+    /// The parameters of the column from here on.
     Column(Arc<Parameters>),
 }
 
-/// What a recording of the column with these `parameters` shows, in the order of its states. A report stands before the first
-/// state of its impact if it is a forecast, and after the last one if it is a result; a report without states is left out.
+/// The items of a recording of the column with these `parameters`, in the order of its states. A forecast comes before the
+/// first state of its impact, a result after the last one; a report without states is left out.
 #[must_use]
-pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<RecordedMessage>) -> Vec<Item> {
+pub fn from_messages(
+    parameters: &Arc<Parameters>,
+    messages: Vec<RecordedMessage>,
+) -> Vec<ViewerItem> {
     let mut forecasts = HashMap::new();
     let mut results = HashMap::new();
     let mut heights = HashMap::new();
-    for told in &told {
-        match told {
+    for message in &messages {
+        match message {
             RecordedMessage::Report(report) => {
                 let of_kind = match report.kind {
                     ImpactReport::FORECAST => &mut forecasts,
@@ -42,7 +45,7 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<RecordedMessage>) -
                 };
                 of_kind.insert(report.event_id.clone(), report.clone());
             }
-            // A repeat of its identifier was refused.
+            // A repeated identifier was rejected, so that the first event counts.
             RecordedMessage::Event(event) if event.column_id == parameters.settings().column_id => {
                 heights
                     .entry(event.event_id.clone())
@@ -54,17 +57,17 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<RecordedMessage>) -
     }
     let mut parameters = Arc::clone(parameters);
     let mut items = Vec::new();
-    let mut going: Option<String> = None;
+    let mut current: Option<String> = None;
     let mut lengths = None;
-    for told in told {
-        match told {
+    for message in messages {
+        match message {
             RecordedMessage::State(state, forces) => {
-                if going.as_ref() != Some(&state.event_id) {
-                    let ended = going.replace(state.event_id.clone());
+                if current.as_ref() != Some(&state.event_id) {
+                    let ended = current.replace(state.event_id.clone());
                     let result = ended.and_then(|event_id| results.remove(&event_id));
-                    items.extend(result.map(|it| Item::Result(announcement(*it))));
+                    items.extend(result.map(|it| ViewerItem::Result(announcement(*it))));
                     let forecast = forecasts.remove(&state.event_id);
-                    items.extend(forecast.map(|it| Item::Forecast(announcement(*it))));
+                    items.extend(forecast.map(|it| ViewerItem::Forecast(announcement(*it))));
                     let height = heights.get(&state.event_id).filter(|it| it.is_finite());
                     lengths = height.map(|below| {
                         let total = Lengths::from(&*parameters).total();
@@ -74,20 +77,22 @@ pub fn from_messages(parameters: &Arc<Parameters>, told: Vec<RecordedMessage>) -
                         }
                     });
                 }
-                items.push(Item::of_messages(&state, &forces, lengths));
+                items.push(ViewerItem::of_messages(&state, &forces, lengths));
             }
             RecordedMessage::Column(other) if *other != *parameters => {
-                let result = going.take().and_then(|event_id| results.remove(&event_id));
-                items.extend(result.map(|it| Item::Result(announcement(*it))));
-                items.push(Item::Parameters(Arc::clone(&other)));
+                let result = current
+                    .take()
+                    .and_then(|event_id| results.remove(&event_id));
+                items.extend(result.map(|it| ViewerItem::Result(announcement(*it))));
+                items.push(ViewerItem::Parameters(Arc::clone(&other)));
                 parameters = other;
             }
             RecordedMessage::Column(_) | RecordedMessage::Report(_) | RecordedMessage::Event(_) => {
             }
         }
     }
-    let result = going.and_then(|event_id| results.remove(&event_id));
-    items.extend(result.map(|it| Item::Result(announcement(*it))));
+    let result = current.and_then(|event_id| results.remove(&event_id));
+    items.extend(result.map(|it| ViewerItem::Result(announcement(*it))));
     items
 }
 

@@ -1,47 +1,46 @@
-//! What there is to see of the column at one instant, as numbers: no type of Rerun is here.
+//! The visible scene of the column at one instant, as plain numbers without any type of Rerun.
 //!
-//! Lengths of arrows: the contact force and the load [`Drawing::force_per_metre`]; a hinge's moment is an arc whose angle is
-//! [`FULL_ARC`] at `M^p`.
+//! [`Drawing::force_per_metre`] scales the arrows of the contact force and the load; a hinge's moment is an arc whose angle
+//! is [`FULL_ARC`] at `M^p`.
 
 use std::f64::consts::PI;
 
 use super::colour::{self, Rgb};
 use crate::column::{HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample};
 use crate::parameters::{Parameters, SupportKind};
-use crate::shape::{Axis, Joints, Lengths, Outline, PlanePoint, Solid, drawn_section};
+use crate::shape::{
+    BentAxis, Joints, Lengths, Outline, PlanePoint, Solid, drawn_section, round_number,
+};
 
 /// A point or a vector in space \[m\].
-pub type Point = [f32; 3];
+pub type Point3 = [f32; 3];
 
 /// Angle of a moment's arc at the plastic moment \[rad\].
 pub const FULL_ARC: f64 = 1.5 * PI;
 
-/// Pieces that an arc is drawn in.
+/// Number of pieces of an arc.
 const ARC_PIECES: usize = 24;
 
 /// Length, width and height of the vehicle's box \[m\].
 pub const VEHICLE: [f64; 3] = [1.6, 1.4, 0.7];
 
-/// How far hinges 1a and 1b are shown from the impact point along their bars, as a part of the section's depth.
-const HINGE_APART: f64 = 0.5;
+/// Distance of hinges 1a and 1b from the impact point along their bars, as a fraction of the depth of the section.
+const HINGE_OFFSET: f64 = 0.5;
 
 /// Turns of the top spring.
 const SPRING_TURNS: usize = 6;
 
-/// Where the top spring stands beside the column's axis \[m\].
-const SPRING_BESIDE: f64 = 0.32;
+/// Distance of the top spring from the axis of the column \[m\].
+const SPRING_OFFSET: f64 = 0.32;
 
-/// Where each hinge is.
-pub const HINGE_PLACES: [&str; HINGES] = ["below impact", "above impact", "top", "base"];
-
-/// What stays while one column is drawn.
+/// What does not change while one column is drawn.
 #[derive(Debug, Clone)]
 pub struct Drawing {
     /// Lengths of the bars.
     pub lengths: Lengths,
     /// The section.
     pub outline: Outline,
-    /// Name of the section, or what it is drawn as.
+    /// Name of the section.
     pub section: String,
     /// Support of the base.
     pub base: SupportKind,
@@ -55,51 +54,51 @@ pub struct Drawing {
     pub load: f64,
     /// `k_s` \[N/m\].
     pub spring_stiffness: f64,
-    /// Force that an arrow of 1 m stands for \[N\].
+    /// Force that corresponds to an arrow of 1 m \[N\].
     pub force_per_metre: f64,
-    /// Factor on the displacements that are drawn.
+    /// Magnification of the displacements.
     pub magnification: f64,
-    /// The virgin column at rest.
+    /// The undamaged column at rest.
     pub at_rest: Sample,
-    /// `m_1`: what a percussion strikes \[kg\].
+    /// `m_1`: mass at the impact point \[kg\].
     pub struck_mass: f64,
 }
 
 /// An arrow with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Arrow {
-    /// Where it begins.
-    pub origin: Point,
-    /// From there to its head.
-    pub vector: Point,
-    /// Its value.
+pub struct ForceArrow {
+    /// Tail.
+    pub origin: Point3,
+    /// From the tail to the head.
+    pub vector: Point3,
+    /// Value with its unit.
     pub label: String,
 }
 
 /// A hinge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HingeMark {
-    /// Where it is.
-    pub place: Point,
-    /// By its state.
+    /// Position.
+    pub place: Point3,
+    /// Colour of its state.
     pub colour: Rgb,
-    /// Where its label stands.
-    pub label_place: Point,
+    /// Position of the label.
+    pub label_place: Point3,
     /// Utilisation, state and moment.
     pub label: String,
     /// The moment as an arc, from its tail to its head.
-    pub arc: Vec<Point>,
+    pub arc: Vec<Point3>,
 }
 
 /// The vehicle.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Body {
-    /// Middle of its box.
-    pub centre: Point,
+pub struct VehicleMark {
+    /// Centre of its box.
+    pub centre: Point3,
     /// Mass and speed.
     pub label: String,
-    /// Where its label stands.
-    pub label_place: Point,
+    /// Position of the label.
+    pub label_place: Point3,
 }
 
 /// The column at one instant.
@@ -107,22 +106,22 @@ pub struct Body {
 pub struct Scene {
     /// The deformed column.
     pub solid: Solid,
-    /// Colour of each corner of it, by utilisation.
+    /// Colour of each corner of the solid, by utilisation.
     pub colours: Vec<Rgb>,
-    /// Hinges 1a, 1b, 2, 3.
+    /// The hinges 1a, 1b, 2, 3.
     pub hinges: [HingeMark; HINGES],
-    /// Where the column's top is.
-    pub top: Point,
-    /// The top spring, from the column's top; empty where there is none.
-    pub spring: Vec<Point>,
-    /// The vehicle, where there is one.
-    pub vehicle: Option<Body>,
-    /// The contact force on the column, where there is one.
-    pub contact: Option<Arrow>,
+    /// Position of the top of the column.
+    pub top: Point3,
+    /// The top spring, relative to the top of the column; empty if there is none.
+    pub spring: Vec<Point3>,
+    /// The vehicle, if there is one.
+    pub vehicle: Option<VehicleMark>,
+    /// The contact force on the column, if there is one.
+    pub contact: Option<ForceArrow>,
 }
 
 impl Drawing {
-    /// What stays of a column with these parameters.
+    /// The drawing of a column with these parameters.
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         let settings = parameters.settings();
@@ -157,15 +156,15 @@ impl Drawing {
 
     /// The axis of the deformed column.
     #[must_use]
-    pub fn axis(&self, sample: &Sample) -> (Joints, Axis) {
+    pub fn axis(&self, sample: &Sample) -> (Joints, BentAxis) {
         let joints = Joints::new(self.lengths, sample, self.magnification);
         let fixed = |support| support != SupportKind::Pinned;
         let rotation = self.magnification * sample.beta1;
-        let axis = Axis::new(&joints, rotation, fixed(self.base), fixed(self.top));
+        let axis = BentAxis::new(&joints, rotation, fixed(self.base), fixed(self.top));
         (joints, axis)
     }
 
-    /// The column at one instant; `mass` is that of the vehicle \[kg\] where it is known.
+    /// The scene at one instant; `mass` is that of the vehicle \[kg\], if it is known.
     #[must_use]
     pub fn scene(&self, sample: &Sample, mass: Option<f64>) -> Scene {
         let (joints, axis) = self.axis(sample);
@@ -182,9 +181,9 @@ impl Drawing {
         }
     }
 
-    /// By the utilisation of the hinge of each bend, fading along it; steel between.
+    /// Each bend has the colour of its hinge's utilisation, which fades along the bend; the rest is steel.
     fn colours(&self, sample: &Sample, corners: usize) -> Vec<Rgb> {
-        let last = Axis::STATIONS - 1;
+        let last = BentAxis::STATIONS - 1;
         let bend = (last - 2) / 4;
         let [below, above, top, base] = sample.hinges.map(|hinge| hinge.utilisation);
         let per_station = Solid::corners_per_station(&self.outline);
@@ -209,9 +208,9 @@ impl Drawing {
     }
 
     fn hinges(&self, sample: &Sample, joints: &Joints) -> [HingeMark; HINGES] {
-        let apart = 2.0 * HINGE_APART * self.half_depth();
+        let apart = 2.0 * HINGE_OFFSET * self.half_depth();
         let places = joints.hinges(apart);
-        // Labels stand beside the column and off the arcs; those of the impact point below and above it.
+        // Labels are beside the column and clear of the arcs; those of the impact point are below and above it.
         let shift = 0.075 * self.lengths.total();
         let label_shifts = [-0.5 * shift, 1.5 * shift, -0.5 * shift, 0.5 * shift];
         std::array::from_fn(|index| {
@@ -248,13 +247,13 @@ impl Drawing {
         (0.06 * self.lengths.total()).max(1.5 * self.half_depth())
     }
 
-    /// Where what must not be hidden by the column stands: before it \[m\].
+    /// `y` of what the column must not hide: in front of it \[m\].
     fn front(&self) -> f64 {
         -0.5 * self.outline.section().width - 0.02
     }
 
-    /// The arc stands on the side that the vehicle does not come from.
-    fn arc(&self, centre: PlanePoint, radius: f64, moment: f64) -> Vec<Point> {
+    /// The arc is on the side opposite to the vehicle.
+    fn arc(&self, centre: PlanePoint, radius: f64, moment: f64) -> Vec<Point3> {
         let part = moment / self.resistance_moment;
         let angle = FULL_ARC
             * if part.is_finite() {
@@ -271,12 +270,12 @@ impl Drawing {
             .collect()
     }
 
-    /// A zigzag from the column's top to what it hangs on.
-    fn spring(&self, top: f64) -> Vec<Point> {
+    /// A zigzag from the top of the column to the support of the spring.
+    fn spring(&self, top: f64) -> Vec<Point3> {
         if self.spring_stiffness <= 0.0 {
             return Vec::new();
         }
-        let foot = PlanePoint::new(SPRING_BESIDE, 0.0);
+        let foot = PlanePoint::new(SPRING_OFFSET, 0.0);
         let length = self.spring_end() - top;
         let points = 2 * SPRING_TURNS + 2;
         let mut spring = vec![in_space(foot, 0.0)];
@@ -289,23 +288,23 @@ impl Drawing {
             let up = length * point as f64 / points as f64;
             in_space(foot.plus(1.0, PlanePoint::new(aside, up)), 0.0)
         }));
-        spring.push(in_space(PlanePoint::new(SPRING_BESIDE, length), 0.0));
+        spring.push(in_space(PlanePoint::new(SPRING_OFFSET, length), 0.0));
         spring
     }
 
-    /// Height of what the top spring hangs on \[m\].
+    /// Height of the support of the top spring \[m\].
     #[must_use]
     pub fn spring_end(&self) -> f64 {
         1.15 * self.lengths.total()
     }
 
-    /// Where the top spring stands \[m\].
+    /// Distance of the top spring from the axis of the column \[m\].
     #[must_use]
-    pub const fn spring_beside() -> f64 {
-        SPRING_BESIDE
+    pub const fn spring_offset() -> f64 {
+        SPRING_OFFSET
     }
 
-    fn vehicle(&self, sample: &Sample, joints: &Joints, mass: Option<f64>) -> Option<Body> {
+    fn vehicle(&self, sample: &Sample, joints: &Joints, mass: Option<f64>) -> Option<VehicleMark> {
         if sample.phase == Phase::Idle {
             return None;
         }
@@ -313,7 +312,7 @@ impl Drawing {
         let centre = PlanePoint::new(front - 0.5 * VEHICLE[0], self.lengths.below);
         let speed = sample.impactor_velocity;
         let mass = mass.map_or_else(String::new, |mass| format!("{mass:.0} kg, "));
-        Some(Body {
+        Some(VehicleMark {
             centre: in_space(centre, 0.0),
             label: format!("{mass}{speed:.2} m/s"),
             label_place: in_space(
@@ -323,28 +322,28 @@ impl Drawing {
         })
     }
 
-    /// Its head is at the column's face; its length follows from the force.
-    fn contact(&self, sample: &Sample, joints: &Joints) -> Option<Arrow> {
+    /// The head is at the face of the column; the length is proportional to the force.
+    fn contact(&self, sample: &Sample, joints: &Joints) -> Option<ForceArrow> {
         if sample.contact_force <= 0.0 {
             return None;
         }
         let length = sample.contact_force / self.force_per_metre;
         let face = joints.impact.x - self.half_depth();
-        Some(Arrow {
+        Some(ForceArrow {
             origin: in_space(PlanePoint::new(face - length, joints.impact.z), 0.0),
             vector: [length as f32, 0.0, 0.0],
             label: force(sample.contact_force),
         })
     }
 
-    /// The load on the top, when the top is where the origin is.
+    /// The load on the top, relative to the top.
     #[must_use]
-    pub fn load_arrow(&self) -> Option<Arrow> {
+    pub fn load_arrow(&self) -> Option<ForceArrow> {
         if self.load <= 0.0 {
             return None;
         }
         let length = self.load / self.force_per_metre;
-        Some(Arrow {
+        Some(ForceArrow {
             origin: [0.0, 0.0, length as f32],
             vector: [0.0, 0.0, -length as f32],
             label: format!("P = {}", force(self.load)),
@@ -352,19 +351,19 @@ impl Drawing {
     }
 }
 
-/// A point of the plane at `y` \[m\].
+/// A point of the plane of bending, shifted to `y` \[m\].
 #[must_use]
-pub fn in_space(point: PlanePoint, y: f64) -> Point {
+pub fn in_space(point: PlanePoint, y: f64) -> Point3 {
     [point.x as f32, y as f32, point.z as f32]
 }
 
-/// A force, for people.
+/// A force with its unit, for labels.
 #[must_use]
 pub fn force(newtons: f64) -> String {
     format!("{:.0} kN", 1e-3 * newtons)
 }
 
-/// A moment, for people.
+/// A moment with its unit, for labels.
 #[must_use]
 pub fn moment(newton_metres: f64) -> String {
     format!("M {:.0} kN m", 1e-3 * newton_metres)
@@ -374,8 +373,7 @@ fn percent(part: f64) -> String {
     format!("{:.0}", 100.0 * part)
 }
 
-/// The virgin column at rest under its load, without a vehicle, and its mass at the impact point; undeformed where it
-/// cannot stand.
+/// The undamaged column at rest under its load, and its mass at the impact point; undeformed if the column is unstable.
 fn at_rest(parameters: &Parameters) -> (Sample, f64) {
     let Ok(model) = Model::new(&parameters.column_properties()) else {
         return (Sample::default(), 0.0);
@@ -390,20 +388,6 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
         hinge.utilisation = model.below.surface.utilisation(0.0, hinge.normal_force);
     }
     (sample, model.impact_point_mass)
-}
-
-/// The next of 1, 2, 5, 10, ... from `value` on.
-#[must_use]
-pub fn round_number(value: f64) -> f64 {
-    if !(value.is_finite() && value > 0.0) {
-        return 1.0;
-    }
-    let decade = 10f64.powf(value.log10().floor());
-    let first = [1.0, 2.0, 5.0].map(|digit| digit * decade);
-    first
-        .into_iter()
-        .find(|round| *round >= value * (1.0 - 1e-9))
-        .unwrap_or(10.0 * decade)
 }
 
 #[cfg(test)]
@@ -432,7 +416,7 @@ mod tests {
         sample
     }
 
-    fn length(path: &[Point]) -> f64 {
+    fn length(path: &[Point3]) -> f64 {
         path.windows(2)
             .map(|pair| {
                 let square: f32 = (0..3)
@@ -443,7 +427,7 @@ mod tests {
             .sum()
     }
 
-    /// Computed from the state: the arrow's length and head, the arc's length.
+    /// The length and head of an arrow and the length of an arc follow from the state.
     #[test]
     fn arrows_are_as_long_as_their_forces() {
         let drawing = Drawing::new(&Parameters::default());
@@ -457,7 +441,7 @@ mod tests {
         let arc = length(&scene.hinges[3].arc);
         let angle = FULL_ARC * 1.5e5 / drawing.resistance_moment;
         assert!((arc / (drawing.arc_radius() * angle) - 1.0).abs() < 1e-3);
-        // The other way round for the other sign.
+        // A moment of the opposite sign turns the arc round.
         assert!(scene.hinges[3].arc[0][2] > scene.hinges[3].arc[ARC_PIECES][2]);
         assert_eq!(length(&scene.hinges[2].arc), 0.0);
         let load = drawing.load_arrow().expect("a load");
@@ -466,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn hinges_are_where_the_state_says_and_have_its_colour() {
+    fn hinges_have_the_position_and_the_colour_of_their_state() {
         let drawing = Drawing::new(&Parameters::default());
         let scene = drawing.scene(&hit(), None);
         let [below, above, top, base] = &scene.hinges;
@@ -475,7 +459,7 @@ mod tests {
         };
         assert!(near(base, 0.0, 0.0));
         assert!(near(top, 0.0, 4.0 - 0.0098));
-        // Half a depth from the impact point along their bars.
+        // They are half a depth from the impact point along their bars.
         for (mark, end) in [(below, base), (above, top)] {
             let impact = [0.0946, 1.0 - 0.0047];
             let (x, z) = (end.place[0] - impact[0], end.place[2] - impact[1]);
@@ -522,11 +506,5 @@ mod tests {
         assert!(at_rest.u2 > at_rest.u1 && at_rest.u1 > 0.0);
         assert!(at_rest.hinges[2].normal_force < 0.0 && at_rest.hinges[2].utilisation > 0.0);
         assert_eq!(at_rest.phase, Phase::Idle);
-    }
-
-    #[test]
-    fn round_numbers() {
-        let rounded = [0.81e6, 1.0, 1.01, 5.0, 5.1, 0.0, f64::NAN].map(round_number);
-        assert_eq!(rounded, [1e6, 1.0, 2.0, 5.0, 10.0, 1.0, 1.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Serving viewers that connect to this program, on this machine only.
+//! A server for viewers on this machine.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -9,18 +9,20 @@ use rerun::{
 };
 
 use super::blueprint::APPLICATION;
-use super::film::Film;
-use super::item::Item;
-use super::{ViewerError, file};
+use super::error::ViewerError;
+use super::file;
+use super::item::ViewerItem;
+use super::rerun_types::batching;
+use super::stream::ViewerStream;
 use crate::parameters::Parameters;
 
-/// How long a server may take to listen.
-const LISTENS_WITHIN: Duration = Duration::from_secs(2);
+/// How long the server may take until it listens.
+const LISTEN_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The address of `viewer.address` and `viewer.port`, which must be of this machine.
+/// The loopback address given by `viewer.address` and `viewer.port`.
 ///
 /// # Errors
-/// It is no address, or one that others can reach.
+/// The address is invalid, or other machines can reach it.
 pub fn loopback(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
     let ip = if address == "localhost" {
         Some(IpAddr::V4(Ipv4Addr::LOCALHOST))
@@ -31,18 +33,19 @@ pub fn loopback(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
         Some(ip) if ip.is_loopback() => Ok(SocketAddr::new(ip, port)),
         _ => Err(ViewerError::Address {
             found: address.to_owned(),
-            expected: "an address of this machine alone, such as 127.0.0.1",
+            expected: "an address of this machine that no other machine can reach, such as 127.0.0.1",
         }),
     }
 }
 
-/// A stream whose server keeps at most `memory_limit` bytes for viewers that come later; the oldest go first.
+/// A stream with a server that keeps at most `memory_limit` bytes for viewers that connect later; the oldest data are dropped
+/// first.
 ///
 /// # Errors
-/// The port is taken, or nothing can listen there.
+/// The port is in use, or the server cannot listen.
 pub fn stream(address: SocketAddr, memory_limit: u64) -> Result<RecordingStream, ViewerError> {
     let fault = |reason| ViewerError::Serve { address, reason };
-    // Rerun's own server says nothing where the port is taken.
+    // Rerun's own server fails silently if the port is in use.
     match TcpListener::bind(address) {
         Ok(listener) => drop(listener),
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
@@ -57,51 +60,50 @@ pub fn stream(address: SocketAddr, memory_limit: u64) -> Result<RecordingStream,
     };
     let stream = RecordingStreamBuilder::new(APPLICATION)
         .enabled(true)
-        .batcher_config(super::connection::batches())
+        .batcher_config(batching())
         .serve_grpc_opts(address.ip().to_string(), address.port(), options)?;
-    let given_up = Instant::now() + LISTENS_WITHIN;
+    let deadline = Instant::now() + LISTEN_TIMEOUT;
     loop {
-        match TcpStream::connect_timeout(&address, LISTENS_WITHIN) {
+        match TcpStream::connect_timeout(&address, LISTEN_TIMEOUT) {
             Ok(_) => return Ok(stream),
-            Err(error) if Instant::now() >= given_up => return Err(fault(error)),
+            Err(error) if Instant::now() >= deadline => return Err(fault(error)),
             Err(_) => std::thread::sleep(Duration::from_millis(5)),
         }
     }
 }
 
-/// What is served until it is dropped.
+/// A server that runs until it is dropped.
 pub struct Served {
     address: SocketAddr,
-    _film: Film,
+    _stream: ViewerStream,
 }
 
 impl Served {
-    /// What a viewer is to be told: `rerun` and this.
+    /// The address for the viewer: `rerun URL`.
     #[must_use]
     pub fn url(&self) -> String {
         url(self.address)
     }
 }
 
-/// Serves some items to viewers that connect to the `viewer.address` and `viewer.port` of the parameters, until the value is
-/// dropped.
+/// Serves some items to viewers that connect to `viewer.address` and `viewer.port`, until the returned value is dropped.
 ///
 /// # Errors
-/// The port is taken, or the address is not of this machine.
-pub fn serve(parameters: &Arc<Parameters>, items: Vec<Item>) -> Result<Served, ViewerError> {
+/// The port is in use, or the address does not belong to this machine.
+pub fn serve(parameters: &Arc<Parameters>, items: Vec<ViewerItem>) -> Result<Served, ViewerError> {
     let viewer = &parameters.settings().viewer;
     let address = loopback(&viewer.address, viewer.port)?;
     let stream = stream(address, viewer.memory_limit)?;
     let options = file::options(&items, false);
-    let mut film = Film::new(stream, Arc::clone(parameters), options)?;
-    film.show(items)?;
+    let mut stream = ViewerStream::new(stream, Arc::clone(parameters), options)?;
+    stream.show(items)?;
     Ok(Served {
         address,
-        _film: film,
+        _stream: stream,
     })
 }
 
-/// How a viewer finds a server.
+/// The address of a server in the form that the viewer expects.
 #[must_use]
 pub fn url(address: SocketAddr) -> String {
     format!("rerun+http://{address}/proxy")
@@ -125,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_port_that_is_taken_is_said() {
+    fn a_port_in_use_is_reported() {
         let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
         let address = taken.local_addr().expect("its address");
         let error = stream(address, 1_000_000).map(drop).expect_err("taken");

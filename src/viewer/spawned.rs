@@ -1,33 +1,33 @@
-//! A viewer that this program starts.
+//! A viewer process that this program starts.
 
 use std::io;
 use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 
-use super::{RERUN_VERSION, Telling, ViewerError};
+use super::error::{RERUN_VERSION, ViewerError, ViewerLogger};
 use crate::twin::Severity;
 
 /// Name of the viewer's program.
 const PROGRAM: &str = "rerun";
 
-/// A viewer's process. It goes on when this program ends, so that one can go on looking.
+/// The process of a viewer. It keeps running when this program ends, so that the user can go on watching.
 pub struct Spawned {
     child: Option<Child>,
-    telling: Telling,
+    log: ViewerLogger,
 }
 
 impl Spawned {
-    /// Starts a viewer that listens there.
+    /// Starts a viewer that listens at `address`.
     ///
     /// # Errors
-    /// There is no viewer, or it cannot be started.
+    /// The viewer is not installed, or cannot be started.
     pub fn start(
         address: SocketAddr,
         memory_limit: u64,
-        telling: Telling,
+        log: ViewerLogger,
     ) -> Result<Self, ViewerError> {
         let fault = |reason| ViewerError::Spawn { reason };
-        check_version(&telling).map_err(fault)?;
+        check_version(&log).map_err(fault)?;
         let mut command = Command::new(PROGRAM);
         command
             .arg(format!("--port={}", address.port()))
@@ -37,55 +37,55 @@ impl Spawned {
             .arg("--hide-welcome-screen")
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            // It outlives this program: who reads this program's output would wait for its end.
+            // The viewer outlives this program: a reader of an inherited stream would wait for the viewer's end.
             .stderr(Stdio::null());
-        // Ctrl-C in the terminal is for the twin alone.
+        // Ctrl-C in the terminal stops the twin only.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let child = command.spawn().map_err(fault)?;
         Ok(Self {
             child: Some(child),
-            telling,
+            log,
         })
     }
 
-    /// Says it when the viewer has ended.
-    pub fn look_after(&mut self) {
+    /// Reports the end of the viewer.
+    pub fn check(&mut self) {
         let Some(child) = &mut self.child else {
             return;
         };
         if let Ok(Some(status)) = child.try_wait() {
             self.child = None;
             let (severity, text) = if status.success() {
-                let text = "the viewer that was started has ended".to_owned();
+                let text = "the viewer has been closed".to_owned();
                 (Severity::Info, text)
             } else {
                 let text = format!(
-                    "the viewer that was started has ended ({status}); start it by hand to see why: {PROGRAM}"
+                    "the viewer ended with {status}; start it by hand to see the reason: {PROGRAM}"
                 );
                 (Severity::Warning, text)
             };
-            (self.telling)(severity, text);
+            (self.log)(severity, text);
         }
     }
 }
 
-/// Another version may show nothing, or the wrong thing.
-fn check_version(telling: &Telling) -> io::Result<()> {
+/// Warns if the installed viewer has another version: it may show nothing, or something wrong.
+fn check_version(log: &ViewerLogger) -> io::Result<()> {
     let output = Command::new(PROGRAM)
         .arg("--version")
         .stdin(Stdio::null())
         .stderr(Stdio::null())
         .output()?;
-    let said = String::from_utf8_lossy(&output.stdout);
+    let printed = String::from_utf8_lossy(&output.stdout);
     // "rerun-cli 0.36.3 [...]"
-    let version = said.split_whitespace().nth(1).unwrap_or("unknown");
+    let version = printed.split_whitespace().nth(1).unwrap_or("unknown");
     if version != RERUN_VERSION {
-        telling(
+        log(
             Severity::Warning,
             format!(
-                "the viewer `{PROGRAM}` is of version {version}, expected {RERUN_VERSION}: it may show nothing; \
-                 pip install rerun-sdk=={RERUN_VERSION}"
+                "the viewer `{PROGRAM}` has version {version}, expected {RERUN_VERSION}, and may show nothing; install the \
+                 right one: pip install rerun-sdk=={RERUN_VERSION}"
             ),
         );
     }

@@ -1,20 +1,20 @@
-//! When a thing is shown: on three timelines at once.
+//! The three timelines on which everything is shown.
 
 use std::sync::Arc;
 
 use crate::twin::StateOutput;
 
-/// Time since the impact. The impacts of one recording follow one another on it: each begins a little after the end of the
-/// one before.
+/// Time since the impact. Several impacts of one recording follow one another on it; each begins shortly after the end of
+/// the previous one.
 pub const IMPACT_TIME: &str = "time_since_impact";
 
-/// Steps of the solver, counted as [`IMPACT_TIME`] is.
+/// Steps of the solver, counted like [`IMPACT_TIME`].
 pub const STEP: &str = "step";
 
-/// The time of the values, as their stamps say.
+/// The time given by the stamps.
 pub const WALL_CLOCK: &str = "wall_clock";
 
-/// Between the end of one impact and the beginning of the next on [`IMPACT_TIME`] \[ns\], at least.
+/// Minimum time between the end of one impact and the beginning of the next on [`IMPACT_TIME`] \[ns\].
 const PAUSE: i64 = 10_000_000;
 
 /// An instant on all timelines.
@@ -28,29 +28,29 @@ pub struct Moment {
     pub wall_clock: i64,
 }
 
-/// Gives every state its place on the timelines.
+/// Places every state on the timelines.
 #[derive(Debug, Clone)]
 pub struct Timeline {
     step_nanos: i64,
-    /// Where steps of this length began to be counted.
+    /// [`IMPACT_TIME`] and [`STEP`] at which counting steps of this length began.
     counted_from: (i64, i64),
-    /// The impact that is going on, and when on [`IMPACT_TIME`] it began.
+    /// The current impact, and its beginning on [`IMPACT_TIME`].
     impact: Option<(Arc<str>, i64)>,
-    /// The last that was shown.
+    /// The last moment shown.
     last: Moment,
 }
 
-/// A state's place.
+/// The place of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Placed {
-    /// When.
+    /// Its moment.
     pub moment: Moment,
-    /// Whether an impact begins with it.
+    /// Whether it is the first state of an impact.
     pub begins: bool,
 }
 
 impl Timeline {
-    /// Timelines of a solver with steps of `step_nanos`, on which nothing has been shown yet.
+    /// Empty timelines for a solver with steps of `step_nanos`.
     #[must_use]
     pub fn new(step_nanos: u64) -> Self {
         let step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
@@ -66,13 +66,13 @@ impl Timeline {
         }
     }
 
-    /// Steps have another length after what was shown last; their count goes on.
+    /// Changes the length of the steps from here on; the count continues.
     pub fn change_step(&mut self, step_nanos: u64) {
         self.counted_from = (self.last.impact_time, self.last.step);
         self.step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
     }
 
-    /// A moment before the first impact, whose stamp is given.
+    /// A moment before the first impact, which has this stamp.
     #[must_use]
     pub fn before(step_nanos: u64, stamp: i64) -> Moment {
         Moment {
@@ -81,7 +81,7 @@ impl Timeline {
         }
     }
 
-    /// The place of a state. Another identifier of the event, or a time that goes back, is another impact.
+    /// The place of a state. Another `event_id`, or a time that runs backwards, begins another impact.
     pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
         let begins = match &self.impact {
@@ -108,7 +108,7 @@ impl Timeline {
         }
     }
 
-    /// The place of what happened `secs` after the beginning of the present impact; `stamp` is that of the event.
+    /// The moment `secs` after the beginning of the current impact, whose event has this stamp.
     #[must_use]
     pub fn in_impact(&self, secs: f64, stamp: i64) -> Moment {
         let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
@@ -120,7 +120,7 @@ impl Timeline {
         }
     }
 
-    /// The place of something between impacts that is not to cover what was shown last.
+    /// A moment between impacts that does not overwrite what was shown last.
     pub fn after_last(&mut self, stamp: i64) -> Moment {
         let impact_time = match self.impact {
             None => self.last.impact_time,
@@ -134,7 +134,7 @@ impl Timeline {
         self.last
     }
 
-    /// The place of a line of the log that came at `stamp`.
+    /// The moment of a log line with this stamp.
     #[must_use]
     pub fn at_last(&self, stamp: i64) -> Moment {
         Moment {
@@ -154,9 +154,9 @@ impl Timeline {
     }
 }
 
-/// Seconds as nanoseconds; what is no number is 0.
+/// Seconds as nanoseconds; NaN becomes 0.
 pub(super) fn nanos(secs: f64) -> i64 {
-    (secs * 1e9).round() as i64 // saturates; NaN is 0
+    (secs * 1e9).round() as i64 // `as` saturates
 }
 
 #[cfg(test)]
@@ -193,9 +193,9 @@ mod tests {
         assert_eq!(at("a", 0.057_12), (false, 57_120_000, 2856));
         assert_eq!(at("b", 0.0), (true, 70_000_000, 3500));
         assert_eq!(at("b", 0.001), (false, 71_000_000, 3550));
-        // The same identifier after a reset, or a recording that holds the impact twice.
+        // The same identifier after a reset, or a recording that contains the impact twice.
         assert_eq!(at("b", 0.0), (true, 90_000_000, 4500));
-        // Five times as long from here on.
+        // The steps are five times as long from here on.
         timeline.change_step(100_000);
         let placed = timeline.place(&state("c", 0.0));
         assert_eq!(
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_between_impacts_covers_none_of_them() {
+    fn a_moment_between_impacts_overwrites_none_of_them() {
         let mut timeline = Timeline::new(20_000);
         assert_eq!(timeline.after_last(5).impact_time, -10_000_000);
         assert_eq!(timeline.place(&state("a", 0.0)).moment.impact_time, 0);

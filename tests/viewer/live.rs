@@ -1,4 +1,4 @@
-//! A running twin with viewers that are not there, cannot be, or are served.
+//! A running twin with viewers that are missing, impossible, or served.
 
 use std::net::{Ipv4Addr, TcpListener};
 
@@ -12,22 +12,22 @@ use super::wheel::free_port;
 
 const VELOCITIES: [f64; 2] = [3.0, 2.0];
 
-/// Runs with these parameters of the viewer, compares with nobody looking, and says how long the stop took.
+/// Runs with these parameters of the viewer and checks that the states are the same as without a viewer.
 fn same(viewer: &[(&str, Value)]) -> LiveColumnEnd {
     let mut column = LiveColumn::start(&parameters(viewer));
     let states: Vec<_> = VELOCITIES.iter().flat_map(|it| column.hit(*it)).collect();
     assert_eq!(bits(&states), without_viewer(&VELOCITIES));
-    let said = Arc::clone(&column.said);
+    let log = Arc::clone(&column.log);
     let took = column.stop();
     println!("{viewer:?}: stopped within {took:?}");
-    let lines = said.lock().expect("no panic");
+    let lines = log.lock().expect("no panic");
     LiveColumnEnd {
-        said: lines.iter().map(|(_, line)| line.clone()).collect(),
+        log: lines.iter().map(|(_, line)| line.clone()).collect(),
     }
 }
 
 struct LiveColumnEnd {
-    said: Vec<String>,
+    log: Vec<String>,
 }
 
 #[test]
@@ -44,12 +44,12 @@ fn a_file_that_is_written_changes_nothing() {
         .collect();
     assert_eq!(files.len(), 1, "{files:?}");
     let size = std::fs::metadata(&files[0]).expect("there").len();
-    // Statics, two impacts of some dozen pictures each.
+    // Static data, and two impacts with dozens of frames each.
     assert!(size > 300_000, "{size}");
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_said_once_and_the_twin_goes_on() {
+fn a_file_that_cannot_be_written_is_reported_once_and_the_twin_continues() {
     let folder = tempfile::tempdir().expect("a folder");
     let occupied = folder.path().join("file");
     std::fs::write(&occupied, "").expect("written");
@@ -58,9 +58,9 @@ fn a_file_that_cannot_be_written_is_said_once_and_the_twin_goes_on() {
         ("mode", Value::from("save")),
         ("directory", Value::from(path.as_str())),
     ]);
-    assert_eq!(end.said.len(), 1, "{:?}", end.said);
-    assert!(end.said[0].contains("cannot write"), "{:?}", end.said);
-    assert!(end.said[0].ends_with("The twin goes on without pictures"));
+    assert_eq!(end.log.len(), 1, "{:?}", end.log);
+    assert!(end.log[0].contains("cannot write"), "{:?}", end.log);
+    assert!(end.log[0].ends_with("The twin continues without a viewer"));
 }
 
 #[test]
@@ -71,67 +71,67 @@ fn serving_changes_nothing() {
         ("port", Value::from(port)),
         ("memory_limit", Value::from(2_000_000_i64)),
     ]);
-    let url = format!("to look: rerun rerun+http://127.0.0.1:{port}/proxy");
-    assert_eq!(end.said, [url]);
+    let url = format!("to watch: rerun rerun+http://127.0.0.1:{port}/proxy");
+    assert_eq!(end.log, [url]);
 }
 
 #[test]
-fn a_port_that_is_taken_is_said_and_the_twin_goes_on() {
+fn a_port_in_use_is_reported_and_the_twin_continues() {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let port = listener.local_addr().expect("its address").port();
     let end = same(&[
         ("mode", Value::from("serve")),
         ("port", Value::from(i64::from(port))),
     ]);
-    assert_eq!(end.said.len(), 1, "{:?}", end.said);
-    assert!(end.said[0].contains("another program listens"));
-    assert!(end.said[0].contains("viewer.port:="), "{:?}", end.said);
+    assert_eq!(end.log.len(), 1, "{:?}", end.log);
+    assert!(end.log[0].contains("another program listens"));
+    assert!(end.log[0].contains("viewer.port:="), "{:?}", end.log);
 }
 
 #[test]
-fn others_are_not_served() {
+fn other_machines_are_not_served() {
     let end = same(&[
         ("mode", Value::from("serve")),
         ("address", Value::from("0.0.0.0")),
     ]);
-    assert!(end.said[0].contains("of this machine"), "{:?}", end.said);
+    assert!(end.log[0].contains("of this machine"), "{:?}", end.log);
 }
 
 #[test]
-fn a_viewer_that_does_not_answer_is_said_once() {
+fn a_viewer_that_does_not_answer_is_reported_once() {
     let port = i64::from(free_port());
     let end = same(&[
         ("mode", Value::from("connect")),
         ("port", Value::from(port)),
     ]);
-    assert_eq!(end.said.len(), 1, "{:?}", end.said);
-    assert!(end.said[0].contains("no viewer answers"), "{:?}", end.said);
+    assert_eq!(end.log.len(), 1, "{:?}", end.log);
+    assert!(end.log[0].contains("no viewer answers"), "{:?}", end.log);
 }
 
-/// It takes the connection and hangs up: said once, however often it is tried.
+/// The peer accepts the connection and closes it: reported once, however often the twin tries again.
 #[test]
-fn a_peer_that_hangs_up_is_said_once() {
+fn a_peer_that_hangs_up_is_reported_once() {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let port = listener.local_addr().expect("its address").port();
-    // Ends with the process.
+    // The thread ends with the process.
     std::thread::spawn(move || listener.incoming().for_each(drop));
     let mut column = LiveColumn::start(&parameters(&[
         ("mode", Value::from("connect")),
         ("port", Value::from(i64::from(port))),
     ]));
     column.hit(3.0);
-    column.wait_for("as soon as it was there");
+    column.wait_for("closes every connection at once");
     // Three more attempts.
     std::thread::park_timeout(Duration::from_millis(3_500));
     column.hit(1.0);
-    let said = column.said.lock().expect("no panic").clone();
-    assert_eq!(said.len(), 2, "{said:?}");
+    let lines = column.log.lock().expect("no panic").clone();
+    assert_eq!(lines.len(), 2, "{lines:?}");
     column.stop();
 }
 
-/// It takes the connection and then not a byte.
+/// The peer accepts the connection and then reads nothing.
 #[test]
-fn a_peer_that_is_no_viewer_holds_up_nobody() {
+fn a_peer_that_is_not_a_viewer_delays_nothing() {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let port = listener.local_addr().expect("its address").port();
     same(&[

@@ -1,4 +1,4 @@
-//! What a viewer is shown, and that the twin never knows of it.
+//! Tests of the viewer: what it is shown, and that it has no effect on the twin.
 #![cfg(feature = "viewer")]
 // A test may listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]

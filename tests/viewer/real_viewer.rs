@@ -1,5 +1,5 @@
-//! The real viewer of the wheel, without a screen: stopped, killed, started again, and photographed. Slow, and only where
-//! Python is and PyPI can be reached: `cargo test --release --test viewer -- --ignored --nocapture --test-threads 1`.
+//! Tests with the real viewer, headless: stopped, killed, restarted, and photographed. They are slow and need Python and
+//! PyPI: `cargo test --release --test viewer -- --ignored --nocapture --test-threads 1`.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -12,7 +12,7 @@ use super::moments;
 use super::twin::{LiveColumn, PATIENCE, bits, parameters, without_viewer};
 use super::wheel::{Running, free_port, program, resident, viewer};
 
-/// Pictures are this large \[points\]; the file has four pixels for each.
+/// Size of the pictures \[points\]; the file has four pixels per point.
 const WINDOW: &str = "1400x850";
 
 fn connecting(port: u16) -> LiveColumn {
@@ -23,18 +23,18 @@ fn connecting(port: u16) -> LiveColumn {
     ]))
 }
 
-/// Stopped for ten seconds while far more happens than fits anywhere: the stream to ROS is the same bit for bit, the memory is
-/// bounded, what is not shown is counted, and the stop takes less than a second even then.
+/// The viewer is stopped for ten seconds while more happens than fits in any buffer: the stream to ROS is the same bit for
+/// bit, the memory is bounded, what is not shown is counted, and stopping takes less than a second.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
-fn a_viewer_that_is_stopped_holds_up_nobody() {
+fn a_stopped_viewer_delays_nothing() {
     let velocities: Vec<f64> = (0..60).map(|_| 1.0).collect();
     let expected = without_viewer(&velocities);
     let port = free_port();
     let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
-    column.wait_for("connected with the viewer");
+    column.wait_for("connected to the viewer");
     running.signal("STOP");
     let stopped = Instant::now();
     let before = resident(std::process::id());
@@ -53,17 +53,17 @@ fn a_viewer_that_is_stopped_holds_up_nobody() {
     running.signal("CONT");
 }
 
-/// Given the processor for one part in ten: nobody waits for it.
+/// The viewer runs for a tenth of the time: nothing waits for it.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
-fn a_viewer_that_is_slow_holds_up_nobody() {
+fn a_slow_viewer_delays_nothing() {
     let velocities = [3.0, 1.0, 2.0, 1.0, 1.0, 1.0];
     let expected = without_viewer(&velocities);
     let port = free_port();
     let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
-    column.wait_for("connected with the viewer");
+    column.wait_for("connected to the viewer");
     let slow = AtomicBool::new(true);
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -85,22 +85,22 @@ fn a_viewer_that_is_slow_holds_up_nobody() {
     assert_eq!(bits(&states), expected);
 }
 
-/// Stopped for a while: it shows what comes afterwards.
+/// After a stop, the viewer shows what follows.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
-fn a_viewer_that_goes_on_is_shown_what_comes() {
+fn a_continued_viewer_receives_what_follows() {
     let port = free_port();
     let running = Running::headless(port);
     let mut column = connecting(port);
     column.hit(3.0);
-    column.wait_for("connected with the viewer");
+    column.wait_for("connected to the viewer");
     running.signal("STOP");
     column.hit(1.0);
     running.signal("CONT");
     column.hit(1.0);
-    let given_up = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + PATIENCE;
     while column.waiting() > 0 {
-        assert!(Instant::now() < given_up, "the queue does not empty");
+        assert!(Instant::now() < deadline, "the queue does not empty");
         std::thread::park_timeout(Duration::from_millis(20));
     }
     println!(
@@ -110,10 +110,10 @@ fn a_viewer_that_goes_on_is_shown_what_comes() {
     );
 }
 
-/// Killed, and another one started in its place: that one has everything from the beginning.
+/// A viewer that replaces a killed one receives everything from the beginning.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
-fn a_viewer_that_is_started_again_has_everything() {
+fn a_restarted_viewer_receives_everything() {
     let velocities = [3.0, 1.0, 1.0];
     let expected = without_viewer(&velocities);
     let (port, program) = (free_port(), program());
@@ -122,16 +122,16 @@ fn a_viewer_that_is_started_again_has_everything() {
     let running = Running::headless(port);
     let mut column = connecting(port);
     let mut states = column.hit(velocities[0]);
-    column.wait_for("connected with the viewer");
+    column.wait_for("connected to the viewer");
     drop(running);
     states.extend(column.hit(velocities[1]));
     column.wait_for("has gone");
-    column.said.lock().expect("no panic").clear();
-    // The same program, which keeps what it is sent.
+    column.log.lock().expect("no panic").clear();
+    // The same program, which saves what it receives.
     let mut saving = viewer(&program);
     saving.arg("--save").arg(&received);
     let saver = Running::start(saving, port);
-    column.wait_for("connected with the viewer");
+    column.wait_for("connected to the viewer");
     states.extend(column.hit(velocities[2]));
     assert_eq!(bits(&states), expected);
     println!("stopped within {:?}", column.stop());
@@ -146,8 +146,8 @@ fn a_viewer_that_is_started_again_has_everything() {
         "forecast of impact-2",
         "forecast of impact-3",
     ];
-    // The viewer may still be at work on what it has taken.
-    let given_up = Instant::now() + PATIENCE;
+    // The viewer may still be processing what it has received.
+    let deadline = Instant::now() + PATIENCE;
     loop {
         let print = printed(&program, &received);
         let missing: Vec<_> = wanted.iter().filter(|it| !print.contains(**it)).collect();
@@ -155,7 +155,7 @@ fn a_viewer_that_is_started_again_has_everything() {
             break;
         }
         assert!(
-            Instant::now() < given_up,
+            Instant::now() < deadline,
             "missing in what was received: {missing:?}"
         );
         std::thread::park_timeout(Duration::from_millis(500));
@@ -164,7 +164,7 @@ fn a_viewer_that_is_started_again_has_everything() {
     photograph(&program, &received, &folder.path().join("received.png"));
 }
 
-/// A file as the viewer's program prints it.
+/// The contents of a file, as the viewer prints them.
 fn printed(program: &Path, recording: &Path) -> String {
     let print = viewer(program)
         .args(["rrd", "print", "-vvv"])
@@ -175,13 +175,13 @@ fn printed(program: &Path, recording: &Path) -> String {
     String::from_utf8_lossy(&print.stdout).into_owned()
 }
 
-/// What is kept for viewers that come late is no more than the limit, however much is shown.
+/// The memory for viewers that connect late stays below the limit, however much is shown.
 #[test]
 #[ignore = "slow: serves as much as it can"]
-fn what_is_served_takes_no_more_memory_than_the_limit() {
+fn served_data_take_no_more_memory_than_the_limit() {
     const LIMIT: u64 = 5_000_000;
-    // What the allocator, the channels and the column itself take on top of it.
-    const BESIDES: u64 = 25_000_000;
+    // Memory of the allocator, the channels and the column itself.
+    const OVERHEAD: u64 = 25_000_000;
     const IMPACTS: usize = 600;
     let grown = |limit: u64| {
         let mut column = LiveColumn::start(&parameters(&[
@@ -192,12 +192,12 @@ fn what_is_served_takes_no_more_memory_than_the_limit() {
                 Value::from(i64::try_from(limit).expect("fits")),
             ),
         ]));
-        column.wait_for("to look");
+        column.wait_for("to watch");
         column.hit(1.0);
         let before = resident(std::process::id());
         for _ in 0..IMPACTS {
             column.hit(1.0);
-            // So that it is shown, not dropped.
+            // So that everything is shown and nothing dropped.
             while column.waiting() > 0 {
                 std::thread::park_timeout(Duration::from_millis(1));
             }
@@ -208,13 +208,13 @@ fn what_is_served_takes_no_more_memory_than_the_limit() {
         grown
     };
     let small = grown(LIMIT);
-    assert!(small < LIMIT + BESIDES, "{small}");
-    // Without the limit it is more: there is something to bound.
+    assert!(small < LIMIT + OVERHEAD, "{small}");
+    // Without the limit it takes more, so the limit has an effect.
     let large = grown(1_000_000_000);
     assert!(large > 2 * small, "{large} and {small}");
 }
 
-/// The node starts a viewer, shows it everything, ends within a second, and leaves it to be looked at.
+/// The node starts a viewer, shows it everything and exits within a second; the viewer stays open.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
 #[cfg(all(feature = "cli", feature = "ros"))]
@@ -226,7 +226,7 @@ fn a_viewer_is_started_and_stays_when_the_node_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let (real, wheel) = (program(), viewer(&program()));
     let pid = folder.path().join("pid");
-    // There is no screen here.
+    // There is no screen.
     let script = format!(
         "#!/bin/sh\n[ \"$1\" = --version ] && exec {0} --version\necho $$ >{1}\nexec {0} --headless \"$@\"\n",
         real.display(),
@@ -253,12 +253,12 @@ fn a_viewer_is_started_and_stays_when_the_node_ends() {
                 .get_envs()
                 .filter_map(|(name, value)| Some((name, value?))),
         )
-        // It is the node's, too.
+        // It would apply to the node, too.
         .env_remove("RUST_LOG");
     let _ended = KilledByFile(&pid);
     let mut node = Program::spawn(&domain, folder.path(), command);
     node.wait_for("is ready in domain");
-    node.wait_for("connected with the viewer");
+    node.wait_for("connected to the viewer");
     let (status, took, log) = node.terminate();
     println!("ended within {took:?} with the viewer that it had started");
     assert!(status.success(), "{status}: {log:#?}");
@@ -283,7 +283,7 @@ impl Drop for KilledByFile<'_> {
     }
 }
 
-/// Makes a picture of a file with the real viewer.
+/// Takes a picture of a file with the real viewer.
 fn photograph(program: &Path, recording: &Path, picture: &Path) {
     let status = viewer(program)
         .arg(recording)
@@ -296,7 +296,7 @@ fn photograph(program: &Path, recording: &Path, picture: &Path) {
     assert!(status.success(), "{}: {status}", recording.display());
 }
 
-/// Colours of a picture: how many different ones, and how many pixels differ from another picture.
+/// The pixels of a picture.
 fn pixels(path: &Path) -> Vec<u8> {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
     let mut reader = png::Decoder::new(file).read_info().expect("a picture");
@@ -306,7 +306,7 @@ fn pixels(path: &Path) -> Vec<u8> {
     pixels
 }
 
-/// Before, first yield, peak, rest: each shows something, and no two are alike.
+/// The pictures of four moments show something, and no two are alike.
 #[test]
 #[ignore = "slow: installs and runs the real viewer"]
 fn pictures_of_four_moments_are_not_empty_and_differ() {
@@ -335,10 +335,7 @@ fn pictures_of_four_moments_are_not_empty_and_differ() {
             picture.len(),
             colours.len()
         );
-        assert!(
-            colours.len() > 1_000,
-            "picture {number} shows next to nothing"
-        );
+        assert!(colours.len() > 1_000, "picture {number} is nearly empty");
         for other in &pictures[..number] {
             assert_eq!(picture.len(), other.len());
             let differ = picture

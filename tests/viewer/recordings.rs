@@ -8,7 +8,8 @@ use column_twin::column::{Impact, Report, Sample, simulate};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::viewer::{
-    Drawing, Item, RecordedMessage, Timeline, ViewerError, from_messages, from_samples, write_rrd,
+    Drawing, RecordedMessage, Timeline, ViewerError, ViewerItem, from_messages, from_samples,
+    write_rrd,
 };
 
 fn impact() -> (Vec<Sample>, Report) {
@@ -24,7 +25,7 @@ fn impact() -> (Vec<Sample>, Report) {
     (samples, report.expect("simulated"))
 }
 
-/// What the messages of one impact tell, a state each millisecond, and both of its reports.
+/// The messages of one impact: a state per millisecond, and both reports.
 fn recorded(event_id: &str) -> (Vec<RecordedMessage>, [RecordedMessage; 2]) {
     let (samples, report) = impact();
     let states = samples.iter().step_by(50).map(|sample| {
@@ -43,39 +44,39 @@ fn recorded(event_id: &str) -> (Vec<RecordedMessage>, [RecordedMessage; 2]) {
     (states.collect(), reports)
 }
 
-/// One impact as a recording has it, which is of a column with the default parameters.
-fn items(event_id: &str) -> Vec<Item> {
+/// The items of one recorded impact on a column with the default parameters.
+fn items(event_id: &str) -> Vec<ViewerItem> {
     let (states, reports) = recorded(event_id);
-    let told = states.into_iter().chain(reports).collect();
-    from_messages(&Arc::default(), told)
+    let messages = states.into_iter().chain(reports).collect();
+    from_messages(&Arc::default(), messages)
 }
 
 #[test]
 fn impacts_of_a_recording_follow_one_another_each_with_its_reports() {
     let (one, of_one) = recorded("a");
     let (other, of_other) = recorded("b");
-    let (_, unheard) = recorded("c");
+    let (_, without_states) = recorded("c");
     let count = one.len();
-    let reports = of_other.into_iter().chain(unheard).chain(of_one);
-    let told = one.into_iter().chain(other).chain(reports).collect();
-    let items = from_messages(&Arc::default(), told);
+    let reports = of_other.into_iter().chain(without_states).chain(of_one);
+    let messages = one.into_iter().chain(other).chain(reports).collect();
+    let items = from_messages(&Arc::default(), messages);
     assert_eq!(items.len(), 2 * count + 4);
-    assert!(matches!(&items[0], Item::Forecast(it) if &*it.event_id == "a"));
-    assert!(matches!(&items[count + 1], Item::Result(it) if &*it.event_id == "a"));
-    assert!(matches!(&items[count + 2], Item::Forecast(it) if &*it.event_id == "b"));
-    assert!(matches!(items.last(), Some(Item::Result(it)) if &*it.event_id == "b"));
+    assert!(matches!(&items[0], ViewerItem::Forecast(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 1], ViewerItem::Result(it) if &*it.event_id == "a"));
+    assert!(matches!(&items[count + 2], ViewerItem::Forecast(it) if &*it.event_id == "b"));
+    assert!(matches!(items.last(), Some(ViewerItem::Result(it)) if &*it.event_id == "b"));
     let mut timeline = Timeline::new(20_000);
     let mut times = items.iter().filter_map(|item| match item {
-        Item::State(state) => Some(timeline.place(state).moment.impact_time),
+        ViewerItem::State(state) => Some(timeline.place(state).moment.impact_time),
         _ => None,
     });
     assert_eq!(times.next(), Some(0));
     assert!(times.is_sorted());
 }
 
-/// The second impact is at another height, after the column has been exchanged for a taller one.
+/// The second impact is at another height, after the column has been replaced by a taller one.
 #[test]
-fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
+fn impacts_are_shown_at_their_height_on_the_column_of_their_time() {
     let taller = Parameters::from_values([("geometry.length_above", Value::from(3.5))]);
     let taller = Arc::new(taller.expect("admissible"));
     let event = ImpactEvent {
@@ -84,20 +85,25 @@ fn impacts_are_shown_where_they_hit_the_column_that_was_there() {
         height: 1.25,
         ..ImpactEvent::default()
     };
-    let told = [
+    let messages = [
         RecordedMessage::Column(Arc::default()),
         recorded("a").0[0].clone(),
         RecordedMessage::Column(Arc::clone(&taller)),
         RecordedMessage::Event(Box::new(event)),
         recorded("b").0[0].clone(),
     ];
-    let items = from_messages(&Arc::default(), told.to_vec());
-    let [Item::State(a), Item::Parameters(column), Item::State(b)] = &items[..] else {
+    let items = from_messages(&Arc::default(), messages.to_vec());
+    let [
+        ViewerItem::State(a),
+        ViewerItem::Parameters(column),
+        ViewerItem::State(b),
+    ] = &items[..]
+    else {
         panic!("{items:?}");
     };
     assert_eq!(*column, taller);
     assert_eq!(a.lengths, None);
-    let lengths = b.lengths.expect("the event says where");
+    let lengths = b.lengths.expect("the event gives the height");
     let drawing = Drawing::new(&taller);
     assert_eq!(lengths.below, 1.25);
     assert_eq!(lengths.total(), drawing.lengths.total());
@@ -141,7 +147,7 @@ fn every_step_of_a_simulation_becomes_a_file() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_said_and_leaves_nothing() {
+fn a_file_that_cannot_be_written_is_reported_and_leaves_nothing() {
     let parameters = Arc::new(Parameters::default());
     for path in ["/nowhere/at/all/impact.rrd", "/"] {
         let error = write_rrd(Path::new(path), &parameters, items("a"), false).expect_err(path);

@@ -7,27 +7,27 @@ use std::time::{Duration, Instant};
 use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimClock};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Severity, StateOutput, Twin};
-use column_twin::viewer::{LiveViewer, Telling, VIEWER_QUEUE, output_queue};
+use column_twin::viewer::{LiveViewer, VIEWER_QUEUE, ViewerLogger, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
 pub const MS: Nanos = 1_000_000;
 
-/// What has not happened by then never will.
+/// How long a test waits before it fails.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Everything that a viewer's thread has said.
-pub type Said = Arc<Mutex<Vec<(Severity, String)>>>;
+/// The log lines of a viewer's thread.
+pub type Log = Arc<Mutex<Vec<(Severity, String)>>>;
 
 pub struct LiveColumn {
     pub live: LiveHandle,
     clock: Arc<SimClock>,
     receiver: Receiver,
     pub viewer: Option<LiveViewer>,
-    pub said: Said,
+    pub log: Log,
     impacts: i64,
 }
 
-/// Parameters of the viewer, by the ends of their names.
+/// Parameters with these values under `viewer.`.
 pub fn parameters(viewer: &[(&str, Value)]) -> Arc<Parameters> {
     let values = viewer
         .iter()
@@ -51,26 +51,26 @@ impl LiveColumn {
         let live = Live::start(twin, Arc::clone(&clock), options).expect("starts");
         let receiver = live.outputs("ros").expect("there");
         let outputs = live.outputs(VIEWER_QUEUE).expect("there");
-        let said = Said::default();
-        let telling: Telling = {
-            let said = Arc::clone(&said);
+        let lines = Log::default();
+        let log: ViewerLogger = {
+            let lines = Arc::clone(&lines);
             Arc::new(move |severity, text| {
                 println!("{severity:?}: {text}");
-                said.lock().expect("no panic").push((severity, text));
+                lines.lock().expect("no panic").push((severity, text));
             })
         };
-        let viewer = LiveViewer::start(parameters, outputs, START, telling).expect("a thread");
+        let viewer = LiveViewer::start(parameters, outputs, START, log).expect("a thread");
         Self {
             live,
             clock,
             receiver,
             viewer,
-            said,
+            log: lines,
             impacts: 0,
         }
     }
 
-    /// The whole response to one more impact, as it goes to ROS.
+    /// Hits the column once more and returns the whole response that goes to ROS.
     pub fn hit(&mut self, velocity: f64) -> Vec<StateOutput> {
         let stamp = START + 1_000 * MS * self.impacts;
         self.impacts += 1;
@@ -90,9 +90,9 @@ impl LiveColumn {
         self.live.submit(Command::Impact(event)).expect("room");
         let mut states = Vec::new();
         let mut now = stamp;
-        let given_up = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + PATIENCE;
         let mut forecast = false;
-        while Instant::now() < given_up {
+        while Instant::now() < deadline {
             match self.receiver.try_next() {
                 Some(Output::State(state)) => states.push(state),
                 Some(Output::Forecast(_)) => forecast = true,
@@ -109,36 +109,36 @@ impl LiveColumn {
         panic!("no report; {} states", states.len());
     }
 
-    /// Entries of the viewer's queue that were lost.
+    /// Number of lost entries of the viewer's queue.
     pub fn dropped(&self) -> u64 {
         let queues = self.live.statistics().queues;
         let ours = queues.iter().filter(|it| it.name.ends_with("to viewer"));
         ours.map(|it| it.dropped).sum()
     }
 
-    /// Entries of the viewer's queue that wait.
+    /// Number of waiting entries of the viewer's queue.
     pub fn waiting(&self) -> usize {
         let queues = self.live.statistics().queues;
         let ours = queues.iter().filter(|it| it.name.ends_with("to viewer"));
         ours.map(|it| it.len).sum()
     }
 
-    /// Waits until the viewer's thread has said this.
+    /// Waits until the viewer's thread has logged this text.
     pub fn wait_for(&self, text: &str) {
-        let given_up = Instant::now() + PATIENCE;
-        while !self.has_said(text) {
-            assert!(Instant::now() < given_up, "not said: {text}");
+        let deadline = Instant::now() + PATIENCE;
+        while !self.has_logged(text) {
+            assert!(Instant::now() < deadline, "not logged: {text}");
             std::thread::yield_now();
             std::thread::park_timeout(Duration::from_millis(10));
         }
     }
 
-    pub fn has_said(&self, text: &str) -> bool {
-        let said = self.said.lock().expect("no panic");
-        said.iter().any(|(_, line)| line.contains(text))
+    pub fn has_logged(&self, text: &str) -> bool {
+        let lines = self.log.lock().expect("no panic");
+        lines.iter().any(|(_, line)| line.contains(text))
     }
 
-    /// Stops viewer and twin; how long the viewer took.
+    /// Stops viewer and twin and returns how long the viewer took.
     pub fn stop(mut self) -> Duration {
         let before = Instant::now();
         if let Some(viewer) = self.viewer.take() {
@@ -150,7 +150,7 @@ impl LiveColumn {
     }
 }
 
-/// All that a state says, to be compared bit for bit.
+/// The complete states, for a comparison bit for bit.
 pub fn bits(states: &[StateOutput]) -> Vec<(Nanos, String)> {
     let shown = |state: &StateOutput| {
         let StateOutput {
@@ -165,7 +165,7 @@ pub fn bits(states: &[StateOutput]) -> Vec<(Nanos, String)> {
     states.iter().map(|it| (it.stamp, shown(it))).collect()
 }
 
-/// What comes out with nobody looking.
+/// The states without a viewer.
 pub fn without_viewer(velocities: &[f64]) -> Vec<(Nanos, String)> {
     let mut column = LiveColumn::start(&parameters(&[]));
     assert!(column.viewer.is_none());

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What has not listened by then never will.
-const LISTENS_WITHIN: Duration = Duration::from_secs(120);
+/// How long a test waits until the viewer listens.
+const LISTEN_TIMEOUT: Duration = Duration::from_secs(120);
 
-/// The viewer's program, installed when it is not there.
+/// The program of the viewer, which is installed if it is missing.
 pub fn program() -> PathBuf {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interop/viewer.sh");
     let output = Command::new(script)
@@ -19,7 +19,7 @@ pub fn program() -> PathBuf {
     PathBuf::from(String::from_utf8(output.stdout).expect("a path").trim())
 }
 
-/// The viewer with its own home, where it is told to say nothing about its users.
+/// The viewer with a home of its own, in which analytics are disabled.
 pub fn viewer(program: &Path) -> Command {
     let venv = program
         .ancestors()
@@ -35,7 +35,7 @@ pub fn viewer(program: &Path) -> Command {
     command
 }
 
-/// A port that nobody listens on.
+/// A free port.
 pub fn free_port() -> u16 {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     listener.local_addr().expect("its address").port()
@@ -58,9 +58,9 @@ impl Running {
             .spawn()
             .expect("starts");
         let running = Self(child);
-        let given_up = Instant::now() + LISTENS_WITHIN;
+        let deadline = Instant::now() + LISTEN_TIMEOUT;
         while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
-            assert!(Instant::now() < given_up, "the viewer does not listen");
+            assert!(Instant::now() < deadline, "the viewer does not listen");
             std::thread::park_timeout(Duration::from_millis(50));
         }
         running
@@ -74,7 +74,7 @@ impl Running {
         assert!(status.success());
     }
 
-    /// Memory of the process that is in use \[B\].
+    /// Resident memory of the process \[B\].
     pub fn memory(&self) -> u64 {
         resident(self.0.id())
     }
@@ -87,7 +87,7 @@ impl Drop for Running {
     }
 }
 
-/// As the system says.
+/// Resident memory of a process, as the operating system reports it \[B\].
 pub fn resident(process: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmRSS:"));

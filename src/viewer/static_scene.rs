@@ -1,4 +1,4 @@
-//! What stands still in the scene: ghost, supports, legend, and the yield surfaces.
+//! The parts of the scene that do not move: undeformed column, supports, legend and yield surfaces.
 
 use rerun::{
     Arrows3D, Boxes3D, FillMode, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius,
@@ -6,42 +6,26 @@ use rerun::{
 };
 
 use super::colour;
-use super::film::color;
-use super::scene::{Drawing, Point, in_space};
+use super::rerun_types::color;
+use super::scene::{Drawing, Point3, in_space};
 use crate::column::{HINGE_NAMES, YieldExponents};
 use crate::parameters::SupportKind;
-use crate::shape::PlanePoint;
+use crate::shape::{PlanePoint, yield_curve};
 
-/// Corners of a yield surface.
-const SURFACE_POINTS: i32 = 180;
+/// Number of pieces of a yield surface.
+const SURFACE_PIECES: u32 = 180;
 
 /// Half the width of the plate on the top and of the supports \[m\].
 const HALF_PLATE: f64 = 0.5;
 
-/// Where something of a hinge's yield surface is logged.
+/// The entity of a part of a hinge's yield surface.
 pub fn stress_entity(hinge: usize, what: &str) -> String {
     format!("yield/{}/{what}", HINGE_NAMES[hinge])
 }
 
-/// The closed curve `|M / M^p|^alpha + |N / N^p|^beta = 1` (Eq 28), as `[M / M^p, N / N^p]`.
+/// The head of an arc: a short arrow along its end, `[origin, vector]`; zero if the arc is too short.
 #[must_use]
-pub fn yield_surface(exponents: YieldExponents) -> Vec<[f32; 2]> {
-    // With the parameter t, M^alpha = cos^2 t and N^beta = sin^2 t satisfy the equation for every exponent.
-    let power = |value: f64, exponent: f64| value.abs().powf(2.0 / exponent).copysign(value);
-    (0..=SURFACE_POINTS)
-        .map(|number| {
-            let angle = f64::from(number) / f64::from(SURFACE_POINTS) * std::f64::consts::TAU;
-            [
-                power(angle.cos(), exponents.alpha) as f32,
-                power(angle.sin(), exponents.beta) as f32,
-            ]
-        })
-        .collect()
-}
-
-/// The head of an arc: a short arrow along its end; none where the arc is shorter.
-#[must_use]
-pub fn arc_head(arc: &[Point]) -> (Point, Point) {
+pub fn arc_head(arc: &[Point3]) -> (Point3, Point3) {
     let (Some(from), Some(end)) = (arc.get(arc.len().saturating_sub(4)), arc.last()) else {
         return ([0.0; 3], [0.0; 3]);
     };
@@ -52,7 +36,10 @@ pub fn arc_head(arc: &[Point]) -> (Point, Point) {
     (*from, vector)
 }
 
-/// Logs all of it.
+/// Logs the static scene.
+///
+/// # Errors
+/// The stream rejects the data.
 pub(super) fn send(
     stream: &RecordingStream,
     drawing: &Drawing,
@@ -73,7 +60,7 @@ fn metres(value: f64) -> Radius {
 fn lines(
     stream: &RecordingStream,
     entity: &str,
-    strips: Vec<Vec<Point>>,
+    strips: Vec<Vec<Point3>>,
     rgb: colour::Rgb,
     radius: f64,
 ) -> RecordingStreamResult<()> {
@@ -83,13 +70,13 @@ fn lines(
     stream.log_static(entity, &lines)
 }
 
-/// The undeformed column by the edges of its flanges.
+/// The undeformed column, drawn by the edges of its flanges.
 fn ghost(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
     let section = drawing.outline.section();
     let height = drawing.lengths.total() as f32;
     let (a, b) = (0.5 * section.depth as f32, 0.5 * section.width as f32);
     let edges = [[-a, -b], [-a, b], [a, -b], [a, b]];
-    let mut strips: Vec<Vec<Point>> = edges
+    let mut strips: Vec<Vec<Point3>> = edges
         .iter()
         .map(|[x, y]| vec![[*x, *y, 0.0], [*x, *y, height]])
         .collect();
@@ -100,8 +87,8 @@ fn ghost(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<(
     lines(stream, "ghost", strips, colour::GHOST, 0.004)
 }
 
-/// Short slanted lines along a fixed line from `from` to `to`, on its side `away`.
-fn hatch(from: PlanePoint, to: PlanePoint, away: PlanePoint) -> Vec<Vec<Point>> {
+/// The hatching of a fixed line from `from` to `to`, on the side `away`.
+fn hatch(from: PlanePoint, to: PlanePoint, away: PlanePoint) -> Vec<Vec<Point3>> {
     const STROKES: i32 = 9;
     let along = to.plus(-1.0, from);
     let mut strips = vec![vec![in_space(from, 0.0), in_space(to, 0.0)]];
@@ -113,8 +100,8 @@ fn hatch(from: PlanePoint, to: PlanePoint, away: PlanePoint) -> Vec<Vec<Point>> 
     strips
 }
 
-/// A circle about a pin.
-fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point> {
+/// An arc about a pin.
+fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point3> {
     (0..=24)
         .map(|piece| {
             let angle = from + (to - from) * f64::from(piece) / 24.0;
@@ -124,7 +111,7 @@ fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point> {
         .collect()
 }
 
-/// Built in: a block. Pinned: a triangle with a pin. Semi-rigid: a block with a spiral.
+/// Draws the base: built in as a block, pinned as a triangle with a pin, semi-rigid as a block with a spiral.
 fn base(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
     let down = PlanePoint::new(0.0, -0.1);
     let ground = |z: f64| {
@@ -163,8 +150,8 @@ fn base(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()
     lines(stream, "supports/base", strips, colour::SUPPORT, 0.008)
 }
 
-/// The sign of a rotational spring.
-fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point> {
+/// The symbol of a rotational spring.
+fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point3> {
     (0..=60)
         .map(|piece| {
             let part = f64::from(piece) / 60.0;
@@ -176,7 +163,7 @@ fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point> {
         .collect()
 }
 
-/// A plate that slides along two guides, what the spring hangs on, and the load.
+/// Draws the plate that slides along two guides, the support of the spring, and the load.
 fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
     let height = drawing.lengths.total();
     let plate = Boxes3D::from_centers_and_half_sizes(
@@ -205,7 +192,7 @@ fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()>
         fixed.extend(hatch(from, to, PlanePoint::new(0.2 * side, 0.0)));
     }
     if drawing.spring_stiffness > 0.0 {
-        let (end, beside) = (drawing.spring_end(), Drawing::spring_beside());
+        let (end, beside) = (drawing.spring_end(), Drawing::spring_offset());
         let from = PlanePoint::new(beside - 0.2, end);
         let to = PlanePoint::new(beside + 0.2, end);
         fixed.extend(hatch(from, to, PlanePoint::new(0.0, 0.08)));
@@ -221,13 +208,13 @@ fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()>
     stream.log_static("top/load", &arrows)
 }
 
-/// What the colours and the lengths mean, beside the column.
+/// Explains the colours and the lengths of arrows, beside the column.
 fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
     let height = drawing.lengths.total();
     let scale = if drawing.magnification == 1.0 {
         "displacements to scale".to_owned()
     } else {
-        format!("displacements drawn x {}", drawing.magnification)
+        format!("displacements x {}", drawing.magnification)
     };
     let arrows = format!(
         "forces: 1 m = {}",
@@ -239,7 +226,7 @@ fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<
         ("hinge unloaded".to_owned(), colour::UNLOADED),
         ("steel at 0 %".to_owned(), colour::of_utilisation(0.0)),
         ("50 % utilised".to_owned(), colour::of_utilisation(0.5)),
-        ("100 %: yields".to_owned(), colour::of_utilisation(1.0)),
+        ("100 %: yielding".to_owned(), colour::of_utilisation(1.0)),
         (arrows, colour::CONTACT),
         (scale, colour::GHOST),
     ];
@@ -256,9 +243,11 @@ fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<
 }
 
 fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStreamResult<()> {
-    let surface = LineStrips2D::new([yield_surface(exponents)])
-        .with_colors([color(colour::SURFACE)])
-        .with_radii([Radius::new_ui_points(1.0)]);
+    let surface = LineStrips2D::new([yield_curve(exponents, SURFACE_PIECES)
+        .map(|point| point.map(|it| it as f32))
+        .collect::<Vec<_>>()])
+    .with_colors([color(colour::SURFACE)])
+    .with_radii([Radius::new_ui_points(1.0)]);
     let axes = LineStrips2D::new([[[-1.15_f32, 0.0], [1.15, 0.0]], [[0.0, -1.15], [0.0, 1.15]]])
         .with_colors([color(colour::AXIS)])
         .with_radii([Radius::new_ui_points(0.7)]);
@@ -278,23 +267,6 @@ fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::column::YieldSurface;
-
-    #[test]
-    fn the_surface_is_that_of_the_model() {
-        for (alpha, beta) in [(2.0, 2.0), (1.0, 1.3)] {
-            let exponents = YieldExponents {
-                alpha,
-                beta,
-                gamma: 1.0,
-            };
-            let model = YieldSurface::new(1.0, 1.0, exponents);
-            for [m, n] in yield_surface(exponents) {
-                let utilisation = model.utilisation(m.into(), n.into());
-                assert!((utilisation - 1.0).abs() < 1e-5, "{m} {n}: {utilisation}");
-            }
-        }
-    }
 
     #[test]
     fn a_head_lies_along_the_end_of_its_arc() {

@@ -1,4 +1,4 @@
-//! What a recording shows in the viewer: its states with their hinges, its reports, and the column that they are of.
+//! The items of a recording for the viewer: states with their hinges, reports, and the parameters of the column.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
-use super::repair::failure;
-use super::{Exit, Failure};
+use super::failure::{Exit, Failure};
 use crate::evidence::{Line, LineEntry};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
@@ -15,35 +14,30 @@ use crate::messages::{Message, cdr};
 use crate::parameters::Parameters;
 use crate::recording::{self, Reader, RecordedTopic};
 use crate::twin::Journal;
-use crate::viewer::{self, Item, RecordedMessage};
+use crate::viewer::{self, RecordedMessage, ViewerItem};
 
-/// The column of a recording, and what happened to it.
-pub(super) struct Film {
+/// The parameters of the column of a recording, and the items to show.
+pub(super) struct RecordedItems {
     pub parameters: Arc<Parameters>,
-    pub items: Vec<Item>,
+    pub items: Vec<ViewerItem>,
 }
 
-/// Reads a recording. Its journal says which column it is of; one without is shown as the column of the parameter file
-/// `config`.
-pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film, Failure> {
-    let reader = Reader::open(bag).map_err(failure)?;
+/// Reads a recording. Its journal contains the parameters of the column; for a recording without a journal they come from
+/// the parameter file `config`.
+pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<RecordedItems, Failure> {
+    let reader = Reader::open(bag)?;
     let mut parameters = match config {
         None => None,
-        Some(file) => Some(Arc::new(
-            Parameters::load(std::slice::from_ref(file), &[]).map_err(|faults| Failure {
-                exit: Exit::BadInput,
-                report: faults.report(),
-            })?,
-        )),
+        Some(file) => Some(Arc::new(Parameters::load(std::slice::from_ref(file), &[])?)),
     };
     let mut gathered = Gathered::default();
     for message in reader.messages() {
-        let message = message.map_err(failure)?;
+        let message = message?;
         let topic = reader.topics().get(message.topic_index);
         if config.is_none() && topic.is_some_and(RecordedTopic::is_journal) {
-            if let Some(column) = starting_column(&message.data) {
+            if let Some(column) = checkpoint_parameters(&message.data) {
                 parameters.get_or_insert_with(|| Arc::clone(&column));
-                gathered.told.push(RecordedMessage::Column(column));
+                gathered.messages.push(RecordedMessage::Column(column));
             }
         } else {
             gathered.take(&message);
@@ -53,17 +47,17 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
         Failure::plain(
             Exit::BadInput,
             format!(
-                "{} has no journal that says which column it is of; give the column's parameter file with --config",
+                "{} has no journal with the parameters of its column; give the parameter file of the column with --config",
                 bag.display()
             ),
         )
     })?;
-    gathered.say_what_is_not_shown();
+    gathered.report_unshown();
     if gathered.shown == 0 {
         return Err(Failure::plain(
             Exit::BadInput,
             format!(
-                "{} has nothing to show: expected messages of {} with {} of the same stamp, found {} and {}",
+                "{} has nothing to show: expected messages of type {} and {} with equal stamps, found {} and {} without a partner",
                 bag.display(),
                 ColumnState::INTERFACE.ros_name(),
                 HingeForces::INTERFACE.ros_name(),
@@ -72,26 +66,26 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Film,
             ),
         ));
     }
-    Ok(Film {
-        items: viewer::from_messages(&parameters, gathered.told),
+    Ok(RecordedItems {
+        items: viewer::from_messages(&parameters, gathered.messages),
         parameters,
     })
 }
 
-/// Stamp and event of a state or of its hinges.
+/// Stamp and event that identify a state and its hinges.
 type Instant = (Time, String);
 
-/// What was found in a recording so far.
+/// The messages read from a recording so far.
 #[derive(Default)]
 struct Gathered {
-    told: Vec<RecordedMessage>,
-    /// How many states with their hinges are in it.
+    messages: Vec<RecordedMessage>,
+    /// Number of states with their hinges.
     shown: usize,
-    /// States whose hinges have not come.
+    /// States without the message of their hinges.
     states: HashMap<Instant, ColumnState>,
-    /// Hinges whose states have not come.
+    /// Messages of hinges without their state.
     forces: HashMap<Instant, HingeForces>,
-    /// Messages that are not what their type says: how many, and what is wrong with the first.
+    /// Number of messages that cannot be decoded.
     unreadable: usize,
     first_fault: Option<String>,
 }
@@ -111,18 +105,19 @@ impl Gathered {
                 None => drop(self.forces.insert(instant, forces)),
             }
         } else if let Some(report) = self.read::<ImpactReport>(message) {
-            self.told.push(RecordedMessage::Report(Box::new(report)));
+            self.messages
+                .push(RecordedMessage::Report(Box::new(report)));
         } else if let Some(event) = self.read::<ImpactEvent>(message) {
-            self.told.push(RecordedMessage::Event(Box::new(event)));
+            self.messages.push(RecordedMessage::Event(Box::new(event)));
         }
     }
 
     fn pair(&mut self, state: ColumnState, forces: HingeForces) {
         self.shown += 1;
-        self.told.push(RecordedMessage::State(state, forces));
+        self.messages.push(RecordedMessage::State(state, forces));
     }
 
-    /// A message of this type; `None` if it is of another one, or cannot be read.
+    /// Decodes a message of type `M`; `None` if it has another type or cannot be decoded.
     fn read<M: Message + DeserializeOwned>(&mut self, message: &recording::Message) -> Option<M> {
         if *message.type_name != *M::INTERFACE.ros_name() {
             return None;
@@ -136,23 +131,24 @@ impl Gathered {
         read.ok()
     }
 
-    fn say_what_is_not_shown(&self) {
+    fn report_unshown(&self) {
         if let Some(fault) = &self.first_fault {
             eprintln!(
-                "{} messages cannot be read and are not shown; the first one, of {fault}",
+                "{} messages cannot be decoded and are not shown; the first: {fault}",
                 self.unreadable
             );
         }
         let alone = self.states.len() + self.forces.len();
         if self.shown > 0 && alone > 0 {
             eprintln!(
-                "{alone} states or hinge forces have no partner of the same stamp and are not shown"
+                "{alone} messages are not shown: a state without hinge forces of the same stamp, or the reverse"
             );
         }
     }
 }
 
-fn starting_column(bytes: &[u8]) -> Option<Arc<Parameters>> {
+/// The parameters in a checkpoint of the journal.
+fn checkpoint_parameters(bytes: &[u8]) -> Option<Arc<Parameters>> {
     match Line::decode(bytes).ok()?.entry {
         LineEntry::Twin(Journal::Checkpoint(start)) => Some(Arc::clone(&start.parameters)),
         _ => None,

@@ -1,4 +1,4 @@
-//! Pictures of the scene, in a Rerun stream: the column, its hinges, its top and the vehicle.
+//! Frames of the scene in a Rerun stream: the column, its hinges, its top and the vehicle.
 
 use rerun::components::Translation3D;
 use rerun::{
@@ -7,46 +7,47 @@ use rerun::{
 };
 
 use super::colour;
-use super::film::{color, columns};
-use super::fixtures;
-use super::scene::{Drawing, Point, Scene, VEHICLE};
+use super::rerun_types::{color, time_columns};
+use super::scene::{Drawing, Point3, Scene, VEHICLE};
+use super::static_scene;
 use super::timeline::Moment;
 use crate::column::HINGES;
 use crate::shape::Solid;
 
-/// A movement of the column's top that nobody sees \[m\].
-const UNSEEN: f32 = 1e-4;
+/// A movement of the top of the column that is too small to see \[m\].
+const INVISIBLE_MOVEMENT: f32 = 1e-4;
 
-/// Where the column's top was drawn last: mostly it stands still.
+/// Where the top of the column was drawn last; most of the time it does not move.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ShownTop(Option<Point>);
+pub(super) struct ShownTop(Option<Point3>);
 
 impl ShownTop {
-    fn is_to_be_shown(&mut self, top: Point) -> bool {
-        let seen = |shown: Point| (shown[2] - top[2]).abs() >= UNSEEN;
-        let is_to_be_shown = self.0.is_none_or(seen);
-        if is_to_be_shown {
+    /// Whether the top has to be drawn at its new place.
+    fn update(&mut self, top: Point3) -> bool {
+        let visible = |shown: Point3| (shown[2] - top[2]).abs() >= INVISIBLE_MOVEMENT;
+        let moved = self.0.is_none_or(visible);
+        if moved {
             self.0 = Some(top);
         }
-        is_to_be_shown
+        moved
     }
 }
 
-/// Adds pictures, one row of each entity for each. Few entities, with shapes of several kinds in each: an entity costs about the
-/// same, whatever is in it.
+/// Sends frames, one row of each entity per frame. There are few entities with shapes of several kinds in each, because an
+/// entity costs about the same whatever it contains.
 ///
 /// # Errors
-/// The stream takes nothing.
+/// The stream rejects the data.
 pub(super) fn send(
     stream: &RecordingStream,
-    pictures: &[(Moment, Scene)],
+    frames: &[(Moment, Scene)],
     shown_top: &mut ShownTop,
 ) -> RecordingStreamResult<()> {
-    if pictures.is_empty() {
+    if frames.is_empty() {
         return Ok(());
     }
-    let times = columns(pictures.iter().map(|(moment, _)| *moment));
-    let scenes = || pictures.iter().map(|(_, scene)| scene);
+    let times = time_columns(frames.iter().map(|(moment, _)| *moment));
+    let scenes = || frames.iter().map(|(_, scene)| scene);
     let send =
         |entity: &str, columns_of_data| stream.send_columns(entity, times.clone(), columns_of_data);
 
@@ -61,7 +62,7 @@ pub(super) fn send(
     send("column/steel", mesh.columns(corners)?.collect::<Vec<_>>())?;
 
     let hinges = || scenes().flat_map(|it| it.hinges.iter());
-    let four = || vec![HINGES; pictures.len()];
+    let four = || vec![HINGES; frames.len()];
     let marks_and_labels = || {
         scenes().flat_map(|it| {
             let marks = it.hinges.iter().map(|it| (it.place, it.colour, ""));
@@ -75,19 +76,19 @@ pub(super) fn send(
         .with_labels(marks_and_labels().map(|(_, _, label)| label));
     let arcs = LineStrips3D::update_fields()
         .with_strips(hinges().map(|it| LineStrip3D::from_iter(it.arc.iter().copied())));
-    let heads = || hinges().map(|it| fixtures::arc_head(&it.arc));
+    let heads = || hinges().map(|it| static_scene::arc_head(&it.arc));
     let heads = Arrows3D::update_fields()
         .with_origins(heads().map(|(origin, _)| origin))
         .with_vectors(heads().map(|(_, vector)| vector));
     let hinges = marks
-        .columns(vec![2 * HINGES; pictures.len()])?
+        .columns(vec![2 * HINGES; frames.len()])?
         .chain(arcs.columns(four())?)
         .chain(heads.columns(four())?);
     send("column/hinges", hinges.collect())?;
 
-    let moved: Vec<_> = pictures
+    let moved: Vec<_> = frames
         .iter()
-        .filter(|(_, scene)| shown_top.is_to_be_shown(scene.top))
+        .filter(|(_, scene)| shown_top.update(scene.top))
         .collect();
     if !moved.is_empty() {
         let tops = moved.iter().map(|(_, it)| Translation3D::from(it.top));
@@ -98,7 +99,7 @@ pub(super) fn send(
         let spring = LineStrips3D::update_fields().with_strips(springs);
         let ones = || vec![1; moved.len()];
         let top = top.columns(ones())?.chain(spring.columns(ones())?);
-        let times = columns(moved.iter().map(|(moment, _)| *moment));
+        let times = time_columns(moved.iter().map(|(moment, _)| *moment));
         stream.send_columns("top", times, top.collect::<Vec<_>>())?;
     }
 
@@ -127,10 +128,10 @@ pub(super) fn send(
     send("vehicle", vehicle.collect())
 }
 
-/// What does not change in pictures of one column: colours, sizes, and which corners of the steel make a triangle.
+/// Sends what all frames of one column share: colours, sizes and the triangles of the steel.
 ///
 /// # Errors
-/// The stream takes nothing.
+/// The stream rejects the data.
 pub(super) fn send_statics(
     stream: &RecordingStream,
     drawing: &Drawing,
@@ -180,11 +181,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_top_that_creeps_is_shown_all_the_same() {
+    fn a_top_that_creeps_is_drawn_again() {
         let mut shown = ShownTop::default();
         let at = |height: f32| [0.0, 0.0, height];
         let heights = [4.0, 4.0, 3.999_96, 3.999_92, 3.999_88, 3.999_84, 4.0];
-        let drawn = heights.map(|it| shown.is_to_be_shown(at(it)));
+        let drawn = heights.map(|it| shown.update(at(it)));
         assert_eq!(drawn, [true, false, false, false, true, false, true]);
     }
 }

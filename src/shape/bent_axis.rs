@@ -2,38 +2,38 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Joints, PlanePoint};
+use super::joints::{Joints, PlanePoint};
 
-/// How much of a bar is bent next to a joint, as a part of the shorter bar; at most 0.25 m.
+/// Length of a bend next to a joint, as a fraction of the shorter bar; at most 0.25 m.
 pub const BEND_LENGTH: f64 = 0.2;
 
-/// Most of a bar that is bent next to a joint \[m\].
+/// Maximum length of a bend next to a joint \[m\].
 const MAX_BEND: f64 = 0.25;
 
-/// Pieces that a bend on one side of a joint is drawn in.
+/// Number of pieces of a bend on one side of a joint.
 const BEND_PIECES: usize = 4;
 
-/// A place along the axis.
+/// A point on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Where the axis is \[m\].
+    /// Position \[m\].
     pub place: PlanePoint,
-    /// The axis' direction, upwards, of length 1: the section is perpendicular to it.
+    /// Unit tangent of the axis, upwards; the section is perpendicular to it.
     pub direction: PlanePoint,
 }
 
-/// The axis from the base to the top.
+/// The axis of the deformed column from the base to the top.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct BentAxis {
     stations: Vec<Station>,
 }
 
-impl Axis {
+impl BentAxis {
     /// Number of stations of every axis.
     pub const STATIONS: usize = 4 * BEND_PIECES + 3;
 
-    /// The axis through the joints. `rotation` \[rad\] is that of the impact point, positive as a bar leans in the vehicle's
-    /// direction going up; ends that are not fixed turn with their bar.
+    /// The axis through the joints. `rotation` \[rad\] is that of the impact point, positive if the axis leans towards
+    /// positive `x` on its way up; ends that are not fixed turn with their bar.
     #[must_use]
     pub fn new(joints: &Joints, rotation: f64, base_is_fixed: bool, top_is_fixed: bool) -> Self {
         let Joints { base, impact, top } = *joints;
@@ -66,15 +66,15 @@ impl Axis {
     }
 }
 
-/// How much of each bar is bent next to a joint \[m\].
+/// Length of the bends next to the joints \[m\].
 fn bend_length(joints: &Joints) -> f64 {
     let below = joints.impact.plus(-1.0, joints.base).norm();
     let above = joints.top.plus(-1.0, joints.impact).norm();
     (BEND_LENGTH * below.min(above)).min(MAX_BEND)
 }
 
-/// The direction at the impact point: turned by `rotation`, but not out of the bars' own directions, so that a section that
-/// a magnification has turned too far does not fold the solid.
+/// The direction at the impact point: turned by `rotation`, but limited to the directions of the two bars, so that a
+/// magnified rotation does not fold the solid.
 fn between(rotation: f64, below: PlanePoint, above: PlanePoint) -> PlanePoint {
     let lean = |direction: PlanePoint| direction.x.atan2(direction.z);
     let (one, other) = (lean(below), lean(above));
@@ -87,7 +87,7 @@ fn between(rotation: f64, below: PlanePoint, above: PlanePoint) -> PlanePoint {
     PlanePoint::new(angle.sin(), angle.cos())
 }
 
-/// Place and direction at the part `t`, 0 to 1, of the cubic curve from one place and direction to another.
+/// Position and direction at `t`, 0 to 1, on the cubic curve from one position and direction to another.
 fn hermite(
     (from, start): (PlanePoint, PlanePoint),
     (to, end): (PlanePoint, PlanePoint),
@@ -143,12 +143,12 @@ mod tests {
     #[test]
     fn the_axis_passes_through_the_joints() {
         let joints = joints();
-        let axis = Axis::new(&joints, 0.03, true, true);
+        let axis = BentAxis::new(&joints, 0.03, true, true);
         let stations = axis.stations();
-        assert_eq!(stations.len(), Axis::STATIONS);
+        assert_eq!(stations.len(), BentAxis::STATIONS);
         assert!(close(stations[0].place, joints.base));
         assert!(close(stations[2 * BEND_PIECES + 1].place, joints.impact));
-        assert!(close(stations[Axis::STATIONS - 1].place, joints.top));
+        assert!(close(stations[BentAxis::STATIONS - 1].place, joints.top));
         // The impact point has turned by beta1.
         let turned = stations[2 * BEND_PIECES + 1].direction;
         assert!((turned.x.atan2(turned.z) - 0.03).abs() < 1e-12);
@@ -158,9 +158,9 @@ mod tests {
     fn fixed_ends_stay_level_and_free_ends_turn_with_their_bar() {
         let joints = joints();
         let up = PlanePoint::new(0.0, 1.0);
-        let fixed = Axis::new(&joints, 0.0, true, true);
-        let free = Axis::new(&joints, 0.0, false, false);
-        let last = Axis::STATIONS - 1;
+        let fixed = BentAxis::new(&joints, 0.0, true, true);
+        let free = BentAxis::new(&joints, 0.0, false, false);
+        let last = BentAxis::STATIONS - 1;
         assert!(close(fixed.stations()[0].direction, up));
         assert!(close(fixed.stations()[last].direction, up));
         let below = joints.base.direction_to(joints.impact);
@@ -169,11 +169,11 @@ mod tests {
         assert!(close(free.stations()[last].direction, above));
     }
 
-    /// Between the bends the bars are straight, and along the bends the direction never jumps.
+    /// The bars are straight between the bends, and the direction changes gradually along the bends.
     #[test]
     fn bars_are_straight_and_bends_are_smooth() {
         let joints = joints();
-        let stations = Axis::new(&joints, 0.03, true, true).stations().to_vec();
+        let stations = BentAxis::new(&joints, 0.03, true, true).stations().to_vec();
         for (first, bar) in [
             (BEND_PIECES, joints.base.direction_to(joints.impact)),
             (3 * BEND_PIECES + 1, joints.impact.direction_to(joints.top)),
@@ -195,9 +195,9 @@ mod tests {
         }
     }
 
-    /// Nothing folds or becomes NaN where the model's numbers do, or a magnification is absurd.
+    /// Nothing folds or becomes NaN if the numbers of the model do, or if the magnification is absurd.
     #[test]
-    fn absurd_columns_are_drawn_too() {
+    fn absurd_columns_can_be_drawn() {
         let lengths = Lengths {
             below: 0.1,
             above: 3.0,
@@ -209,7 +209,8 @@ mod tests {
                     u1: 0.1,
                     ..Sample::default()
                 };
-                let axis = Axis::new(&Joints::new(lengths, &sample, 1.0), rotation, true, false);
+                let axis =
+                    BentAxis::new(&Joints::new(lengths, &sample, 1.0), rotation, true, false);
                 for station in axis.stations() {
                     assert!(
                         (station.direction.norm() - 1.0).abs() < 1e-12,

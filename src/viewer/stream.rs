@@ -1,185 +1,189 @@
-//! Writes what is shown into a Rerun stream: statics once, states in batches, one column of data for each entity.
+//! Writes items to a Rerun stream: static data once, states in batches with one column of data per entity.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use rerun::{
-    Color, LineStrip2D, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult,
-    Scalars, SeriesLines, SeriesPoints, TextLog, TextLogLevel, TimeColumn,
+    LineStrip2D, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scalars,
+    SeriesLines, SeriesPoints, TextLog, TextLogLevel,
 };
 
 use super::blueprint;
-use super::colour::{self, Rgb};
-use super::events::{Event, Events, summary};
-use super::fixtures;
-use super::item::{Announcement, Item};
-use super::pictures::{self, ShownTop};
+use super::colour;
+use super::events::{Event, EventDetector, summary};
+use super::frames::{self, ShownTop};
+use super::item::{Announcement, ViewerItem};
 use super::plots::{self, Ranges};
+use super::rerun_types::{color, time_columns};
 use super::scene::{Drawing, Scene};
-use super::timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};
+use super::static_scene;
+use super::timeline::{Moment, Placed, Timeline, nanos};
 use crate::column::{HINGES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Severity, StateOutput};
+use crate::twin::{Severity, StateOutput, TwinPhase};
 
-/// Most states that are written at once.
-pub const LARGEST_BATCH: usize = 512;
+/// Maximum number of states in a batch.
+const MAX_BATCH: usize = 512;
 
-/// How far the last state of an impact may be from the column at rest \[m\]: it still vibrates.
-const VIBRATION: f64 = 0.02;
+/// Maximum distance of the last state of an impact, which still vibrates, from the column at rest \[m\].
+const MAX_VIBRATION: f64 = 0.02;
 
-/// How long what stands still may take to leave.
-const STATICS_WITHIN: Duration = Duration::from_millis(500);
+/// Maximum wait until the static data have been sent.
+const STATICS_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// How many pictures of the scene may be made in the long run: what is not spent is saved, up to a limit, so that a whole
-/// impact is seen millisecond by millisecond, and a column that never rests costs no more than the rate.
+/// Limits the mean rate of frames. Unused frames are saved up to a limit, so that a whole impact is shown millisecond by
+/// millisecond, while a column that never comes to rest costs no more than the mean rate.
 #[derive(Debug, Clone)]
-pub struct Budget {
+pub struct FrameBudget {
     per_second: f64,
-    most: f64,
-    left: f64,
-    /// When it was looked at last \[ns\].
-    at: Option<i64>,
+    max_saved: f64,
+    saved: f64,
+    /// Time of the last call of [`take`](Self::take) \[ns\].
+    last_call: Option<i64>,
 }
 
-impl Budget {
-    /// Pictures per second, and how many can be saved.
+impl FrameBudget {
+    /// A budget of `per_second` frames per second, of which `max_saved` can be saved up.
     #[must_use]
-    pub fn new(per_second: f64, most: f64) -> Self {
+    pub fn new(per_second: f64, max_saved: f64) -> Self {
         Self {
             per_second,
-            most,
-            left: most,
-            at: None,
+            max_saved,
+            saved: max_saved,
+            last_call: None,
         }
     }
 
-    /// Whether there is one more picture at this time \[ns\]; a time that goes back earns nothing.
+    /// Takes one frame at the time `now` \[ns\], if there is one; a time that runs backwards earns nothing.
     pub fn take(&mut self, now: i64) -> bool {
-        let passed = now.saturating_sub(self.at.unwrap_or(now)).max(0);
-        self.at = Some(now);
-        self.left = (self.left + 1e-9 * passed as f64 * self.per_second).min(self.most);
-        if self.left < 1.0 {
+        let passed = now.saturating_sub(self.last_call.unwrap_or(now)).max(0);
+        self.last_call = Some(now);
+        self.saved = (self.saved + 1e-9 * passed as f64 * self.per_second).min(self.max_saved);
+        if self.saved < 1.0 {
             return false;
         }
-        self.left -= 1.0;
+        self.saved -= 1.0;
         true
     }
 }
 
-/// How a film is made.
+/// Options of a [`ViewerStream`].
 #[derive(Debug, Clone)]
-pub struct FilmOptions {
-    /// Shortest time between two pictures of the scene, in the time of the impact \[ns\]; curves have every state.
-    pub picture_period: i64,
-    /// How many pictures there may be in the long run; `None`: any number.
-    pub budget: Option<Budget>,
-    /// How long curves may wait for more of them, so that fewer and longer pieces leave \[ns\]; 0: for nothing.
+pub struct StreamOptions {
+    /// Minimum time between two frames of the scene, in the time of the impact \[ns\]; curves contain every state.
+    pub frame_period: i64,
+    /// Limits the mean rate of frames; `None`: no limit.
+    pub budget: Option<FrameBudget>,
+    /// How long states are collected before their curves are sent, so that there are fewer and longer pieces \[ns\]; 0: not
+    /// at all.
     pub curves_period: i64,
-    /// Whether the viewer follows what comes, or stands at the beginning.
+    /// Whether the viewer follows the latest data, or starts at the beginning.
     pub follows: bool,
-    /// How far the axes reach from the start.
+    /// Initial ranges of the axes.
     pub ranges: Ranges,
 }
 
-/// Where states were that go on in the next batch.
+/// What later batches need of the states of the current impact.
 #[derive(Debug, Clone, Default)]
-struct Going {
-    /// First state of the present impact.
+struct ImpactProgress {
+    /// The first state.
     first: Option<Sample>,
-    /// The last state of which a picture was made or left out.
+    /// The last state of which a frame was made or skipped.
     last: Option<Sample>,
-    /// The last state up to which the curves go.
-    traced: Option<Sample>,
-    /// Time of the last picture of the scene \[s\].
-    pictured: Option<f64>,
-    events: Events,
-    /// The event, for what a report tells.
+    /// The last state that the curves contain.
+    plotted: Option<Sample>,
+    /// Time of the last frame of the scene \[s\].
+    last_frame: Option<f64>,
+    events: EventDetector,
     event_id: Option<Arc<str>>,
+    /// Stamp of the impact event \[ns\].
     stamp: i64,
 }
 
-/// A stream into which everything is written that there is to see.
-pub struct Film {
+/// A Rerun stream to which items are written.
+pub struct ViewerStream {
     stream: RecordingStream,
-    options: FilmOptions,
+    options: StreamOptions,
     parameters: Arc<Parameters>,
     drawing: Drawing,
     timeline: Timeline,
     ranges: Ranges,
-    /// Mass and velocity of the vehicle whose impact the axes were last made for.
-    foreseen: Option<[f64; 2]>,
-    going: Going,
-    /// The last displacements that were shown at rest.
+    /// Mass and velocity of the vehicle for which the ranges of the axes were last predicted.
+    predicted: Option<[f64; 2]>,
+    progress: ImpactProgress,
+    /// The displacements of the column at rest that were shown last.
     at_rest: Option<[f64; 2]>,
     shown_top: ShownTop,
-    /// Whether the scene has ever been drawn.
+    /// Whether the scene has been drawn at least once.
     drawn: bool,
-    /// A forecast whose states have not come yet.
+    /// A forecast whose states have not arrived yet.
     forecast: Option<Announcement>,
-    /// States whose curves wait.
+    /// States that are collected for the curves.
     batch: Vec<(Moment, StateOutput)>,
-    /// How many of them have had their pictures.
-    seen: usize,
+    /// Number of states of the batch whose frames have been made.
+    framed: usize,
 }
 
 /// A line of the log.
-struct Line {
+struct LogLine {
     moment: Moment,
     severity: Severity,
     text: String,
 }
 
-impl Film {
-    /// Writes statics and blueprint, and the column at rest.
+impl ViewerStream {
+    /// Writes blueprint and static data.
     ///
     /// # Errors
-    /// The stream takes nothing.
+    /// The stream rejects the data.
     pub fn new(
         stream: RecordingStream,
         parameters: Arc<Parameters>,
-        options: FilmOptions,
+        options: StreamOptions,
     ) -> RecordingStreamResult<Self> {
         let timeline = Timeline::new(parameters.column_properties().step_nanos);
-        let film = Self {
+        let shown = Self {
             drawing: Drawing::new(&parameters),
             ranges: options.ranges,
             stream,
             options,
             parameters,
             timeline,
-            foreseen: None,
-            going: Going::default(),
+            predicted: None,
+            progress: ImpactProgress::default(),
             at_rest: None,
             shown_top: ShownTop::default(),
             drawn: false,
             forecast: None,
             batch: Vec::new(),
-            seen: 0,
+            framed: 0,
         };
-        film.send_blueprint()?;
-        film.statics()?;
-        // What stands still leaves before the columns of data, which wait for nothing; a stream that is slow may have it later.
-        let _ = film.stream.flush_with_timeout(STATICS_WITHIN);
-        Ok(film)
+        shown.send_blueprint()?;
+        shown.statics()?;
+        // Columns of data bypass the batcher and could overtake static data; a slow stream may have these later.
+        let _ = shown.stream.flush_with_timeout(STATICS_TIMEOUT);
+        Ok(shown)
     }
 
-    /// Shows some items in their order. Pictures are made at once, curves with the next call in which no state comes, if not
-    /// before.
+    /// Shows some items in their order. Frames are sent at once; curves at the latest with the next call without a state.
     ///
     /// # Errors
-    /// The stream takes nothing.
-    pub fn show(&mut self, items: impl IntoIterator<Item = Item>) -> RecordingStreamResult<()> {
+    /// The stream rejects the data.
+    pub fn show(
+        &mut self,
+        items: impl IntoIterator<Item = ViewerItem>,
+    ) -> RecordingStreamResult<()> {
         let mut moves = false;
         for item in items {
             match item {
-                Item::State(state) => {
+                ViewerItem::State(state) => {
                     moves = true;
                     self.state(state)?;
                 }
-                // They have their own times and wait for no state.
-                Item::Forecast(_) | Item::Line { .. } => self.other(item)?,
-                Item::Result(_) | Item::Rest { .. } | Item::Parameters(_) => {
+                // These have their own times and need not be in order with the states.
+                ViewerItem::Forecast(_) | ViewerItem::Line { .. } => self.other(item)?,
+                ViewerItem::Result(_) | ViewerItem::Rest { .. } | ViewerItem::Parameters(_) => {
                     self.flush()?;
                     self.other(item)?;
                 }
@@ -202,12 +206,12 @@ impl Film {
         &self.stream
     }
 
-    fn other(&mut self, item: Item) -> RecordingStreamResult<()> {
+    fn other(&mut self, item: ViewerItem) -> RecordingStreamResult<()> {
         match item {
-            Item::State(_) => Ok(()),
-            Item::Forecast(forecast) => {
-                self.stand(forecast.stamp)?;
-                let line = Line {
+            ViewerItem::State(_) => Ok(()),
+            ViewerItem::Forecast(forecast) => {
+                self.show_undeformed(forecast.stamp)?;
+                let line = LogLine {
                     moment: self.timeline.at_last(forecast.stamp),
                     severity: Severity::Info,
                     text: format!(
@@ -217,28 +221,28 @@ impl Film {
                     ),
                 };
                 let mut ranges = Ranges::default();
-                ranges.reach_report(&forecast.report);
-                // A running twin computes it while the first states come.
-                if self.going.event_id.as_deref() == Some(&*forecast.event_id) {
-                    self.going.events.announce(&forecast.report);
+                ranges.include_report(&forecast.report);
+                // A running twin computes it while the first states arrive.
+                if self.progress.event_id.as_deref() == Some(&*forecast.event_id) {
+                    self.progress.events.use_report(&forecast.report);
                 } else {
                     self.forecast = Some(forecast);
                 }
                 self.cover(&ranges)?;
                 self.line(line)
             }
-            Item::Result(result) => self.result(&result),
-            Item::Rest { stamp, v1, u2 } => self.rest(stamp, v1, u2),
-            Item::Line {
+            ViewerItem::Result(result) => self.result(&result),
+            ViewerItem::Rest { stamp, v1, u2 } => self.rest(stamp, v1, u2),
+            ViewerItem::Line {
                 stamp,
                 severity,
                 text,
-            } => self.line(Line {
+            } => self.line(LogLine {
                 moment: self.timeline.at_last(stamp),
                 severity,
                 text,
             }),
-            Item::Parameters(parameters) => self.change(parameters),
+            ViewerItem::Parameters(parameters) => self.change(parameters),
         }
     }
 
@@ -249,36 +253,36 @@ impl Film {
             self.begin(&state)?;
         }
         self.batch.push((moment, state));
-        if self.batch.len() >= LARGEST_BATCH {
+        if self.batch.len() >= MAX_BATCH {
             self.flush()?;
         }
         Ok(())
     }
 
-    /// Another impact begins.
+    /// Begins another impact.
     fn begin(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
         let first = state.sample;
-        let stamp = state.stamp - super::timeline::nanos(first.time);
-        self.stand(stamp)?;
-        self.going = Going {
+        let stamp = state.stamp - nanos(first.time);
+        self.show_undeformed(stamp)?;
+        self.progress = ImpactProgress {
             first: Some(first),
             event_id: Some(Arc::clone(&state.event_id)),
             stamp,
-            ..Going::default()
+            ..ImpactProgress::default()
         };
         self.at_rest = None;
-        // The wall clock may have gone back, and a viewer that comes late may have missed where it was.
+        // The wall clock may have been set back, and a viewer that connected late may have missed the top's position.
         self.shown_top = ShownTop::default();
         let announced = self.forecast.take();
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
-            self.going.events.announce(&forecast.report);
+            self.progress.events.use_report(&forecast.report);
         }
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
         let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
-        if let Some([mass, velocity]) = vehicle.filter(|it| self.foreseen != Some(*it)) {
-            self.foreseen = vehicle;
-            let foreseen = Ranges::foreseen(&self.parameters, Some(mass), Some(velocity));
-            self.cover(&foreseen)?;
+        if let Some([mass, velocity]) = vehicle.filter(|it| self.predicted != Some(*it)) {
+            self.predicted = vehicle;
+            let predicted = Ranges::predicted(&self.parameters, Some(mass), Some(velocity));
+            self.cover(&predicted)?;
         }
         Ok(())
     }
@@ -294,33 +298,33 @@ impl Film {
         let end = self
             .timeline
             .in_impact(result.report.end_time, result.stamp);
-        self.line(Line {
+        self.line(LogLine {
             moment: end,
             severity: Severity::Info,
             text: format!("result of {}: {}", result.event_id, summary(&result.report)),
         })
     }
 
-    /// The column before anything has happened, unless something is drawn already.
-    fn stand(&mut self, stamp: i64) -> RecordingStreamResult<()> {
+    /// Shows the column before the first impact, unless something is drawn already.
+    fn show_undeformed(&mut self, stamp: i64) -> RecordingStreamResult<()> {
         if self.drawn {
             return Ok(());
         }
         let before = Timeline::before(self.parameters.column_properties().step_nanos, stamp);
         let scene = self.drawing.scene(&self.drawing.at_rest, None);
-        self.pictures(&[(before, scene)])
+        self.frames(&[(before, scene)])
     }
 
-    /// The column at rest, unless it is already shown so.
+    /// Shows the column at rest, unless it is shown already.
     fn rest(&mut self, stamp: i64, v1: f64, u2: f64) -> RecordingStreamResult<()> {
         if self.at_rest == Some([v1, u2]) {
             return Ok(());
         }
-        let shown = self.going.last.map(|last| [last.v1, last.u2]);
+        let shown = self.progress.last.map(|last| [last.v1, last.u2]);
         self.at_rest = Some([v1, u2]);
-        // After an impact its last state is better than what the twin says of its rest: it has forces.
+        // The last state of an impact is better than the position at rest, because it has forces.
         let near = |shown: [f64; 2]| {
-            (shown[0] - v1).abs() < VIBRATION && (shown[1] - u2).abs() < VIBRATION
+            (shown[0] - v1).abs() < MAX_VIBRATION && (shown[1] - u2).abs() < MAX_VIBRATION
         };
         if shown.is_some_and(near) {
             return Ok(());
@@ -333,9 +337,9 @@ impl Film {
             u2,
             ..self.drawing.at_rest
         };
-        self.going.last = Some(sample);
-        self.going.traced = Some(sample);
-        self.pictures(&[(moment, self.drawing.scene(&sample, None))])
+        self.progress.last = Some(sample);
+        self.progress.plotted = Some(sample);
+        self.frames(&[(moment, self.drawing.scene(&sample, None))])
     }
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
@@ -343,7 +347,7 @@ impl Film {
         self.timeline
             .change_step(parameters.column_properties().step_nanos);
         self.parameters = parameters;
-        self.foreseen = None;
+        self.predicted = None;
         self.shown_top = ShownTop::default();
         self.at_rest = None;
         self.send_blueprint()?;
@@ -355,19 +359,19 @@ impl Film {
         blueprint::send(&self.stream, &self.drawing, &axes, self.options.follows)
     }
 
-    /// Makes pictures of the states that have had none.
+    /// Makes the frames of the states that have none yet.
     fn draw(&mut self) -> RecordingStreamResult<()> {
         let batch = std::mem::take(&mut self.batch);
-        let drawn = self.scenes(&batch[self.seen..]);
-        self.seen = batch.len();
+        let drawn = self.scenes(&batch[self.framed..]);
+        self.framed = batch.len();
         self.batch = batch;
         drawn
     }
 
-    /// Writes everything of the states that wait.
+    /// Writes the collected states.
     fn flush(&mut self) -> RecordingStreamResult<()> {
         self.draw()?;
-        self.seen = 0;
+        self.framed = 0;
         let batch = std::mem::take(&mut self.batch);
         if batch.is_empty() {
             return Ok(());
@@ -376,25 +380,25 @@ impl Film {
         self.percussions(&batch)?;
         self.stresses(&batch)?;
         for (moment, state) in &batch {
-            for Event { time, text } in self.going.events.until(&state.sample) {
+            for Event { time, text } in self.progress.events.until(&state.sample) {
                 let moment = if time == state.sample.time {
                     *moment
                 } else {
-                    self.timeline.in_impact(time, self.going.stamp)
+                    self.timeline.in_impact(time, self.progress.stamp)
                 };
-                self.line(Line {
+                self.line(LogLine {
                     moment,
                     severity: Severity::Info,
                     text,
                 })?;
             }
         }
-        self.going.traced = batch.last().map(|(_, state)| state.sample);
+        self.progress.plotted = batch.last().map(|(_, state)| state.sample);
         Ok(())
     }
 
     fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
-        let times = columns(batch.iter().map(|(moment, _)| *moment));
+        let times = time_columns(batch.iter().map(|(moment, _)| *moment));
         for plot in &plots::ALL {
             let values = batch.iter().flat_map(|(_, state)| {
                 let values = (plot.values)(&state.sample);
@@ -417,18 +421,18 @@ impl Film {
         let marks = Scalars::new(vec![self.ranges.percussion_mark(); times.len()]);
         let columns_of_marks = marks.columns(vec![1; times.len()])?;
         self.stream
-            .send_columns(plots::PERCUSSIONS, columns(times), columns_of_marks)
+            .send_columns(plots::PERCUSSIONS, time_columns(times), columns_of_marks)
     }
 
-    /// The path of each hinge in its yield surface, piece by piece, and where it is now.
+    /// The path of each hinge in its yield surface, piece by piece, and its present position.
     fn stresses(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
-        let times = columns(batch.iter().map(|(moment, _)| *moment));
+        let times = time_columns(batch.iter().map(|(moment, _)| *moment));
         let resistances = [
             self.drawing.resistance_moment,
             self.drawing.resistance_axial,
         ];
         for hinge in 0..HINGES {
-            let mut last = self.going.traced.unwrap_or(batch[0].1.sample);
+            let mut last = self.progress.plotted.unwrap_or(batch[0].1.sample);
             let mut strips = Vec::with_capacity(batch.len());
             let mut points = Vec::with_capacity(batch.len());
             for (_, state) in batch {
@@ -440,7 +444,7 @@ impl Film {
             }
             let ones = vec![1; batch.len()];
             let path = LineStrips2D::update_fields().with_strips(strips);
-            let entity = fixtures::stress_entity(hinge, "path");
+            let entity = static_scene::stress_entity(hinge, "path");
             self.stream
                 .send_columns(entity, times.clone(), path.columns(ones.clone())?)?;
             let colours = batch
@@ -449,54 +453,54 @@ impl Film {
             let now = Points2D::update_fields()
                 .with_positions(points)
                 .with_colors(colours);
-            let entity = fixtures::stress_entity(hinge, "now");
+            let entity = static_scene::stress_entity(hinge, "now");
             self.stream
                 .send_columns(entity, times.clone(), now.columns(ones)?)?;
         }
         Ok(())
     }
 
-    /// Pictures of the scene of those states that are far enough apart, and of the last one of an impact.
+    /// Makes frames of the states that are far enough apart, and of the last one of an impact.
     fn scenes(&mut self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
-        let mut pictures = Vec::new();
-        let first = self.going.first.unwrap_or_default();
-        let mut before = self.going.last.unwrap_or(first);
-        self.going.last = batch
+        let mut frames = Vec::new();
+        let first = self.progress.first.unwrap_or_default();
+        let mut before = self.progress.last.unwrap_or(first);
+        self.progress.last = batch
             .last()
             .map(|(_, state)| state.sample)
-            .or(self.going.last);
+            .or(self.progress.last);
         for (moment, state) in batch {
             let sample = &state.sample;
-            let period = self.options.picture_period;
-            let goes_on = (state.phase as u8) < crate::twin::TwinPhase::Rest as u8;
-            // A percussion, or a hinge that yields or unloads, is seen at its own instant.
+            let period = self.options.frame_period;
+            let goes_on = (state.phase as u8) < TwinPhase::Rest as u8;
+            // A percussion, or a hinge that yields or unloads, is shown at its own instant.
             let states = |sample: &Sample| sample.hinges.map(|hinge| hinge.state);
             let notable = sample.percussion > 0.0 || states(&before) != states(sample);
             before = *sample;
-            if goes_on && !notable && !plots::apart(self.going.pictured, sample.time, period) {
+            if goes_on && !notable && !plots::apart(self.progress.last_frame, sample.time, period) {
                 continue;
             }
             let budget = self.options.budget.as_mut();
             if goes_on && !budget.is_none_or(|budget| budget.take(moment.wall_clock)) {
                 continue;
             }
-            self.going.pictured = Some(sample.time);
-            // The impact may be at another height than the last one.
+            self.progress.last_frame = Some(sample.time);
+            // The height of the impact may differ from that of the last one.
             self.drawing.lengths = state
                 .lengths
                 .unwrap_or_else(|| Lengths::from(&*self.parameters));
             let mass = plots::mass_of(&first, sample, self.drawing.struck_mass);
-            pictures.push((*moment, self.drawing.scene(sample, mass)));
+            frames.push((*moment, self.drawing.scene(sample, mass)));
         }
-        self.pictures(&pictures)
+        self.frames(&frames)
     }
 
-    fn pictures(&mut self, pictures: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
-        self.drawn |= !pictures.is_empty();
-        pictures::send(&self.stream, pictures, &mut self.shown_top)
+    fn frames(&mut self, frames: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
+        self.drawn |= !frames.is_empty();
+        frames::send(&self.stream, frames, &mut self.shown_top)
     }
 
-    fn line(&self, line: Line) -> RecordingStreamResult<()> {
+    fn line(&self, line: LogLine) -> RecordingStreamResult<()> {
         let level = match line.severity {
             Severity::Info => TextLogLevel::INFO,
             Severity::Warning => TextLogLevel::WARN,
@@ -505,18 +509,18 @@ impl Film {
         let text = TextLog::new(line.text).with_level(level);
         let data = text.columns_of_unit_batches()?;
         self.stream
-            .send_columns("log", columns([line.moment]), data)
+            .send_columns("log", time_columns([line.moment]), data)
     }
 
-    /// What does not change while the column is the same.
+    /// Writes what does not change while the column is the same.
     fn statics(&self) -> RecordingStreamResult<()> {
         let exponents = self.parameters.column_properties().yield_surface;
-        fixtures::send(&self.stream, &self.drawing, exponents)?;
-        pictures::send_statics(&self.stream, &self.drawing)?;
+        static_scene::send(&self.stream, &self.drawing, exponents)?;
+        frames::send_statics(&self.stream, &self.drawing)?;
         self.styles()
     }
 
-    /// Names, colours and widths of the curves.
+    /// Writes names, colours and widths of the curves.
     fn styles(&self) -> RecordingStreamResult<()> {
         let stream = &self.stream;
         for plot in &plots::ALL {
@@ -529,7 +533,7 @@ impl Film {
             stream.log_static(plot.entity, &lines)?;
         }
         let marks = SeriesPoints::new()
-            .with_names(["percussion, a mark"])
+            .with_names(["percussion (not to scale)"])
             .with_colors([color(colour::ENERGIES[1])])
             .with_markers([rerun::components::MarkerShape::Down])
             .with_marker_sizes([6.0]);
@@ -538,46 +542,30 @@ impl Film {
             let path = LineStrips2D::update_fields()
                 .with_colors([color(colour::HINGE[hinge])])
                 .with_radii([Radius::new_ui_points(1.5)]);
-            stream.log_static(fixtures::stress_entity(hinge, "path"), &path)?;
+            stream.log_static(static_scene::stress_entity(hinge, "path"), &path)?;
             let now = Points2D::update_fields().with_radii([Radius::new_ui_points(5.0)]);
-            stream.log_static(fixtures::stress_entity(hinge, "now"), &now)?;
+            stream.log_static(static_scene::stress_entity(hinge, "now"), &now)?;
         }
         Ok(())
     }
-}
-
-/// A colour as Rerun has it.
-pub(super) fn color([red, green, blue]: Rgb) -> Color {
-    Color::from_rgb(red, green, blue)
-}
-
-/// The times of some rows on all timelines.
-pub(super) fn columns(moments: impl IntoIterator<Item = Moment>) -> Vec<TimeColumn> {
-    let moments: Vec<_> = moments.into_iter().collect();
-    let of = |time: fn(&Moment) -> i64| moments.iter().map(time).collect::<Vec<_>>();
-    vec![
-        TimeColumn::new_duration_nanos(IMPACT_TIME, of(|it| it.impact_time)),
-        TimeColumn::new_sequence(STEP, of(|it| it.step)),
-        TimeColumn::new_timestamp_nanos_since_epoch(WALL_CLOCK, of(|it| it.wall_clock)),
-    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A thousand states a second: the first impact is seen whole, and then sixty pictures a second.
+    /// At a thousand states per second the first impact is shown completely, and then 60 frames per second.
     #[test]
     fn a_budget_is_spent_and_earned() {
-        let mut budget = Budget::new(60.0, 120.0);
-        let mut pictures = |from: i64, to: i64| {
+        let mut budget = FrameBudget::new(60.0, 120.0);
+        let mut frames = |from: i64, to: i64| {
             let times = (from..to).map(|millisecond| millisecond * 1_000_000);
             times.filter(|now| budget.take(*now)).count()
         };
-        assert_eq!(pictures(0, 100), 100);
-        let later = pictures(1_000, 11_000);
+        assert_eq!(frames(0, 100), 100);
+        let later = frames(1_000, 11_000);
         assert!((600..=725).contains(&later), "{later}");
-        // Wound back: nothing is earned, and nothing breaks.
-        assert!(pictures(0, 50) <= 50);
+        // A time that runs backwards earns nothing.
+        assert!(frames(0, 50) <= 50);
     }
 }

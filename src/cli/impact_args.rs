@@ -1,0 +1,85 @@
+//! The options that specify an impact.
+
+use clap::Args;
+
+/// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub(super) struct ImpactSpecificationArgs {
+    /// Mass of the vehicle [kg]
+    #[arg(long, value_name = "KG")]
+    mass: Option<f64>,
+    /// Speed of the vehicle over the ground [m/s]
+    #[arg(long, value_name = "M/S")]
+    velocity: Option<f64>,
+    /// Distance between vehicle and column at the event [m]; default: parameter impact.gap
+    #[arg(long, value_name = "M")]
+    gap: Option<f64>,
+    /// Coefficient of restitution [-], 0 to 1; default: parameter impact.restitution
+    #[arg(long, value_name = "E")]
+    restitution: Option<f64>,
+    /// Height of the impact point above the base [m]; default: parameter geometry.length_below
+    #[arg(long, value_name = "M")]
+    height: Option<f64>,
+}
+
+impl ImpactSpecificationArgs {
+    /// The height of the impact point above the base \[m\], if given.
+    pub fn height(&self) -> Option<f64> {
+        self.height
+    }
+
+    /// The options as overrides of parameters, so that the one table of parameters validates them. The height, which two
+    /// parameters determine, is not among them.
+    pub fn overrides(&self) -> Vec<String> {
+        let options = [
+            ("impact.mass", self.mass),
+            ("impact.velocity", self.velocity),
+            ("impact.gap", self.gap),
+            ("impact.restitution", self.restitution),
+        ];
+        options
+            .into_iter()
+            .filter_map(|(name, value)| Some(format!("{name}:={}", yaml(value?))))
+            .collect()
+    }
+
+    /// The options as an impact to send to a twin, for a command that requires mass and velocity.
+    #[cfg(feature = "ros")]
+    pub fn to_send(
+        &self,
+        column_id: String,
+        event_id: Option<String>,
+        timeout: std::time::Duration,
+    ) -> crate::ros::ImpactOptions {
+        crate::ros::ImpactOptions {
+            column_id,
+            event_id,
+            // clap requires both; a twin would reject NaN.
+            mass: self.mass.unwrap_or(f64::NAN),
+            velocity: self.velocity.unwrap_or(f64::NAN),
+            gap: self.gap,
+            restitution: self.restitution,
+            height: self.height,
+            match_timeout: timeout,
+            answer_timeout: timeout,
+        }
+    }
+}
+
+/// A number in YAML, always with a decimal point.
+pub(super) fn yaml(value: f64) -> String {
+    match value {
+        value if value.is_nan() => ".nan".into(),
+        f64::INFINITY => ".inf".into(),
+        f64::NEG_INFINITY => "-.inf".into(),
+        value => {
+            let text = format!("{value:?}");
+            // YAML 1.1 reads 1e-7, as Rust writes it, as a string.
+            match text.split_once('e') {
+                Some((digits, power)) if !digits.contains('.') => format!("{digits}.0e{power}"),
+                _ => text,
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! The history of a response, from which the figures are drawn.
+
+use super::units::Unit;
+use crate::column::{Outcome, Report, Sample, YieldExponents};
+
+/// The history of a response with its outcome and what is known of the hinges.
+#[derive(Debug, Clone, Copy)]
+pub struct ResponseHistory<'a> {
+    /// One line that describes column and impact.
+    pub title: &'a str,
+    /// The samples, in the order of time.
+    pub samples: &'a [Sample],
+    /// The outcome.
+    pub report: &'a Report,
+    /// Exponents of the hinges' yield surface.
+    pub yield_surface: YieldExponents,
+    /// `M^p` \[N m\].
+    pub resistance_moment: f64,
+    /// `N^p` \[N\].
+    pub resistance_axial: f64,
+}
+
+impl ResponseHistory<'_> {
+    /// First and last time of the history \[s\].
+    pub(super) fn span(&self) -> (f64, f64) {
+        let time = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.time);
+        (time(self.samples.first()), time(self.samples.last()))
+    }
+
+    /// A quantity over time.
+    pub(super) fn over_time(&self, quantity: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
+        self.samples
+            .iter()
+            .map(|sample| (sample.time, quantity(sample)))
+            .collect()
+    }
+
+    /// The largest magnitude of some quantities.
+    pub(super) fn largest<const N: usize>(&self, quantities: impl Fn(&Sample) -> [f64; N]) -> f64 {
+        self.samples
+            .iter()
+            .flat_map(|sample| quantities(sample).map(f64::abs))
+            .filter(|value| value.is_finite())
+            .fold(0.0, f64::max)
+    }
+
+    /// First contact, last separation and collapse, as far as they have happened.
+    pub(super) fn events(&self) -> Vec<(f64, &'static str)> {
+        let report = self.report;
+        let collapse = (report.outcome == Outcome::Collapsed).then_some(report.end_time);
+        [
+            (report.first_contact_time, "contact"),
+            (report.release_time, "separation"),
+            (collapse, "collapse"),
+        ]
+        .into_iter()
+        .filter_map(|(time, name)| Some((time?, name)))
+        .collect()
+    }
+
+    /// The outcome as a verb.
+    pub(super) fn outcome(&self) -> &'static str {
+        match self.report.outcome {
+            Outcome::Elastic => "stays elastic",
+            Outcome::Plastic => "deforms plastically and remains standing",
+            Outcome::Collapsed => "collapses",
+        }
+    }
+
+    /// The unit for times of this history.
+    pub(super) fn time_unit(&self) -> Unit {
+        let (from, to) = self.span();
+        Unit::time(from.abs().max(to.abs()))
+    }
+}
