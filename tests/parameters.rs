@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
-    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Place,
+    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Origin,
     Problem, STEEL_GRADES, Settings, Value, catalogue, markdown, parse_override,
 };
 use proptest::prelude::*;
@@ -238,7 +238,7 @@ fn faults_can_be_used_by_a_program() {
             nearest: vec!["impact.velocity".to_owned()]
         }
     );
-    let Place::File { path, position, .. } = &fault.place else {
+    let Origin::File { path, position, .. } = &fault.place else {
         panic!("{fault:?}")
     };
     assert_eq!(

@@ -107,7 +107,7 @@ fn size_of(name: &str) -> u32 {
 
 /// A line of the file: dimensions in mm, then published values, against which the tests check the computed ones.
 #[derive(Debug, Deserialize)]
-struct Row {
+struct CatalogueRow {
     name: String,
     h_mm: f64,
     b_mm: f64,
@@ -124,7 +124,7 @@ struct Row {
     published_mass_kg_per_m: f64,
 }
 
-fn rows() -> impl Iterator<Item = csv::Result<Row>> {
+fn rows() -> impl Iterator<Item = csv::Result<CatalogueRow>> {
     let text: &'static str = include_str!("../../config/sections.csv");
     csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -132,7 +132,7 @@ fn rows() -> impl Iterator<Item = csv::Result<Row>> {
         .into_deserialize()
 }
 
-impl Row {
+impl CatalogueRow {
     fn section(self) -> CatalogueSection {
         CatalogueSection {
             name: self.name,

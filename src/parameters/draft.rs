@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::consistency::{Inconsistency, inconsistencies};
-use super::fault::{Fault, ParameterFaults, Place, Problem};
+use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
 use super::settings::Settings;
 use super::table::{PARAMETERS, Parameter};
@@ -18,7 +18,7 @@ pub(super) struct Draft {
     /// One per entry of the table, in its order, as are the next two.
     values: Vec<Value>,
     /// Where a value was given; `None` for a default.
-    places: Vec<Option<Place>>,
+    places: Vec<Option<Origin>>,
     /// Whether a wrong value was given.
     wrong: Vec<bool>,
     faults: Vec<Fault>,
@@ -45,7 +45,7 @@ impl Draft {
     pub(super) fn of_settings(settings: &Settings) -> Self {
         Self {
             values: settings.values(),
-            places: vec![Some(Place::Direct); PARAMETERS.len()],
+            places: vec![Some(Origin::Direct); PARAMETERS.len()],
             ..Self::of_defaults()
         }
     }
@@ -54,7 +54,7 @@ impl Draft {
     pub(super) fn take(&mut self, assignments: Vec<Assignment>, faults: Vec<Fault>) {
         let places = assignments.iter().map(|assignment| &assignment.given.place);
         for place in places.chain(faults.iter().map(|fault| &fault.place)) {
-            if let Place::File { path, .. } = place
+            if let Origin::File { path, .. } = place
                 && !self.files.contains(path)
             {
                 self.files.push(path.clone());
@@ -180,7 +180,7 @@ impl Draft {
         Some(Fault {
             name: names.first().map(|name| (*name).to_owned()),
             value: None,
-            place: place.unwrap_or(Place::Direct),
+            place: place.unwrap_or(Origin::Direct),
             problem: Problem::Inconsistent(message),
         })
     }
@@ -189,11 +189,11 @@ impl Draft {
     fn sort_faults(&mut self) {
         let files = &self.files;
         self.faults.sort_by_key(|fault| match &fault.place {
-            Place::File { path, position, .. } => {
+            Origin::File { path, position, .. } => {
                 (files.iter().position(|file| file == path), 0, *position)
             }
-            Place::CommandLine(_) => (Some(files.len()), 1, None),
-            Place::Direct => (Some(files.len()), 2, None),
+            Origin::CommandLine(_) => (Some(files.len()), 1, None),
+            Origin::Direct => (Some(files.len()), 2, None),
         });
     }
 }

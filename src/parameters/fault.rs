@@ -17,14 +17,14 @@ pub struct Fault {
     /// The value as written, of an array the element; `None` if the fault is not in a value.
     pub value: Option<String>,
     /// Where it was given.
-    pub place: Place,
+    pub place: Origin,
     /// What is wrong.
     pub problem: Problem,
 }
 
 /// Where a value was given.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Place {
+pub enum Origin {
     /// In a parameter file.
     File {
         /// As the user wrote it.
@@ -195,7 +195,7 @@ impl fmt::Display for Suggestion<'_> {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File {
@@ -253,10 +253,10 @@ impl ParameterFaults {
     /// A report for people: the lines of the files with the faults below them.
     #[must_use]
     pub fn report(&self) -> miette::Report {
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<ReportPart> = Vec::new();
         for fault in &self.0 {
             match &fault.place {
-                Place::File {
+                Origin::File {
                     path,
                     excerpt: Some(excerpt),
                     ..
@@ -269,10 +269,10 @@ impl ParameterFaults {
                         .find(|part| part.file.as_ref().is_some_and(|file| file.name() == name))
                     {
                         Some(part) => part.labels.push(label),
-                        None => parts.push(Part::of_file(name, excerpt.text.clone(), label)),
+                        None => parts.push(ReportPart::of_file(name, excerpt.text.clone(), label)),
                     }
                 }
-                _ => parts.push(Part {
+                _ => parts.push(ReportPart {
                     message: fault.to_string(),
                     file: None,
                     labels: Vec::new(),
@@ -327,7 +327,7 @@ impl fmt::Display for FaultInPlace<'_> {
 #[error("{}", Count(*.count))]
 struct Listing {
     count: usize,
-    parts: Vec<Part>,
+    parts: Vec<ReportPart>,
 }
 
 impl Diagnostic for Listing {
@@ -341,13 +341,13 @@ impl Diagnostic for Listing {
 /// The faults of one file, or a single fault outside of files.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
-struct Part {
+struct ReportPart {
     message: String,
     file: Option<NamedSource<Arc<str>>>,
     labels: Vec<LabeledSpan>,
 }
 
-impl Part {
+impl ReportPart {
     fn of_file(name: String, text: Arc<str>, label: LabeledSpan) -> Self {
         Self {
             message: format!("in {name}"),
@@ -357,7 +357,7 @@ impl Part {
     }
 }
 
-impl Diagnostic for Part {
+impl Diagnostic for ReportPart {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         self.file.as_ref().map(|file| file as &dyn SourceCode)
     }
@@ -375,8 +375,8 @@ pub(super) struct SourceFile {
 }
 
 impl SourceFile {
-    pub(super) fn place(&self, at: &Location) -> Place {
-        Place::File {
+    pub(super) fn place(&self, at: &Location) -> Origin {
+        Origin::File {
             path: self.path.clone(),
             position: Some((at.line, at.column)),
             excerpt: Some(Excerpt {

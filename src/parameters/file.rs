@@ -6,16 +6,16 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::fault::{Fault, Place, Problem, SourceFile};
+use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};
 use super::node_name::{NodeName, with_slashes};
 use super::table::Parameter;
-use super::yaml::{self, Content, Key, Location, Node};
+use super::yaml::{self, Location, YamlContent, YamlKey, YamlNode};
 
 /// Maximum size of a parameter file \[bytes\].
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Key of the mapping that holds the parameters of a node.
+/// YamlKey of the mapping that holds the parameters of a node.
 const PARAMETERS_KEY: &str = "ros__parameters";
 
 /// Reads a file and returns what it assigns to this node's parameters, and all faults in its structure.
@@ -29,7 +29,7 @@ pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>
             node,
         ),
         Err(message) => {
-            let place = Place::File {
+            let place = Origin::File {
                 path: path.to_owned(),
                 position: None,
                 excerpt: None,
@@ -64,7 +64,7 @@ fn read_text(path: &Path) -> Result<String, String> {
 
 /// Returns what the text of a file assigns to this node's parameters, and all faults in its structure.
 pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
-    let mut reader = Reader {
+    let mut reader = FileReader {
         file,
         node,
         found: Vec::new(),
@@ -75,8 +75,8 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
     match yaml::parse(&file.text) {
         Ok(
             None
-            | Some(Node {
-                content: Content::Null,
+            | Some(YamlNode {
+                content: YamlContent::Null,
                 ..
             }),
         ) => {
@@ -89,8 +89,8 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
                 },
             );
         }
-        Ok(Some(Node {
-            content: Content::Mapping(entries),
+        Ok(Some(YamlNode {
+            content: YamlContent::Mapping(entries),
             ..
         })) => {
             reader.nodes(&entries, "");
@@ -102,7 +102,7 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
     (reader.found, reader.faults)
 }
 
-struct Reader<'a> {
+struct FileReader<'a> {
     file: &'a SourceFile,
     node: &'a NodeName,
     found: Vec<Assignment>,
@@ -113,7 +113,7 @@ struct Reader<'a> {
     meant: bool,
 }
 
-impl Reader<'_> {
+impl FileReader<'_> {
     fn fault(&mut self, name: Option<&str>, at: &Location, problem: Problem) {
         let place = self.file.place(at);
         self.faults.push(Fault {
@@ -133,7 +133,7 @@ impl Reader<'_> {
     }
 
     /// Walks mappings from names of nodes and namespaces down to `ros__parameters`.
-    fn nodes(&mut self, entries: &[(Key, Node)], path: &str) {
+    fn nodes(&mut self, entries: &[(YamlKey, YamlNode)], path: &str) {
         self.report_duplicates(entries, |_| true);
         for (key, child) in entries {
             match (&child.content, key.text == PARAMETERS_KEY) {
@@ -145,15 +145,17 @@ impl Reader<'_> {
                     self.fault(Some(PARAMETERS_KEY), &key.at, Problem::Syntax(message));
                     self.meant = true; // one fault is enough
                 }
-                (Content::Mapping(_) | Content::Null, true) if !self.node.is_meant_by(path) => {
+                (YamlContent::Mapping(_) | YamlContent::Null, true)
+                    if !self.node.is_meant_by(path) =>
+                {
                     self.other_nodes.push(with_slashes(path));
                 }
-                (Content::Mapping(parameters), true) => {
+                (YamlContent::Mapping(parameters), true) => {
                     self.meant = true;
                     self.group(parameters, "", &mut BTreeMap::new());
                 }
-                (Content::Null, true) => self.meant = true,
-                (Content::Mapping(below), false) => {
+                (YamlContent::Null, true) => self.meant = true,
+                (YamlContent::Mapping(below), false) => {
                     self.nodes(below, &format!("{path}/{}", key.text))
                 }
                 (_, true) => {
@@ -167,13 +169,13 @@ impl Reader<'_> {
     }
 
     /// Reports a value between the name of a node and its `ros__parameters`.
-    fn report_stray(&mut self, key: &Key) {
+    fn report_stray(&mut self, key: &YamlKey) {
         let message = format!("is outside `{PARAMETERS_KEY}:`; move it below, indented");
         self.fault(Some(&key.text), &key.at, Problem::Syntax(message));
         self.meant = true;
     }
 
-    fn report_missing_section(&mut self, entries: &[(Key, Node)]) {
+    fn report_missing_section(&mut self, entries: &[(YamlKey, YamlNode)]) {
         let Some((first, _)) = entries.first().filter(|_| !self.meant) else {
             return;
         };
@@ -200,18 +202,20 @@ impl Reader<'_> {
     /// Reads parameters of this node, grouped by mappings or by dots.
     fn group(
         &mut self,
-        entries: &[(Key, Node)],
+        entries: &[(YamlKey, YamlNode)],
         prefix: &str,
         first_lines: &mut BTreeMap<String, usize>,
     ) {
-        self.report_duplicates(entries, |node| matches!(node.content, Content::Mapping(_)));
+        self.report_duplicates(entries, |node| {
+            matches!(node.content, YamlContent::Mapping(_))
+        });
         for (key, node) in entries {
             let name = if prefix.is_empty() {
                 key.text.clone()
             } else {
                 format!("{prefix}.{}", key.text)
             };
-            if let Content::Mapping(members) = &node.content {
+            if let YamlContent::Mapping(members) = &node.content {
                 if members.is_empty() {
                     continue;
                 }
@@ -225,7 +229,7 @@ impl Reader<'_> {
         }
     }
 
-    fn assign(&mut self, name: String, key: &Key, node: &Node) {
+    fn assign(&mut self, name: String, key: &YamlKey, node: &YamlNode) {
         let mut given = Given::of_yaml(node, &|at| self.file.place(at));
         // A fault in a scalar is shown at the scalar, one in the name or in a whole list at the name.
         if Parameter::named(&name).is_none() || !matches!(given.content, given::Content::Scalar(_))
@@ -235,7 +239,11 @@ impl Reader<'_> {
         self.found.push(Assignment { name, given });
     }
 
-    fn report_duplicates(&mut self, entries: &[(Key, Node)], counts: impl Fn(&Node) -> bool) {
+    fn report_duplicates(
+        &mut self,
+        entries: &[(YamlKey, YamlNode)],
+        counts: impl Fn(&YamlNode) -> bool,
+    ) {
         let mut first_lines = BTreeMap::new();
         for (key, _) in entries.iter().filter(|(_, node)| counts(node)) {
             match first_lines.get(key.text.as_str()) {

@@ -1,8 +1,8 @@
 //! What was given for a parameter, with its place, before it is checked.
 
-use super::fault::Place;
+use super::fault::Origin;
 use super::value::Value;
-use super::yaml::{self, Location, Node};
+use super::yaml::{Location, YamlContent, YamlNode};
 
 /// One name with what was given for it.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) struct Given {
     pub content: Content,
     /// A scalar as it was typed.
     pub text: Option<String>,
-    pub place: Place,
+    pub place: Origin,
 }
 
 /// What may be written where a value is expected.
@@ -38,14 +38,14 @@ impl Assignment {
     pub fn direct((name, value): (impl Into<String>, Value)) -> Self {
         Self {
             name: name.into(),
-            given: Given::value(value, &Place::Direct),
+            given: Given::value(value, &Origin::Direct),
         }
     }
 }
 
 impl Given {
     /// A value from one place.
-    pub fn value(value: Value, place: &Place) -> Self {
+    pub fn value(value: Value, place: &Origin) -> Self {
         let text = value.plain();
         let content = match value {
             Value::DoubleArray(numbers) => Content::list(numbers, place),
@@ -60,17 +60,17 @@ impl Given {
     }
 
     /// A node of a YAML text; `place` converts its location.
-    pub fn of_yaml(node: &Node, place: &impl Fn(&Location) -> Place) -> Self {
+    pub fn of_yaml(node: &YamlNode, place: &impl Fn(&Location) -> Origin) -> Self {
         let (content, text) = match &node.content {
-            yaml::Content::Null => (Content::Nothing, None),
-            yaml::Content::Scalar { value, text } => {
+            YamlContent::Null => (Content::Nothing, None),
+            YamlContent::Scalar { value, text } => {
                 (Content::Scalar(value.clone()), Some(text.clone()))
             }
-            yaml::Content::List(elements) => {
+            YamlContent::List(elements) => {
                 let elements = elements.iter().map(|it| Self::of_yaml(it, place));
                 (Content::List(elements.collect()), None)
             }
-            yaml::Content::Mapping(_) => (Content::Mapping, None),
+            YamlContent::Mapping(_) => (Content::Mapping, None),
         };
         Self {
             content,
@@ -81,7 +81,7 @@ impl Given {
 }
 
 impl Content {
-    fn list<T: Into<Value>>(elements: Vec<T>, place: &Place) -> Self {
+    fn list<T: Into<Value>>(elements: Vec<T>, place: &Origin) -> Self {
         let elements = elements.into_iter().map(Into::into);
         Self::List(elements.map(|it| Given::value(it, place)).collect())
     }

@@ -44,16 +44,17 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use catalogue::{CatalogueSection, catalogue};
-pub use fault::{Excerpt, Fault, ParameterFaults, Place, Problem};
+pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, Damping, Event, Geometry, Hinge, RealTime, Record, RecordMode, Resistance,
-    Response, Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer,
-    ViewerMode, YieldSurface,
+    Compression, DampingSettings, EventSettings, GeometrySettings, HingeSettings, RealTimeSettings,
+    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
+    SolverSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};

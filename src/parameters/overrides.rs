@@ -1,6 +1,6 @@
 //! Parameters given on the command line.
 
-use super::fault::{Fault, Place, Problem};
+use super::fault::{Fault, Origin, Problem};
 use super::given::{Assignment, Content, Given};
 use super::node_name::NodeName;
 use super::value::Value;
@@ -43,12 +43,12 @@ pub fn parse_override(argument: &str) -> Override {
     Override {
         node,
         name: Some(name.to_owned()),
-        given: given(value, Place::CommandLine(text.clone())),
+        given: given(value, Origin::CommandLine(text.clone())),
         text,
     }
 }
 
-fn given(value: &str, place: Place) -> Result<Given, Problem> {
+fn given(value: &str, place: Origin) -> Result<Given, Problem> {
     let node = yaml::parse(value)
         .map_err(|error| Problem::Syntax(format!("has a value that is {}", error.message)))?;
     let nothing = Given {
@@ -66,7 +66,7 @@ impl Override {
         Self {
             node: None,
             name: Some(name.to_owned()),
-            given: Ok(Given::value(value, &Place::CommandLine(text.to_owned()))),
+            given: Ok(Given::value(value, &Origin::CommandLine(text.to_owned()))),
             text: text.to_owned(),
         }
     }
@@ -76,7 +76,7 @@ impl Override {
     /// # Errors
     /// A malformed argument, or one for another node.
     pub(super) fn assignment(&self, node: &NodeName) -> Result<Assignment, Box<Fault>> {
-        let place = Place::CommandLine(self.text.clone());
+        let place = Origin::CommandLine(self.text.clone());
         let fault = |problem| {
             Box::new(Fault {
                 name: self.name.clone(),

@@ -14,28 +14,28 @@ use crate::column::{ElasticLaw, Impact, Scheme};
 pub struct Settings {
     pub column_id: String,
     pub frame_id: String,
-    pub geometry: Geometry,
-    pub section: Section,
-    pub steel: Steel,
-    pub resistance: Resistance,
-    pub yield_surface: YieldSurface,
-    pub hinge: Hinge,
-    pub support: Supports,
-    pub top: Top,
+    pub geometry: GeometrySettings,
+    pub section: SectionSettings,
+    pub steel: SteelSettings,
+    pub resistance: ResistanceSettings,
+    pub yield_surface: YieldSurfaceSettings,
+    pub hinge: HingeSettings,
+    pub support: SupportSettings,
+    pub top: TopSettings,
     /// Default impact, for what an impact event leaves open.
     pub impact: Impact,
-    pub event: Event,
-    pub solver: Solver,
-    pub damping: Damping,
-    pub response: Response,
-    pub state: StateFile,
+    pub event: EventSettings,
+    pub solver: SolverSettings,
+    pub damping: DampingSettings,
+    pub response: ResponseSettings,
+    pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
-    pub real_time: RealTime,
-    pub record: Record,
-    pub viewer: Viewer,
+    pub real_time: RealTimeSettings,
+    pub record: RecordSettings,
+    pub viewer: ViewerSettings,
     #[cfg(test)]
-    pub example: Example,
+    pub example: ExampleSettings,
 }
 
 macro_rules! groups {
@@ -50,35 +50,35 @@ macro_rules! groups {
 
 groups! {
     /// Lengths of the two bars.
-    Geometry { length_below: f64, length_above: f64 }
+    GeometrySettings { length_below: f64, length_above: f64 }
     /// The section as given: a name, numbers that override its properties, or numbers alone.
-    Section { name: String, area: f64, second_moment: f64, mass_per_length: f64 }
+    SectionSettings { name: String, area: f64, second_moment: f64, mass_per_length: f64 }
     /// The steel as given: a grade, numbers that override its properties, or numbers alone.
-    Steel { grade: String, young_modulus: f64, yield_strength: f64 }
+    SteelSettings { grade: String, young_modulus: f64, yield_strength: f64 }
     /// Resistances as given; 0: computed.
-    Resistance { moment: f64, axial: f64 }
+    ResistanceSettings { moment: f64, axial: f64 }
     /// Exponents of Eq 28.
-    YieldSurface { alpha: f64, beta: f64, gamma: f64 }
+    YieldSurfaceSettings { alpha: f64, beta: f64, gamma: f64 }
     /// Elastic law of the hinges.
-    Hinge { elastic_law: ElasticLaw, stiffness_1a: f64, stiffness_1b: f64, stiffness_2: f64, stiffness_3: f64 }
+    HingeSettings { elastic_law: ElasticLaw, stiffness_1a: f64, stiffness_1b: f64, stiffness_2: f64, stiffness_3: f64 }
     /// Rotational supports.
-    Supports { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
+    SupportSettings { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
     /// The structure above the column.
-    Top { spring_stiffness: f64, mass: f64, load: f64 }
+    TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
     /// Admissible stamps of impact events.
-    Event { max_age: f64, max_ahead: f64 }
+    EventSettings { max_age: f64, max_ahead: f64 }
     /// Time stepping.
-    Solver { scheme: Scheme, dt: f64 }
+    SolverSettings { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.
-    Damping { ratio: f64 }
+    DampingSettings { ratio: f64 }
     /// Duration of a response.
-    Response { duration: f64 }
+    ResponseSettings { duration: f64 }
     /// The file that preserves the damage across restarts.
-    StateFile { directory: String }
+    StateSettings { directory: String }
     /// What the solver thread requests from the system.
-    RealTime { priority: u8, processors: String, lock_memory: bool }
+    RealTimeSettings { priority: u8, processors: String, lock_memory: bool }
     /// Recordings.
-    Record {
+    RecordSettings {
         mode: RecordMode,
         directory: String,
         max_file_size: u64,
@@ -90,7 +90,7 @@ groups! {
         sync: bool,
     }
     /// Pictures.
-    Viewer {
+    ViewerSettings {
         mode: ViewerMode,
         address: String,
         port: u16,
@@ -100,10 +100,10 @@ groups! {
     }
     /// Arrays, in unit tests only.
     #[cfg(test)]
-    Example { numbers: Vec<f64>, nested: NestedExample }
+    ExampleSettings { numbers: Vec<f64>, nested: NestedExampleSettings }
     /// A group within a group, in unit tests only.
     #[cfg(test)]
-    NestedExample { words: Vec<String> }
+    NestedExampleSettings { words: Vec<String> }
 }
 
 macro_rules! words {

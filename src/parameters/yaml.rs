@@ -24,14 +24,14 @@ pub(super) struct Location {
 
 /// A node of the document.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
+pub(super) struct YamlNode {
     pub at: Location,
-    pub content: Content,
+    pub content: YamlContent,
 }
 
-/// Content of a node.
+/// YamlContent of a node.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Content {
+pub(super) enum YamlContent {
     /// Nothing, or `null`.
     Null,
     Scalar {
@@ -39,14 +39,14 @@ pub(super) enum Content {
         /// As it was typed, without quotes.
         text: String,
     },
-    List(Vec<Node>),
+    List(Vec<YamlNode>),
     /// In the order of the text, duplicates included.
-    Mapping(Vec<(Key, Node)>),
+    Mapping(Vec<(YamlKey, YamlNode)>),
 }
 
 /// A key of a mapping.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Key {
+pub(super) struct YamlKey {
     pub at: Location,
     pub text: String,
 }
@@ -59,7 +59,7 @@ pub(super) struct SyntaxError {
 }
 
 /// The single document of a text; `None` if the text is empty.
-pub(super) fn parse(text: &str) -> Result<Option<Node>, SyntaxError> {
+pub(super) fn parse(text: &str) -> Result<Option<YamlNode>, SyntaxError> {
     let offsets = Offsets::of(text);
     let mut parser = Parser::new_from_str(text);
     let mut builder = Builder::default();
@@ -86,19 +86,19 @@ pub(super) fn parse(text: &str) -> Result<Option<Node>, SyntaxError> {
 struct Builder {
     /// Collections that are still open, innermost last.
     open: Vec<Open>,
-    root: Option<Node>,
+    root: Option<YamlNode>,
     documents: usize,
 }
 
 enum Open {
     List {
         at: Location,
-        elements: Vec<Node>,
+        elements: Vec<YamlNode>,
     },
     Mapping {
         at: Location,
-        entries: Vec<(Key, Node)>,
-        key: Option<Key>,
+        entries: Vec<(YamlKey, YamlNode)>,
+        key: Option<YamlKey>,
     },
 }
 
@@ -145,19 +145,19 @@ impl Builder {
 
     fn close(&mut self) -> Result<(), String> {
         match self.open.pop() {
-            Some(Open::List { at, elements }) => self.insert(Node {
+            Some(Open::List { at, elements }) => self.insert(YamlNode {
                 at,
-                content: Content::List(elements),
+                content: YamlContent::List(elements),
             }),
-            Some(Open::Mapping { at, entries, .. }) => self.insert(Node {
+            Some(Open::Mapping { at, entries, .. }) => self.insert(YamlNode {
                 at,
-                content: Content::Mapping(entries),
+                content: YamlContent::Mapping(entries),
             }),
             None => Err("an end without a beginning".to_owned()),
         }
     }
 
-    fn insert(&mut self, node: Node) -> Result<(), String> {
+    fn insert(&mut self, node: YamlNode) -> Result<(), String> {
         match self.open.last_mut() {
             None => self.root = Some(node),
             Some(Open::List { elements, .. }) => elements.push(node),
@@ -170,11 +170,13 @@ impl Builder {
     }
 }
 
-fn as_key(node: Node) -> Result<Key, String> {
+fn as_key(node: YamlNode) -> Result<YamlKey, String> {
     match node.content {
-        Content::Scalar { text, .. } => Ok(Key { at: node.at, text }),
-        Content::Null => Err("a key is missing before the colon".to_owned()),
-        Content::List(_) | Content::Mapping(_) => Err("a key must be a plain name".to_owned()),
+        YamlContent::Scalar { text, .. } => Ok(YamlKey { at: node.at, text }),
+        YamlContent::Null => Err("a key is missing before the colon".to_owned()),
+        YamlContent::List(_) | YamlContent::Mapping(_) => {
+            Err("a key must be a plain name".to_owned())
+        }
     }
 }
 
@@ -183,21 +185,21 @@ fn scalar(
     style: ScalarStyle,
     tag: Option<&Cow<'_, Tag>>,
     at: Location,
-) -> Result<Node, String> {
+) -> Result<YamlNode, String> {
     let typed = text.clone().into_owned();
     let value = match Scalar::parse_from_cow_and_metadata(text, style, tag) {
         None => return Err(format!("`{typed}` does not match its tag; omit the tag")),
         Some(Scalar::Null) => {
-            let content = Content::Null;
-            return Ok(Node { at, content });
+            let content = YamlContent::Null;
+            return Ok(YamlNode { at, content });
         }
         Some(Scalar::Boolean(value)) => Value::Bool(value),
         Some(Scalar::Integer(value)) => Value::Integer(value),
         Some(Scalar::FloatingPoint(value)) => Value::Double(value.0),
         Some(Scalar::String(value)) => Value::String(value.into_owned()),
     };
-    let content = Content::Scalar { value, text: typed };
-    Ok(Node { at, content })
+    let content = YamlContent::Scalar { value, text: typed };
+    Ok(YamlNode { at, content })
 }
 
 /// Converts the parser's character counts into the lines, columns and bytes of editors and reports.
@@ -238,9 +240,9 @@ mod tests {
 
     use super::*;
 
-    fn entries(text: &str) -> Vec<(Key, Node)> {
+    fn entries(text: &str) -> Vec<(YamlKey, YamlNode)> {
         match parse(text).expect("valid").expect("not empty").content {
-            Content::Mapping(entries) => entries,
+            YamlContent::Mapping(entries) => entries,
             other => panic!("{other:?}"),
         }
     }
@@ -264,10 +266,10 @@ mod tests {
         )
         .into_iter()
         .map(|(_, node)| match node.content {
-            Content::Scalar { value, .. } => format!("{:?}", value.kind()),
-            Content::Null => "Null".to_owned(),
-            Content::List(elements) => format!("List of {}", elements.len()),
-            Content::Mapping(_) => "Mapping".to_owned(),
+            YamlContent::Scalar { value, .. } => format!("{:?}", value.kind()),
+            YamlContent::Null => "Null".to_owned(),
+            YamlContent::List(elements) => format!("List of {}", elements.len()),
+            YamlContent::Mapping(_) => "Mapping".to_owned(),
         })
         .collect();
         assert_eq!(

@@ -11,6 +11,7 @@ mod arguments;
 pub mod bridge;
 mod client;
 mod diagnostics;
+mod duplicates;
 mod environment;
 mod fresh_domain;
 mod inputs;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::outgoing::{Outgoing, TOPICS};
-use column_twin::parameters::{Parameters, Record, RecordMode, Value};
+use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::ros::bridge::Recording;
 use column_twin::twin::{ImpactEvent, Input, Nanos, Output, Twin};
@@ -59,7 +59,7 @@ impl RecordedTwin {
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Self {
         let directory = TempDir::new().expect("a directory");
-        let record = Record {
+        let record = RecordSettings {
             mode,
             directory: directory.path().display().to_string(),
             ..parameters.settings().record.clone()
