@@ -1,10 +1,10 @@
-//! Parameters as a user meets them: the shipped files, wrong files, overrides, round trips.
+//! Parameters as a user sees them: the shipped files, wrong files, overrides, round trips.
 
 use std::path::{Path, PathBuf};
 
 use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
-    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Place,
+    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Origin,
     Problem, STEEL_GRADES, Settings, Value, catalogue, markdown, parse_override,
 };
 use proptest::prelude::*;
@@ -104,7 +104,7 @@ fn the_same_column_computed_is_the_default() {
     assert_eq!(column.elastic_law, ElasticLaw::Coupled);
 }
 
-/// `docs/parameters.md` is the table; `UPDATE_DOCS=1 cargo test --test parameters` writes it anew.
+/// `docs/parameters.md` is generated from the table; `UPDATE_DOCS=1 cargo test --test parameters` updates it.
 #[test]
 fn the_reference_is_up_to_date() {
     let path = in_repository("docs/parameters.md");
@@ -114,7 +114,7 @@ fn the_reference_is_up_to_date() {
     let kept = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         kept == markdown(),
-        "docs/parameters.md differs from the table of parameters; write it anew with\n    UPDATE_DOCS=1 cargo test --test parameters"
+        "docs/parameters.md differs from the table of parameters; update it with\n    UPDATE_DOCS=1 cargo test --test parameters"
     );
 }
 
@@ -144,9 +144,9 @@ column_twin:
     viewer.port: 98765
 "#;
 
-/// The message that a person reads, kept whole so that a change of it is looked at.
+/// The message as users read it, kept whole so that changes to it are reviewed.
 #[test]
-fn a_wrong_file_has_all_its_faults_listed() {
+fn all_faults_of_a_wrong_file_are_listed() {
     let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");
     let overrides = [
         parse_override("impact.velocity:=61"),
@@ -172,27 +172,26 @@ fn a_wrong_file_has_all_its_faults_listed() {
 
 const WRONG_LISTED: &str = r#"17 faults in the parameters
   wrong.yaml:5:21: geometry.length_below: `-1.0` is out of range; allowed: 0.02 to 100 m (L_a: height of the impact point above the base)
-  wrong.yaml:6:21: geometry.length_above: `3,5` is a text, not a number; the decimal sign is a point; allowed: 0.02 to 100 m
+  wrong.yaml:6:21: geometry.length_above: `3,5` is a string, not a number; use a decimal point instead of the comma; allowed: 0.02 to 100 m
   wrong.yaml:7:19: section.name: `HEB 225` is not known (did you mean HEB220?); allowed: HEA, HEB or HEM 100 to 1000, IPE 80 to 600, or "" and numbers
   wrong.yaml:8:18: steel.grade: `355` is not known (did you mean S355?); allowed: S235, S275, S355, S420 or S460, or "" and numbers
-  wrong.yaml:11:21: hinge.stiffness_1a does not go with the coupled law; write hinge.elastic_law: uncoupled, or leave the stiffness out
+  wrong.yaml:11:21: hinge.stiffness_1a is not compatible with the coupled law; write hinge.elastic_law: uncoupled, or omit the stiffness
   wrong.yaml:12:21: support.base: `semi-rigid` is not known (did you mean semi_rigid?); allowed: built_in, pinned or semi_rigid
-  wrong.yaml:12:38: support.top_stiffness is needed, because support.top is semi_rigid; give it in N m/rad
+  wrong.yaml:12:38: support.top_stiffness is required, because support.top is semi_rigid; give it in N m/rad
   wrong.yaml:14:13: top.load: `.nan` is not a finite number; allowed: 0 to 1e9 N
-  wrong.yaml:15:7: top.load is given a second time, first in line 14; remove one of the two
+  wrong.yaml:15:7: top.load is given a second time; the first is in line 14; remove one of the two
   wrong.yaml:17:7: impact.velocty is not a parameter (did you mean impact.velocity?)
-  wrong.yaml:18:13: impact.mass: `1500 kg` is a text, not a number; leave the unit out; allowed: 0.001 to 1e6 kg
+  wrong.yaml:18:13: impact.mass: `1500 kg` is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg
   wrong.yaml:19:7: impact.gap has no value; allowed: 0 to 100 m
   wrong.yaml:20:16: solver.dt: `1.00005e-5` is not a whole number of nanoseconds; the nearest is 1.0001e-5
-  wrong.yaml:21:5: colour is not a parameter; all of them stand in docs/parameters.md
-  wrong.yaml:22:5: record is a group of parameters, not one of them; it has record.mode, record.directory, record.max_file_size, record.max_duration, record.max_files, record.max_total_size, record.max_age, record.compression, record.sync
+  wrong.yaml:21:5: colour is not a parameter; docs/parameters.md lists all parameters
+  wrong.yaml:22:5: record is a group of parameters, not a parameter; it contains record.mode, record.directory, record.max_file_size, record.max_duration, record.max_files, record.max_total_size, record.max_age, record.compression, record.sync
   wrong.yaml:23:5: yield_surface.alpha is a list; allowed: 1 to 50
   wrong.yaml:24:18: viewer.port: `98765` is out of range; allowed: a whole number from 1 to 65535 (TCP port to serve on or to connect to)"#;
 
-/// The same faults in the text of the file.
-/// A list of many wrong names costs no more than its length: only the first are compared with all that there are.
+/// A long list of wrong names costs no more than its length: only the first ones are compared with all known names.
 #[test]
-fn many_wrong_names_are_all_listed_and_the_first_explained() {
+fn many_wrong_names_are_all_listed_and_the_first_ones_get_suggestions() {
     let wrong = (0..100).map(|k| (format!("impact.velocty{k}"), Value::from(1.0)));
     let faults = Parameters::from_values(wrong).expect_err("wrong");
     let explained: Vec<_> = faults
@@ -206,6 +205,7 @@ fn many_wrong_names_are_all_listed_and_the_first_explained() {
     assert_eq!(explained, [[true; 16].as_slice(), &[false; 84]].concat());
 }
 
+/// The same faults in the text of the file.
 #[test]
 fn a_report_shows_the_lines() {
     let faults = Parameters::from_yaml(Path::new("wrong.yaml"), WRONG).expect_err("a wrong file");
@@ -238,7 +238,7 @@ fn faults_can_be_used_by_a_program() {
             nearest: vec!["impact.velocity".to_owned()]
         }
     );
-    let Place::File { path, position, .. } = &fault.place else {
+    let Origin::File { path, position, .. } = &fault.place else {
         panic!("{fault:?}")
     };
     assert_eq!(
@@ -295,13 +295,15 @@ fn a_node_in_a_namespace_reads_its_own_section() {
         .expect_err("nothing for this node")
         .to_string();
     assert!(
-        elsewhere.contains("only for /garage/a3/column_twin, /garage/a4/column_twin"),
+        elsewhere.contains(
+            "has parameters for /garage/a3/column_twin, /garage/a4/column_twin, but none for"
+        ),
         "{elsewhere}"
     );
 }
 
 #[test]
-fn changes_are_made_as_a_whole_or_not_at_all() {
+fn changes_are_made_all_or_none() {
     let before = Parameters::default();
     let pinned = before
         .with_changes([
@@ -379,10 +381,10 @@ fn json_is_checked_too() {
     assert!(Parameters::try_from(settings).is_err());
 }
 
-/// Any admissible value of a parameter.
-fn admissible(parameter: &'static Parameter) -> BoxedStrategy<Value> {
+/// Any admissible value.
+fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
     let real = |min: f64, max: f64| (min..=max).prop_map(Value::Double);
-    match parameter.admissible {
+    match *values {
         Admissible::Switch => any::<bool>().prop_map(Value::Bool).boxed(),
         Admissible::Integer { min, max } => (min..=max).prop_map(Value::Integer).boxed(),
         Admissible::Real { min, max } => prop_oneof![
@@ -424,19 +426,38 @@ fn admissible(parameter: &'static Parameter) -> BoxedStrategy<Value> {
         Admissible::Processors => prop::sample::select(vec!["", "0", "1,3-5"])
             .prop_map(Value::from)
             .boxed(),
+        Admissible::List {
+            of,
+            min_len,
+            max_len,
+        } => prop::collection::vec(admissible(of), min_len..=max_len)
+            .prop_map(|elements| match elements.first() {
+                Some(Value::Double(_)) => {
+                    Value::DoubleArray(elements.iter().filter_map(number).collect())
+                }
+                _ => Value::StringArray(elements.iter().map(Value::plain).collect()),
+            })
+            .boxed(),
     }
 }
 
-/// Parameters with admissible values, which need not go together.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Double(number) => Some(*number),
+        _ => None,
+    }
+}
+
+/// Parameters with admissible values, which need not be consistent.
 fn changes() -> impl Strategy<Value = Vec<(&'static str, Value)>> {
     let one = (0..PARAMETERS.len()).prop_flat_map(|index| {
         let parameter = &PARAMETERS[index];
-        admissible(parameter).prop_map(move |value| (parameter.name, value))
+        admissible(&parameter.admissible).prop_map(move |value| (parameter.name, value))
     });
     prop::collection::vec(one, 0..60)
 }
 
-/// Admissible values are refused only where they do not go with the others.
+/// Admissible values are rejected only if they are not consistent with the others.
 fn only_inconsistent(faults: &ParameterFaults) -> bool {
     let mut faults = faults.faults().iter();
     faults.all(|fault| matches!(fault.problem, Problem::Inconsistent(_)))

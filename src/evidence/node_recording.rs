@@ -13,7 +13,7 @@ use crate::messages::cdr;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::outgoing::{RecordingHealth, RecordingTap};
-use crate::parameters::{Record, RecordMode};
+use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
     Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
@@ -44,7 +44,7 @@ impl NodeRecording {
     /// # Errors
     /// The directory cannot be written, or there is no thread.
     pub fn start(
-        record: &Record,
+        record: &RecordSettings,
         topics: &Topics,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use super::spelling::may_be_misspelt;
 use crate::column::{RolledSection, SectionProperties};
 
 /// A section of the catalogue.
@@ -18,7 +19,7 @@ pub struct CatalogueSection {
 static CATALOGUE: LazyLock<Vec<CatalogueSection>> = LazyLock::new(|| {
     rows()
         .map(|row| {
-            row.expect("config/sections.csv is part of the program and tested")
+            row.expect("config/sections.csv is embedded in the program and tested")
                 .section()
         })
         .collect()
@@ -38,10 +39,10 @@ impl CatalogueSection {
         catalogue().iter().find(|section| section.name == wanted)
     }
 
-    /// The names that are nearest to a misspelt one, nearest first, at most three.
+    /// The names closest to a misspelt one, closest first, at most three.
     #[must_use]
     pub fn nearest(name: &str) -> Vec<String> {
-        if !super::may_be_misspelt(name) {
+        if !may_be_misspelt(name) {
             return Vec::new();
         }
         let wanted = normal_form(name);
@@ -68,7 +69,7 @@ impl CatalogueSection {
             .collect()
     }
 
-    /// What the mechanics needs of the section.
+    /// The properties that the mechanics needs.
     #[must_use]
     pub fn properties(&self) -> SectionProperties {
         self.dimensions.properties()
@@ -94,7 +95,7 @@ fn normal_form(name: &str) -> String {
     standard.unwrap_or(joined)
 }
 
-/// The number in a section's name; 0 where there is none.
+/// The number in a section's name; 0 if there is none.
 fn size_of(name: &str) -> u32 {
     let digits: String = name
         .chars()
@@ -104,9 +105,9 @@ fn size_of(name: &str) -> u32 {
     digits.parse().unwrap_or(0)
 }
 
-/// A line of the file: dimensions in mm, then published values, which the tests hold the computed ones to.
+/// A line of the file: dimensions in mm, then published values, against which the tests check the computed ones.
 #[derive(Debug, Deserialize)]
-struct Row {
+struct CatalogueRow {
     name: String,
     h_mm: f64,
     b_mm: f64,
@@ -123,7 +124,7 @@ struct Row {
     published_mass_kg_per_m: f64,
 }
 
-fn rows() -> impl Iterator<Item = csv::Result<Row>> {
+fn rows() -> impl Iterator<Item = csv::Result<CatalogueRow>> {
     let text: &'static str = include_str!("../../config/sections.csv");
     csv::ReaderBuilder::new()
         .comment(Some(b'#'))
@@ -131,7 +132,7 @@ fn rows() -> impl Iterator<Item = csv::Result<Row>> {
         .into_deserialize()
 }
 
-impl Row {
+impl CatalogueRow {
     fn section(self) -> CatalogueSection {
         CatalogueSection {
             name: self.name,
@@ -150,7 +151,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// Guards every one of the dimensions against a typing error: three published numbers depend on them.
+    /// Guards every dimension against typing errors: the published values depend on all of them.
     #[test]
     fn every_section_has_its_published_properties() {
         for row in rows() {
@@ -199,7 +200,7 @@ mod tests {
         assert_eq!(names, expected);
     }
 
-    /// The yield strengths of the grades hold up to 40 mm.
+    /// The yield strengths of the grades are valid up to 40 mm.
     #[test]
     fn no_flange_is_thicker_than_40_mm() {
         assert!(

@@ -1,67 +1,147 @@
-//! Checks one value against the table's entry of its parameter.
+//! Checks what was given for a parameter against its entry in the table.
 
 use super::catalogue::CatalogueSection;
+use super::fault::Origin;
 use super::fault::Problem;
-use super::may_be_misspelt;
+use super::given::{Content, Given};
 use super::processors::{MAX_PROCESSOR, processors};
+use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::table::{Admissible, Parameter};
 use super::value::{Kind, Value, readable};
 
 impl Parameter {
-    /// The value in the form in which it is kept: a whole number as `Double` where one is wanted, a section's or
-    /// grade's name as the catalogue spells it.
+    /// The value in the form in which it is kept: a whole number as `Double` where a double is expected, the name of a
+    /// section or grade as the catalogue spells it, a deprecated word replaced.
     ///
-    /// YAML 1.1, which `ros2 param set` speaks, takes the bare word `off` for `false`: where `off` is a choice, `false`
-    /// means it.
+    /// YAML 1.1, which `ros2 param set` speaks, reads the bare word `off` as `false`: where `off` is a choice, `false`
+    /// is read as `off`.
     ///
     /// # Errors
-    /// What is wrong with the value and what would be right.
+    /// What is wrong with the value and what is admissible; of several wrong elements the first.
     pub fn check(&self, value: &Value) -> Result<Value, Problem> {
-        match (self.admissible, value) {
+        self.accept(&Given::value(value.clone(), &Origin::Direct))
+            .map_err(|mut problems| problems.swap_remove(0).1)
+    }
+
+    /// As [`check`](Self::check), with every problem and the element that it concerns.
+    pub(super) fn accept<'a>(&self, given: &'a Given) -> Result<Value, Vec<(&'a Given, Problem)>> {
+        let Admissible::List {
+            of,
+            min_len,
+            max_len,
+        } = self.admissible
+        else {
+            return self
+                .check_one(&self.admissible, given)
+                .map_err(|problem| vec![(given, problem)]);
+        };
+        let elements = match &given.content {
+            Content::List(elements) => elements,
+            Content::Scalar(value) => {
+                let found = format!("not a list; write [{value}]");
+                let expected = self.expectation();
+                return Err(vec![(given, Problem::WrongType { found, expected })]);
+            }
+            Content::Nothing | Content::Mapping => {
+                let problem = self.not_a_value(&self.admissible, &given.content);
+                return Err(vec![(given, problem)]);
+            }
+        };
+        if !(min_len..=max_len).contains(&elements.len()) {
+            let problem = Problem::WrongLength {
+                found: elements.len(),
+                expected: self.expectation(),
+            };
+            return Err(vec![(given, problem)]);
+        }
+        let (mut numbers, mut texts, mut problems) = (vec![], vec![], vec![]);
+        for (index, element) in elements.iter().enumerate() {
+            match self.check_one(of, element) {
+                Ok(Value::Double(number)) => numbers.push(number),
+                Ok(text) => texts.push(text.plain()),
+                Err(problem) => problems.push((
+                    element,
+                    Problem::Element {
+                        number: index + 1,
+                        problem: Box::new(problem),
+                    },
+                )),
+            }
+        }
+        match self.kind() {
+            _ if !problems.is_empty() => Err(problems),
+            Kind::DoubleArray => Ok(Value::DoubleArray(numbers)),
+            _ => Ok(Value::StringArray(texts)),
+        }
+    }
+
+    /// Checks a scalar: the value of a parameter that is no array, or one element of an array.
+    fn check_one(&self, admissible: &Admissible, given: &Given) -> Result<Value, Problem> {
+        let Content::Scalar(value) = &given.content else {
+            return Err(self.not_a_value(admissible, &given.content));
+        };
+        match (admissible, value) {
             (Admissible::Switch, Value::Bool(_)) => Ok(value.clone()),
             (Admissible::Integer { min, max }, Value::Integer(number)) => {
-                if (min..=max).contains(number) {
+                if (min..=max).contains(&number) {
                     Ok(value.clone())
                 } else {
-                    Err(self.out_of_range())
+                    Err(self.out_of_range(admissible))
                 }
             }
-            (_, Value::Integer(number)) if self.kind() == Kind::Double => {
-                self.check_real(*number as f64)
+            (_, Value::Integer(number)) if admissible.kind() == Kind::Double => {
+                self.check_real(admissible, *number as f64)
             }
-            (_, Value::Double(number)) if self.kind() == Kind::Double => self.check_real(*number),
+            (_, Value::Double(number)) if admissible.kind() == Kind::Double => {
+                self.check_real(admissible, *number)
+            }
             (Admissible::Choice(words), Value::Bool(false)) if words.contains(&"off") => {
                 Ok(Value::from("off"))
             }
-            (_, Value::String(text)) if self.kind() == Kind::String => self.check_text(text),
+            (_, Value::String(text)) if admissible.kind() == Kind::String => {
+                self.check_text(admissible, text)
+            }
             (
                 Admissible::Choice(_)
                 | Admissible::SectionName
                 | Admissible::SteelGrade
                 | Admissible::Processors,
                 _,
-            ) => self.check_text(&value.plain()),
+            ) => self.check_text(admissible, &value.plain()),
             _ => Err(Problem::WrongType {
                 found: found(value),
-                expected: self.expectation(),
+                expected: self.expectation_of(admissible),
             }),
         }
     }
 
-    fn out_of_range(&self) -> Problem {
-        Problem::OutOfRange {
-            expected: format!("{} ({})", self.expectation(), self.meaning),
+    fn not_a_value(&self, admissible: &Admissible, content: &Content) -> Problem {
+        let expected = self.expectation_of(admissible);
+        let found = match content {
+            Content::List(_) => "a list",
+            Content::Mapping => "a mapping",
+            Content::Nothing | Content::Scalar(_) => return Problem::NoValue { expected },
+        };
+        Problem::WrongType {
+            found: found.to_owned(),
+            expected,
         }
     }
 
-    fn check_real(&self, number: f64) -> Result<Value, Problem> {
+    fn out_of_range(&self, admissible: &Admissible) -> Problem {
+        Problem::OutOfRange {
+            expected: format!("{} ({})", self.expectation_of(admissible), self.meaning),
+        }
+    }
+
+    fn check_real(&self, admissible: &Admissible, number: f64) -> Result<Value, Problem> {
         if !number.is_finite() {
             return Err(Problem::NotFinite {
-                expected: self.expectation(),
+                expected: self.expectation_of(admissible),
             });
         }
-        let within = match self.admissible {
+        let within = match *admissible {
             Admissible::Real { min, max } => (min..=max).contains(&number),
             Admissible::RealOrZero { min, max, .. } => {
                 number == 0.0 || (min..=max).contains(&number)
@@ -78,22 +158,32 @@ impl Parameter {
             _ => false,
         };
         if within {
-            Ok(Value::Double(number + 0.0))
+            Ok(Value::Double(number + 0.0)) // -0.0 becomes 0.0
         } else {
-            Err(self.out_of_range())
-        } // -0.0 becomes 0.0
+            Err(self.out_of_range(admissible))
+        }
     }
 
-    fn check_text(&self, text: &str) -> Result<Value, Problem> {
-        let unknown = |nearest| Problem::UnknownWord {
+    fn check_text(&self, admissible: &Admissible, text: &str) -> Result<Value, Problem> {
+        let unknown = |nearest: Vec<String>| Problem::UnknownWord {
             nearest,
-            expected: self.expectation(),
+            expected: self.expectation_of(admissible),
         };
-        match self.admissible {
-            Admissible::Choice(words) => match words.contains(&text) {
-                true => Ok(Value::from(text)),
-                false => Err(unknown(nearest_word(text, words.iter().copied()))),
-            },
+        let invalid = || Problem::InvalidText {
+            expected: self.expectation_of(admissible),
+        };
+        match *admissible {
+            Admissible::Choice(words) => {
+                let word = self.replacement_of(text).unwrap_or(text);
+                match words.contains(&word) {
+                    true => Ok(Value::from(word)),
+                    false => Err(unknown(
+                        nearest_word(text, words.iter().copied())
+                            .into_iter()
+                            .collect(),
+                    )),
+                }
+            }
             Admissible::SectionName if text.trim().is_empty() => Ok(Value::from("")),
             Admissible::SectionName => match CatalogueSection::named(text) {
                 Some(section) => Ok(Value::from(section.name.as_str())),
@@ -102,16 +192,14 @@ impl Parameter {
             Admissible::SteelGrade if text.trim().is_empty() => Ok(Value::from("")),
             Admissible::SteelGrade => match SteelGrade::named(text) {
                 Some(grade) => Ok(Value::from(grade.name)),
-                None => Err(unknown(nearest_word(
-                    text,
-                    STEEL_GRADES.iter().map(|grade| grade.name),
-                ))),
+                None => {
+                    let names = STEEL_GRADES.iter().map(|grade| grade.name);
+                    Err(unknown(nearest_word(text, names).into_iter().collect()))
+                }
             },
             Admissible::Processors => match processors(text) {
                 Some(_) => Ok(Value::from(text.trim())),
-                None => Err(Problem::UnfitText {
-                    expected: self.expectation(),
-                }),
+                None => Err(invalid()),
             },
             Admissible::Text {
                 min_chars,
@@ -122,26 +210,25 @@ impl Parameter {
                 if fits {
                     Ok(Value::from(text))
                 } else {
-                    Err(Problem::UnfitText {
-                        expected: self.expectation(),
-                    })
+                    Err(invalid())
                 }
             }
-            _ => Err(Problem::WrongType {
-                found: "a text".to_owned(),
-                expected: self.expectation(),
-            }),
+            _ => Err(invalid()),
         }
     }
 
-    /// What may be given for it, such as `0.001 to 1e6 kg`.
+    /// The admissible values in words, such as `0.001 to 1e6 kg`.
     #[must_use]
     pub fn expectation(&self) -> String {
+        self.expectation_of(&self.admissible)
+    }
+
+    fn expectation_of(&self, admissible: &Admissible) -> String {
         let range = |min: f64, max: f64| {
             let unit = if self.unit.is_empty() { "" } else { " " };
             format!("{} to {}{unit}{}", readable(min), readable(max), self.unit)
         };
-        match self.admissible {
+        match *admissible {
             Admissible::Switch => "true or false".to_owned(),
             Admissible::Integer { min, max } => {
                 let unit = if self.unit.is_empty() { "" } else { " " };
@@ -159,7 +246,9 @@ impl Parameter {
                 min_chars,
                 max_chars,
             } => {
-                format!("a text of {min_chars} to {max_chars} characters, no control characters")
+                format!(
+                    "a string of {min_chars} to {max_chars} characters without control characters"
+                )
             }
             Admissible::SectionName => {
                 "HEA, HEB or HEM 100 to 1000, IPE 80 to 600, or \"\" and numbers".to_owned()
@@ -170,6 +259,17 @@ impl Parameter {
             }
             Admissible::Processors => {
                 format!("numbers from 0 to {MAX_PROCESSOR} and ranges such as 1,4-7, or \"\"")
+            }
+            Admissible::List {
+                of,
+                min_len,
+                max_len,
+            } => {
+                let count = match min_len == max_len {
+                    true => format!("{min_len} elements"),
+                    false => format!("{min_len} to {max_len} elements"),
+                };
+                format!("a list of {count}, each {}", self.expectation_of(of))
             }
         }
     }
@@ -183,44 +283,27 @@ fn either(words: &[&str]) -> String {
     }
 }
 
-/// What a value of a wrong type is, with the usual reason for it.
+/// Describes a value of the wrong type, with the usual reason.
 fn found(value: &Value) -> String {
-    match value {
-        Value::Bool(_) => "true or false".to_owned(),
-        Value::Integer(_) => "a number; a text needs quotes".to_owned(),
-        Value::Double(_) => "not a whole number".to_owned(),
+    let found = match value {
+        Value::Bool(_) => "a boolean",
+        Value::Integer(_) => "a number; put a string in quotes",
+        Value::Double(_) => "not a whole number",
+        Value::DoubleArray(_) | Value::StringArray(_) => "a list",
         Value::String(text) => match text.replace(',', ".").trim().parse::<f64>() {
             Ok(_) if text.contains(',') => {
-                "a text, not a number; the decimal sign is a point".to_owned()
+                "a string, not a number; use a decimal point instead of the comma"
             }
             Ok(_) => {
-                "a text, not a number; leave the quotes out, and give an exponent its point (1.0e7)"
-                    .to_owned()
+                "a string, not a number; omit the quotes, and write an exponent with a decimal point (1.0e7)"
             }
             Err(_) if text.starts_with(|c: char| c.is_ascii_digit()) => {
-                "a text, not a number; leave the unit out".to_owned()
+                "a string, not a number; omit the unit"
             }
-            Err(_) => "a text, not a number".to_owned(),
+            Err(_) => "a string, not a number",
         },
-    }
-}
-
-fn nearest_word<'a>(wrong: &str, words: impl Iterator<Item = &'a str>) -> Vec<String> {
-    if !may_be_misspelt(wrong) {
-        return Vec::new();
-    }
-    let wrong = wrong.to_ascii_lowercase().replace('-', "_");
-    let mut ranked: Vec<_> = words
-        .map(|word| {
-            (
-                strsim::normalized_damerau_levenshtein(&wrong, &word.to_ascii_lowercase()),
-                word.to_owned(),
-            )
-        })
-        .filter(|(score, _)| *score >= 0.5)
-        .collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    ranked.into_iter().map(|(_, word)| word).take(1).collect()
+    };
+    found.to_owned()
 }
 
 #[cfg(test)]
@@ -324,23 +407,23 @@ mod tests {
     }
 
     #[test]
-    fn the_words_say_what_would_be_right() {
+    fn problems_name_what_is_admissible() {
         for (name, value, expected) in [
             (
                 "impact.velocity",
                 Value::from("10 m/s"),
-                "is a text, not a number; leave the unit out; allowed: 1e-6 to 60 m/s",
+                "is a string, not a number; omit the unit; allowed: 1e-6 to 60 m/s",
             ),
             (
                 "impact.velocity",
                 Value::from("1,5"),
-                "the decimal sign is a point",
+                "use a decimal point instead of the comma",
             ),
-            ("impact.velocity", Value::from("10"), "leave the quotes out"),
+            ("impact.velocity", Value::from("10"), "omit the quotes"),
             (
                 "impact.velocity",
                 Value::from(true),
-                "is true or false; allowed: 1e-6 to 60 m/s",
+                "is a boolean; allowed: 1e-6 to 60 m/s",
             ),
             (
                 "impact.velocity",
@@ -370,9 +453,13 @@ mod tests {
             (
                 "column_id",
                 Value::from(3),
-                "is a number; a text needs quotes",
+                "is a number; put a string in quotes",
             ),
-            ("column_id", Value::from("a\nb"), "no control characters"),
+            (
+                "column_id",
+                Value::from("a\nb"),
+                "without control characters",
+            ),
             (
                 "viewer.port",
                 Value::from(70_000),

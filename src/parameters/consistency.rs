@@ -1,15 +1,15 @@
-//! What must hold between parameters whose values are each admissible.
+//! Consistency between parameters whose values are admissible one by one.
 //!
-//! Only what the names promise each other; whether the column stands under its load is for the mechanics to say.
+//! Whether the column carries its load is checked by the mechanics.
 
 use super::settings::{Settings, SupportKind};
 use super::value::readable;
 use crate::column::ElasticLaw;
 
-/// Parameters that do not go together.
+/// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Inconsistency {
-    /// The one to change first, which the message is about; then the others that it depends on.
+    /// The parameter that the message is about, then the others that it depends on.
     pub names: Vec<&'static str>,
     pub message: String,
 }
@@ -45,7 +45,7 @@ fn section_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
                     "section.mass_per_length",
                 ],
                 message:
-                    "is needed, because section.name is not given; give it, or name the section"
+                    "is required, because section.name is not given; give it, or name the section"
                         .to_owned(),
             });
         }
@@ -53,7 +53,7 @@ fn section_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
     if settings.resistance.moment == 0.0 {
         found.push(Inconsistency {
             names: vec!["resistance.moment", "section.name", "section.area", "section.second_moment", "section.mass_per_length"],
-            message: "is needed, because a section given by numbers has no plastic modulus; give it, or section.name"
+            message: "is required, because a section given by numbers has no plastic modulus; give it, or section.name"
                 .to_owned(),
         });
     }
@@ -76,8 +76,9 @@ fn steel_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
                     "steel.young_modulus",
                     "steel.yield_strength",
                 ],
-                message: "is needed, because steel.grade is not given; give it, or name the grade"
-                    .to_owned(),
+                message:
+                    "is required, because steel.grade is not given; give it, or name the grade"
+                        .to_owned(),
             });
         }
     }
@@ -101,11 +102,11 @@ fn supports_have_their_stiffness(settings: &Settings, found: &mut Vec<Inconsiste
     ] {
         let message = match (kind == SupportKind::SemiRigid, stiffness > 0.0) {
             (true, false) => {
-                format!("is needed, because {kind_name} is semi_rigid; give it in N m/rad")
+                format!("is required, because {kind_name} is semi_rigid; give it in N m/rad")
             }
             (false, true) => {
                 format!(
-                    "is for semi-rigid supports only; write {kind_name}: semi_rigid, or leave the stiffness out"
+                    "applies only to semi-rigid supports; write {kind_name}: semi_rigid, or omit the stiffness"
                 )
             }
             _ => continue,
@@ -139,7 +140,7 @@ fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistenc
         if hinge.elastic_law == ElasticLaw::Coupled {
             found.push(Inconsistency {
                 names: vec![name, "hinge.elastic_law"],
-                message: "does not go with the coupled law; write hinge.elastic_law: uncoupled, or leave the stiffness out"
+                message: "is not compatible with the coupled law; write hinge.elastic_law: uncoupled, or omit the stiffness"
                     .to_owned(),
             });
         }
@@ -147,7 +148,7 @@ fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistenc
             found.push(Inconsistency {
                 names: vec![name, support],
                 message: format!(
-                    "and {support} both say how stiff this end is; leave one of the two out"
+                    "and {support} both define the stiffness of this end; omit one of the two"
                 ),
             });
         }
@@ -160,7 +161,7 @@ fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
         found.push(Inconsistency {
             names: vec!["publish_rate", "solver.dt"],
             message: format!(
-                "is more than once per step of {} s; give at most {} Hz, or a shorter solver.dt",
+                "exceeds one sample per step of {} s; give at most {} Hz, or a shorter solver.dt",
                 readable(settings.solver.dt),
                 readable((1.0 / settings.solver.dt).floor())
             ),
@@ -172,7 +173,7 @@ fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
 mod tests {
     use super::super::{Parameters, Value};
 
-    /// Names of the faults that these changes of the defaults have.
+    /// Names of the faults that these changes to the defaults cause.
     fn faults(changes: &[(&str, Value)]) -> Vec<String> {
         match Parameters::from_values(changes.iter().cloned()) {
             Ok(_) => Vec::new(),
@@ -239,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn supports_and_stiffnesses_go_together() {
+    fn supports_and_stiffnesses_are_compatible() {
         assert_eq!(
             faults(&[("support.base", "semi_rigid".into())]),
             ["support.base_stiffness"]
@@ -280,7 +281,7 @@ mod tests {
         );
     }
 
-    /// A wrong value is one fault, not also an inconsistency with the default that stands in for it.
+    /// A wrong value is a single fault, without an inconsistency of the default that is used in its place.
     #[test]
     fn a_wrong_value_has_no_consequences() {
         assert_eq!(

@@ -1,29 +1,29 @@
-//! Parameters in the making.
+//! A set of parameters while it is being put together from its sources.
 
 use std::path::PathBuf;
 
 use super::consistency::{Inconsistency, inconsistencies};
-use super::fault::{Fault, ParameterFaults, Place, Problem};
-use super::file::{Assignment, NotAValue};
+use super::fault::{Fault, Origin, ParameterFaults, Problem};
+use super::given::{Assignment, Content, Given};
 use super::settings::Settings;
 use super::table::{PARAMETERS, Parameter};
 use super::value::Value;
-use super::{Parameters, values_of};
 
-/// Unknown names that are compared with all that there are; those that follow come without a suggestion: a list of many
-/// wrong names must not hold up who reads it.
+/// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
+/// list of wrong names is rejected quickly.
 const MAX_COMPARED: usize = 16;
 
-/// Values with where they came from, and the faults so far.
+/// Values with their origin, and the faults so far.
 pub(super) struct Draft {
     /// One per entry of the table, in its order, as are the next two.
     values: Vec<Value>,
     /// Where a value was given; `None` for a default.
-    places: Vec<Option<Place>>,
-    /// Whether a value was given that is wrong.
+    places: Vec<Option<Origin>>,
+    /// Whether a wrong value was given.
     wrong: Vec<bool>,
     faults: Vec<Fault>,
-    /// Unknown names that were compared with all that there are.
+    warnings: Vec<Fault>,
+    /// Unknown names that were compared with all known ones.
     compared: usize,
     /// Files that were read, in their order.
     files: Vec<PathBuf>,
@@ -36,25 +36,25 @@ impl Draft {
             places: vec![None; PARAMETERS.len()],
             wrong: vec![false; PARAMETERS.len()],
             faults: Vec::new(),
+            warnings: Vec::new(),
             compared: 0,
             files: Vec::new(),
         }
     }
 
     pub(super) fn of_settings(settings: &Settings) -> Self {
-        let places = vec![Some(Place::Direct); PARAMETERS.len()];
         Self {
-            values: values_of(settings),
-            places,
+            values: settings.values(),
+            places: vec![Some(Origin::Direct); PARAMETERS.len()],
             ..Self::of_defaults()
         }
     }
 
-    /// Applies what one source assigns.
+    /// Applies the assignments of one source.
     pub(super) fn take(&mut self, assignments: Vec<Assignment>, faults: Vec<Fault>) {
-        let places = assignments.iter().map(|assignment| &assignment.place);
+        let places = assignments.iter().map(|assignment| &assignment.given.place);
         for place in places.chain(faults.iter().map(|fault| &fault.place)) {
-            if let Place::File { path, .. } = place
+            if let Origin::File { path, .. } = place
                 && !self.files.contains(path)
             {
                 self.files.push(path.clone());
@@ -62,54 +62,44 @@ impl Draft {
         }
         self.faults.extend(faults);
         for assignment in assignments {
-            let fault = self.assign(assignment);
-            self.faults.extend(fault);
+            self.assign(assignment);
         }
     }
 
-    fn assign(&mut self, assignment: Assignment) -> Option<Fault> {
-        let Assignment {
-            name,
-            value,
-            text,
-            place,
-        } = assignment;
+    fn assign(&mut self, Assignment { name, given }: Assignment) {
+        let fault_at = |given: &Given, problem| Fault {
+            name: Some(name.clone()),
+            value: given.text.clone(),
+            place: given.place.clone(),
+            problem,
+        };
         let Some(index) = Parameter::index_of(&name) else {
-            return Some(Fault {
-                problem: self.unknown(&name),
-                name: Some(name),
+            let problem = self.unknown(&name);
+            self.faults.push(Fault {
                 value: None,
-                place,
+                ..fault_at(&given, problem)
             });
+            return;
         };
         let parameter = &PARAMETERS[index];
-        let expected = || parameter.expectation();
-        let checked = match value {
-            Ok(value) => parameter.check(&value),
-            Err(NotAValue::Nothing) => Err(Problem::NoValue {
-                expected: expected(),
-            }),
-            Err(NotAValue::List) => Err(Problem::WrongType {
-                found: "a list".to_owned(),
-                expected: expected(),
-            }),
-        };
-        self.places[index] = Some(place.clone());
-        match checked {
+        match parameter.accept(&given) {
             Ok(value) => {
+                if let Content::Scalar(Value::String(word)) = &given.content
+                    && let Some(replacement) = parameter.replacement_of(word)
+                {
+                    let problem = Problem::Deprecated { replacement };
+                    self.warnings.push(fault_at(&given, problem));
+                }
                 self.values[index] = value;
-                None
             }
-            Err(problem) => {
+            Err(problems) => {
                 self.wrong[index] = true;
-                Some(Fault {
-                    name: Some(name),
-                    value: text,
-                    place,
-                    problem,
-                })
+                let faults = problems.into_iter();
+                self.faults
+                    .extend(faults.map(|(given, problem)| fault_at(given, problem)));
             }
         }
+        self.places[index] = Some(given.place);
     }
 
     fn unknown(&mut self, name: &str) -> Problem {
@@ -129,8 +119,8 @@ impl Draft {
         Problem::UnknownName { nearest }
     }
 
-    /// The parameters, if there is nothing wrong with them and between them.
-    pub(super) fn finish(mut self) -> Result<Parameters, ParameterFaults> {
+    /// The settings and what to warn of, or all faults of single parameters and between them.
+    pub(super) fn finish(mut self) -> Result<(Settings, Vec<Fault>), ParameterFaults> {
         self.drop_default_name(
             "section.name",
             &[
@@ -150,10 +140,10 @@ impl Draft {
             self.faults.extend(fault);
         }
         self.sort_faults();
-        ParameterFaults::none_of(self.faults).map(|()| Parameters { settings })
+        ParameterFaults::none_of(self.faults).map(|()| (settings, self.warnings))
     }
 
-    /// Numbers without a name mean a section or steel of their own, not the default one with a few numbers changed.
+    /// Numbers without a name describe another section or steel, not the default one with a few numbers changed.
     fn drop_default_name(&mut self, name: &str, numbers: &[&str]) {
         let Some(named) = Parameter::index_of(name).filter(|&index| self.places[index].is_none())
         else {
@@ -169,7 +159,7 @@ impl Draft {
         }
     }
 
-    /// At the first of its parameters that was given; `None` where one of them is wrong, which is listed already.
+    /// A fault at the first of the parameters that was given; `None` if one of them is wrong, which is a fault already.
     fn fault_of(&self, inconsistency: Inconsistency) -> Option<Fault> {
         let Inconsistency { names, message } = inconsistency;
         let involved: Vec<_> = names
@@ -179,7 +169,7 @@ impl Draft {
         debug_assert_eq!(
             involved.len(),
             names.len(),
-            "a name that is not in the table: {names:?}"
+            "every name is in the table: {names:?}"
         );
         if involved.iter().any(|&index| self.wrong[index]) {
             return None;
@@ -190,20 +180,151 @@ impl Draft {
         Some(Fault {
             name: names.first().map(|name| (*name).to_owned()),
             value: None,
-            place: place.unwrap_or(Place::Direct),
+            place: place.unwrap_or(Origin::Direct),
             problem: Problem::Inconsistent(message),
         })
     }
 
-    /// By file and line, then the command line's in its order, then those without a place.
+    /// Sorts by file and line, then the command line in its order, then faults without a place.
     fn sort_faults(&mut self) {
         let files = &self.files;
         self.faults.sort_by_key(|fault| match &fault.place {
-            Place::File { path, position, .. } => {
+            Origin::File { path, position, .. } => {
                 (files.iter().position(|file| file == path), 0, *position)
             }
-            Place::CommandLine(_) => (Some(files.len()), 1, None),
-            Place::Direct => (Some(files.len()), 2, None),
+            Origin::CommandLine(_) => (Some(files.len()), 1, None),
+            Origin::Direct => (Some(files.len()), 2, None),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::{NodeName, Parameters, Source, parse_override};
+    use super::*;
+
+    fn loaded(parameters: &str) -> Result<Parameters, String> {
+        let text = format!("column_twin:\n  ros__parameters:\n{parameters}");
+        Parameters::from_yaml(Path::new("f.yaml"), &text).map_err(|faults| faults.to_string())
+    }
+
+    fn numbers(parameters: &str) -> Vec<f64> {
+        let loaded = loaded(parameters).expect(parameters);
+        loaded.settings().example.numbers.clone()
+    }
+
+    #[test]
+    fn arrays_are_flow_or_block_sequences() {
+        assert_eq!(Parameters::default().settings().example.numbers, [1.0, 2.5]);
+        assert_eq!(numbers("    example.numbers: [3, 4.5]\n"), [3.0, 4.5]);
+        assert_eq!(
+            numbers("    example:\n      numbers:\n      - 3.0\n      - 1e3\n      - 7\n"),
+            [3.0, 1e3, 7.0]
+        );
+        let words = loaded("    example: {nested: {words: [red, \"blue\"]}}\n").expect("right");
+        assert_eq!(words.settings().example.nested.words, ["red", "blue"]);
+        let empty = words.with_changes([("example.nested.words", Value::StringArray(vec![]))]);
+        assert_eq!(
+            empty.expect("right").settings().example.nested.words.len(),
+            0
+        );
+        let read = Parameters::from_yaml(Path::new("f.yaml"), &words.to_yaml());
+        assert_eq!(read, Ok(words.clone()));
+        let json = serde_json::to_string(&words).expect("serializes");
+        assert_eq!(
+            serde_json::from_str::<Parameters>(&json).expect("reads"),
+            words
+        );
+    }
+
+    #[test]
+    fn a_wrong_element_has_its_own_place() {
+        let faults = loaded(
+            "    example.numbers: [1.0, 0.1,\n      1 kg]\n    example.nested:\n      words:\n      - red\n      - rde\n      - [green]\n      -\n",
+        );
+        assert_eq!(
+            faults,
+            Err("\
+5 faults in the parameters
+  f.yaml:3:28: example.numbers: `0.1` (element 2) is out of range; allowed: 0.5 to 1e6 kg (an array of numbers)
+  f.yaml:4:7: example.numbers: `1 kg` (element 3) is a string, not a number; omit the unit; allowed: 0.5 to 1e6 kg
+  f.yaml:8:9: example.nested.words: `rde` (element 2) is not known (did you mean red?); allowed: red, green or blue
+  f.yaml:9:9: example.nested.words (element 3) is a list; allowed: red, green or blue
+  f.yaml:10:8: example.nested.words (element 4) has no value; allowed: red, green or blue"
+                .to_owned())
+        );
+    }
+
+    #[test]
+    fn wrong_arrays_are_rejected_as_a_whole() {
+        for (given, expected) in [
+            (
+                "example.numbers: []",
+                "f.yaml:3:5: example.numbers has 0 elements; allowed: a list of 1 to 3 elements, each 0.5 to 1e6 kg",
+            ),
+            (
+                "example.numbers: [1, 2, 3, -4]",
+                "example.numbers has 4 elements",
+            ),
+            (
+                "example.numbers: 5",
+                "f.yaml:3:22: example.numbers: `5` is not a list; write [5]; allowed: a list",
+            ),
+            ("example.numbers:", "example.numbers has no value"),
+            (
+                "example.numbers: [.nan]",
+                "`.nan` (element 1) is not a finite number",
+            ),
+            ("top.load: [1.0]", "top.load is a list; allowed: 0 to 1e9 N"),
+        ] {
+            let faults = loaded(&format!("    {given}\n")).expect_err(given);
+            assert!(faults.contains(expected), "{faults}");
+            assert_eq!(faults.lines().count(), 2, "{faults}");
+        }
+    }
+
+    #[test]
+    fn arrays_are_given_on_the_command_line() {
+        let overrides = ["example.numbers:=[3, 4.5]", "example.nested.words:=[blue]"];
+        let parameters = Parameters::load(&[], &overrides.map(parse_override)).expect("right");
+        assert_eq!(parameters.settings().example.numbers, [3.0, 4.5]);
+        assert_eq!(
+            parameters.get("example.nested.words"),
+            Some(Value::from(vec!["blue".to_owned()]))
+        );
+        let wrong = Parameters::load(&[], &[parse_override("example.numbers:=[3, -4]")]);
+        let wrong = wrong.expect_err("an element is out of range").to_string();
+        let expected =
+            "-p example.numbers:=[3, -4]: example.numbers: `-4` (element 2) is out of range";
+        assert!(wrong.contains(expected), "{wrong}");
+    }
+
+    #[test]
+    fn a_deprecated_word_is_replaced_with_a_warning() {
+        let sources = [Source::Override(parse_override("solver.scheme:=energy"))];
+        let (parameters, warnings) =
+            Parameters::load_in_order(&NodeName::default(), sources).expect("accepted");
+        assert_eq!(
+            parameters.get("solver.scheme"),
+            Some(Value::from("conserving_midpoint"))
+        );
+        let warnings: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            warnings,
+            [
+                "-p solver.scheme:=energy: solver.scheme: `energy` is deprecated; write conserving_midpoint"
+            ]
+        );
+        let in_file = loaded("    solver.scheme: energy\n").expect("accepted");
+        assert_eq!(in_file, parameters);
+        let json = serde_json::to_string(&parameters).expect("serializes");
+        let old = json.replace("conserving_midpoint", "energy");
+        assert_ne!(old, json);
+        assert_eq!(
+            serde_json::from_str::<Parameters>(&old).expect("reads"),
+            parameters
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What is wrong with given parameters: where, what, and what would be right.
+//! Faults in given parameters: what is wrong, where, and what is admissible.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,35 +8,35 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::yaml::Location;
 
-/// One fault. `Display` is one line with place, name, value and what would be right.
+/// One fault. `Display` is one line with place, name, value and what is admissible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{place}{}{problem}", Subject(.name.as_deref(), .value.as_deref()))]
 pub struct Fault {
-    /// The parameter that is meant, or the unknown name as it was written; `None` for a fault of a file as a whole.
+    /// The parameter, or the unknown name as written; `None` for a fault of a whole file.
     pub name: Option<String>,
-    /// The value as it was written, where the fault lies in the value.
+    /// The value as written, of an array the element; `None` if the fault is not in a value.
     pub value: Option<String>,
     /// Where it was given.
-    pub place: Place,
+    pub place: Origin,
     /// What is wrong.
     pub problem: Problem,
 }
 
 /// Where a value was given.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Place {
+pub enum Origin {
     /// In a parameter file.
     File {
-        /// As it was named by the user.
+        /// As the user wrote it.
         path: PathBuf,
-        /// Line and column, from 1; `None` where the file could not be read.
+        /// Line and column, from 1; `None` if the file could not be read.
         position: Option<(usize, usize)>,
-        /// The bytes meant and the file's text, for reports that show them.
+        /// The bytes concerned and the file's text, for reports that show them.
         excerpt: Option<Excerpt>,
     },
     /// On the command line, in this argument: `-p name:=value` or a flag with its value.
     CommandLine(String),
-    /// By a program or a service call, or nowhere: a default.
+    /// By a program or a service call, or as a default.
     Direct,
 }
 
@@ -45,11 +45,11 @@ pub enum Place {
 pub struct Excerpt {
     /// The whole text.
     pub text: Arc<str>,
-    /// The bytes of it that are meant.
+    /// The bytes concerned.
     pub bytes: std::ops::Range<usize>,
 }
 
-/// What is wrong, and what would be right.
+/// What is wrong, and what is admissible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -60,33 +60,33 @@ pub enum Problem {
     #[error("{0}")]
     Syntax(String),
     /// No parameter has this name.
-    #[error("is not a parameter{}", Suggestion(.nearest, "; all of them stand in docs/parameters.md"))]
+    #[error("is not a parameter{}", Suggestion(.nearest, "; docs/parameters.md lists all parameters"))]
     UnknownName {
-        /// Names that are spelt like it, nearest first.
+        /// Names with a similar spelling, closest first.
         nearest: Vec<String>,
     },
     /// The name is that of a group of parameters.
-    #[error("is a group of parameters, not one of them; it has {}", .members.join(", "))]
+    #[error("is a group of parameters, not a parameter; it contains {}", .members.join(", "))]
     Group {
         /// The parameters of the group.
         members: Vec<String>,
     },
-    /// The same name stands twice in one place.
-    #[error("is given a second time, first in line {first_line}; remove one of the two")]
+    /// The same name is given twice in one place.
+    #[error("is given a second time; the first is in line {first_line}; remove one of the two")]
     Duplicate {
         /// Line of the first, from 1.
         first_line: usize,
     },
-    /// No value stands behind the name.
+    /// The name has no value.
     #[error("has no value; allowed: {expected}")]
     NoValue {
         /// What is admissible.
         expected: String,
     },
-    /// The value has another type.
+    /// The value has the wrong type.
     #[error("is {found}; allowed: {expected}")]
     WrongType {
-        /// What it is.
+        /// Description of the value.
         found: String,
         /// What is admissible.
         expected: String,
@@ -97,7 +97,23 @@ pub enum Problem {
         /// What is admissible.
         expected: String,
     },
-    /// The value is outside of its range.
+    /// The array has too few or too many elements.
+    #[error("has {found} elements; allowed: {expected}")]
+    WrongLength {
+        /// Number of elements.
+        found: usize,
+        /// What is admissible.
+        expected: String,
+    },
+    /// An element of an array is wrong.
+    #[error("(element {number}) {problem}")]
+    Element {
+        /// Number of the element, from 1.
+        number: usize,
+        /// What is wrong with it.
+        problem: Box<Problem>,
+    },
+    /// The value is outside its range.
     #[error("is out of range; allowed: {expected}")]
     OutOfRange {
         /// What is admissible.
@@ -106,24 +122,30 @@ pub enum Problem {
     /// The duration is not a whole number of nanoseconds.
     #[error("is not a whole number of nanoseconds; the nearest is {nearest}")]
     NotWholeNanoseconds {
-        /// The nearest duration that is \[s\].
+        /// The closest admissible duration \[s\].
         nearest: String,
     },
-    /// The text is too short or too long, or has control characters.
-    #[error("is not such a text as it should be; allowed: {expected}")]
-    UnfitText {
+    /// The string is too short or too long, or contains characters that are not admissible.
+    #[error("is not a valid string; allowed: {expected}")]
+    InvalidText {
         /// What is admissible.
         expected: String,
     },
     /// The value is not one of the known words.
     #[error("is not known{}; allowed: {expected}", Suggestion(.nearest, ""))]
     UnknownWord {
-        /// Words that are spelt like it, nearest first.
+        /// Words with a similar spelling, closest first.
         nearest: Vec<String>,
         /// What is admissible.
         expected: String,
     },
-    /// The parameter does not go with another one, or needs one that is missing.
+    /// The value is deprecated: a warning, not a fault.
+    #[error("is deprecated; write {replacement}")]
+    Deprecated {
+        /// The value that replaces it.
+        replacement: &'static str,
+    },
+    /// The parameter is not compatible with another one, or requires one that is missing.
     #[error("{0}")]
     Inconsistent(String),
 }
@@ -140,20 +162,20 @@ impl fmt::Display for Subject<'_> {
     }
 }
 
-/// A name or value from outside, in one line of bounded length.
+/// A name or value that the user wrote, on one line of bounded length.
 struct Shortened<'a>(&'a str);
 
 impl fmt::Display for Shortened<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        const MOST: usize = 60;
-        for c in self.0.chars().take(MOST) {
+        const MAX_CHARS: usize = 60;
+        for c in self.0.chars().take(MAX_CHARS) {
             if c.is_control() {
                 write!(f, "{}", c.escape_default())?
             } else {
                 write!(f, "{c}")?
             }
         }
-        if self.0.chars().nth(MOST).is_some() {
+        if self.0.chars().nth(MAX_CHARS).is_some() {
             f.write_str("...")
         } else {
             Ok(())
@@ -173,7 +195,7 @@ impl fmt::Display for Suggestion<'_> {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File {
@@ -202,15 +224,15 @@ impl fmt::Debug for Excerpt {
     }
 }
 
-/// All the faults of the given parameters, in the order of files and lines; never empty.
+/// All faults of the given parameters, in the order of files and lines; never empty.
 ///
-/// `Display` is one line per fault behind a line with their number; [`report`](Self::report) shows them in the text of
-/// the files.
+/// `Display` is a line with their number, followed by one line per fault; [`report`](Self::report) shows them in the text
+/// of the files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterFaults(Vec<Fault>);
 
 impl ParameterFaults {
-    /// `Ok` where there are none.
+    /// `Ok` if there are none.
     ///
     /// # Errors
     /// All of them.
@@ -228,13 +250,13 @@ impl ParameterFaults {
         &self.0
     }
 
-    /// The same for a person: the files' lines with the faults written below.
+    /// A report for people: the lines of the files with the faults below them.
     #[must_use]
     pub fn report(&self) -> miette::Report {
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<ReportPart> = Vec::new();
         for fault in &self.0 {
             match &fault.place {
-                Place::File {
+                Origin::File {
                     path,
                     excerpt: Some(excerpt),
                     ..
@@ -247,10 +269,10 @@ impl ParameterFaults {
                         .find(|part| part.file.as_ref().is_some_and(|file| file.name() == name))
                     {
                         Some(part) => part.labels.push(label),
-                        None => parts.push(Part::of_file(name, excerpt.text.clone(), label)),
+                        None => parts.push(ReportPart::of_file(name, excerpt.text.clone(), label)),
                     }
                 }
-                _ => parts.push(Part {
+                _ => parts.push(ReportPart {
                     message: fault.to_string(),
                     file: None,
                     labels: Vec::new(),
@@ -291,7 +313,7 @@ impl fmt::Display for Count {
     }
 }
 
-/// A fault below the line that it is about, which needs no place.
+/// A fault shown below the line concerned, which needs no place.
 struct FaultInPlace<'a>(&'a Fault);
 
 impl fmt::Display for FaultInPlace<'_> {
@@ -305,7 +327,7 @@ impl fmt::Display for FaultInPlace<'_> {
 #[error("{}", Count(*.count))]
 struct Listing {
     count: usize,
-    parts: Vec<Part>,
+    parts: Vec<ReportPart>,
 }
 
 impl Diagnostic for Listing {
@@ -316,16 +338,16 @@ impl Diagnostic for Listing {
     }
 }
 
-/// The faults of one file, or one that is in no file.
+/// The faults of one file, or a single fault outside of files.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
-struct Part {
+struct ReportPart {
     message: String,
     file: Option<NamedSource<Arc<str>>>,
     labels: Vec<LabeledSpan>,
 }
 
-impl Part {
+impl ReportPart {
     fn of_file(name: String, text: Arc<str>, label: LabeledSpan) -> Self {
         Self {
             message: format!("in {name}"),
@@ -335,7 +357,7 @@ impl Part {
     }
 }
 
-impl Diagnostic for Part {
+impl Diagnostic for ReportPart {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         self.file.as_ref().map(|file| file as &dyn SourceCode)
     }
@@ -345,7 +367,7 @@ impl Diagnostic for Part {
     }
 }
 
-/// A file that is being read, to place faults in.
+/// A file that is being read, for the places of faults.
 #[derive(Debug, Clone)]
 pub(super) struct SourceFile {
     pub path: PathBuf,
@@ -353,8 +375,8 @@ pub(super) struct SourceFile {
 }
 
 impl SourceFile {
-    pub(super) fn place(&self, at: &Location) -> Place {
-        Place::File {
+    pub(super) fn place(&self, at: &Location) -> Origin {
+        Origin::File {
             path: self.path.clone(),
             position: Some((at.line, at.column)),
             excerpt: Some(Excerpt {

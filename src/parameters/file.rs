@@ -1,4 +1,4 @@
-//! ROS 2 parameter files, turned into assignments.
+//! Reads ROS 2 parameter files.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -6,37 +6,19 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::fault::{Fault, Place, Problem, SourceFile};
+use super::fault::{Fault, Origin, Problem, SourceFile};
+use super::given::{self, Assignment, Given};
 use super::node_name::{NodeName, with_slashes};
 use super::table::Parameter;
-use super::value::Value;
-use super::yaml::{self, Content, Key, Location, Node};
+use super::yaml::{self, Location, YamlContent, YamlKey, YamlNode};
 
-/// Largest parameter file that is read \[bytes\].
+/// Maximum size of a parameter file \[bytes\].
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// The mapping of this name holds a node's parameters.
+/// YamlKey of the mapping that holds the parameters of a node.
 const PARAMETERS_KEY: &str = "ros__parameters";
 
-/// One name with one value, and where it was given.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Assignment {
-    pub name: String,
-    /// `None` where nothing, a list or a mapping was given.
-    pub value: Result<Value, NotAValue>,
-    /// As it was typed.
-    pub text: Option<String>,
-    pub place: Place,
-}
-
-/// What stands where a value should.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NotAValue {
-    Nothing,
-    List,
-}
-
-/// Reads a file and collects what it assigns to this node's parameters, and all the faults of its structure.
+/// Reads a file and returns what it assigns to this node's parameters, and all faults in its structure.
 pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
     match read_text(path) {
         Ok(text) => assignments(
@@ -47,7 +29,7 @@ pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>
             node,
         ),
         Err(message) => {
-            let place = Place::File {
+            let place = Origin::File {
                 path: path.to_owned(),
                 position: None,
                 excerpt: None,
@@ -73,16 +55,16 @@ fn read_text(path: &Path) -> Result<String, String> {
         .map_err(|error| error.to_string())?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(format!(
-            "larger than {MAX_FILE_BYTES} bytes, which no parameter file is"
+            "larger than {MAX_FILE_BYTES} bytes, the maximum for a parameter file"
         ));
     }
     String::from_utf8(bytes)
         .map_err(|error| format!("not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
 }
 
-/// What a file's text assigns to this node's parameters, and all the faults of its structure.
+/// Returns what the text of a file assigns to this node's parameters, and all faults in its structure.
 pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
-    let mut reader = Reader {
+    let mut reader = FileReader {
         file,
         node,
         found: Vec::new(),
@@ -93,8 +75,8 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
     match yaml::parse(&file.text) {
         Ok(
             None
-            | Some(Node {
-                content: Content::Null,
+            | Some(YamlNode {
+                content: YamlContent::Null,
                 ..
             }),
         ) => {
@@ -107,8 +89,8 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
                 },
             );
         }
-        Ok(Some(Node {
-            content: Content::Mapping(entries),
+        Ok(Some(YamlNode {
+            content: YamlContent::Mapping(entries),
             ..
         })) => {
             reader.nodes(&entries, "");
@@ -120,18 +102,18 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
     (reader.found, reader.faults)
 }
 
-struct Reader<'a> {
+struct FileReader<'a> {
     file: &'a SourceFile,
     node: &'a NodeName,
     found: Vec<Assignment>,
     faults: Vec<Fault>,
-    /// Nodes of the file that this one is not.
+    /// Other nodes that the file has parameters for.
     other_nodes: Vec<String>,
-    /// Whether some part of the file is for this node.
+    /// Whether some part of the file applies to this node.
     meant: bool,
 }
 
-impl Reader<'_> {
+impl FileReader<'_> {
     fn fault(&mut self, name: Option<&str>, at: &Location, problem: Problem) {
         let place = self.file.place(at);
         self.faults.push(Fault {
@@ -144,34 +126,36 @@ impl Reader<'_> {
 
     fn fault_of_file(&mut self, what: &str, at: &Location) {
         let message = format!(
-            "the file {what}; begin it with `{}:` and below, indented, `{PARAMETERS_KEY}:`",
+            "the file {what}; begin it with `{}:` and, indented below it, `{PARAMETERS_KEY}:`",
             self.bare_name()
         );
         self.fault(None, at, Problem::Syntax(message));
     }
 
-    /// Mappings from names of nodes and namespaces, down to `ros__parameters`.
-    fn nodes(&mut self, entries: &[(Key, Node)], path: &str) {
+    /// Walks mappings from names of nodes and namespaces down to `ros__parameters`.
+    fn nodes(&mut self, entries: &[(YamlKey, YamlNode)], path: &str) {
         self.report_duplicates(entries, |_| true);
         for (key, child) in entries {
             match (&child.content, key.text == PARAMETERS_KEY) {
                 (_, true) if path.is_empty() => {
                     let message = format!(
-                        "needs the name of the node above it: `{}:` or `/**:`",
+                        "must be below the name of a node: `{}:` or `/**:`",
                         self.bare_name()
                     );
                     self.fault(Some(PARAMETERS_KEY), &key.at, Problem::Syntax(message));
                     self.meant = true; // one fault is enough
                 }
-                (Content::Mapping(_) | Content::Null, true) if !self.node.is_meant_by(path) => {
+                (YamlContent::Mapping(_) | YamlContent::Null, true)
+                    if !self.node.is_meant_by(path) =>
+                {
                     self.other_nodes.push(with_slashes(path));
                 }
-                (Content::Mapping(parameters), true) => {
+                (YamlContent::Mapping(parameters), true) => {
                     self.meant = true;
-                    self.section(parameters);
+                    self.group(parameters, "", &mut BTreeMap::new());
                 }
-                (Content::Null, true) => self.meant = true,
-                (Content::Mapping(below), false) => {
+                (YamlContent::Null, true) => self.meant = true,
+                (YamlContent::Mapping(below), false) => {
                     self.nodes(below, &format!("{path}/{}", key.text))
                 }
                 (_, true) => {
@@ -184,28 +168,28 @@ impl Reader<'_> {
         }
     }
 
-    /// Something between a node's name and its `ros__parameters` that is neither.
-    fn report_stray(&mut self, key: &Key) {
-        let message = format!("stands outside of `{PARAMETERS_KEY}:`; move it below, indented");
+    /// Reports a value between the name of a node and its `ros__parameters`.
+    fn report_stray(&mut self, key: &YamlKey) {
+        let message = format!("is outside `{PARAMETERS_KEY}:`; move it below, indented");
         self.fault(Some(&key.text), &key.at, Problem::Syntax(message));
         self.meant = true;
     }
 
-    fn report_missing_section(&mut self, entries: &[(Key, Node)]) {
+    fn report_missing_section(&mut self, entries: &[(YamlKey, YamlNode)]) {
         let Some((first, _)) = entries.first().filter(|_| !self.meant) else {
             return;
         };
         let message = if self.other_nodes.is_empty() {
             let name = self.bare_name();
             format!(
-                "the file has no `{PARAMETERS_KEY}:`; write `{name}:`, below it `{PARAMETERS_KEY}:`, and below that the parameters"
+                "the file has no `{PARAMETERS_KEY}:`; write `{name}:`, below it `{PARAMETERS_KEY}:`, and the parameters below that"
             )
         } else {
             format!(
-                "nothing in the file is for the node {}, only for {}; write `{}:` or `/**:`",
+                "the file has parameters for {2}, but none for the node {0}; write `{1}:` or `/**:`",
                 self.node,
-                self.other_nodes.join(", "),
-                self.node
+                self.node,
+                self.other_nodes.join(", ")
             )
         };
         self.fault(None, &first.at, Problem::Syntax(message));
@@ -215,26 +199,23 @@ impl Reader<'_> {
         self.node.bare().to_owned()
     }
 
-    /// The parameters of this node, grouped by mappings or by dots.
-    fn section(&mut self, entries: &[(Key, Node)]) {
-        let mut first_lines = BTreeMap::new();
-        self.group(entries, "", &mut first_lines);
-    }
-
+    /// Reads parameters of this node, grouped by mappings or by dots.
     fn group(
         &mut self,
-        entries: &[(Key, Node)],
+        entries: &[(YamlKey, YamlNode)],
         prefix: &str,
         first_lines: &mut BTreeMap<String, usize>,
     ) {
-        self.report_duplicates(entries, |node| matches!(node.content, Content::Mapping(_)));
+        self.report_duplicates(entries, |node| {
+            matches!(node.content, YamlContent::Mapping(_))
+        });
         for (key, node) in entries {
             let name = if prefix.is_empty() {
                 key.text.clone()
             } else {
                 format!("{prefix}.{}", key.text)
             };
-            if let Content::Mapping(members) = &node.content {
+            if let YamlContent::Mapping(members) = &node.content {
                 if members.is_empty() {
                     continue;
                 }
@@ -248,24 +229,21 @@ impl Reader<'_> {
         }
     }
 
-    fn assign(&mut self, name: String, key: &Key, node: &Node) {
-        let (value, text) = match &node.content {
-            Content::Scalar { value, text } => (Ok(value.clone()), Some(text.clone())),
-            Content::List => (Err(NotAValue::List), None),
-            Content::Null | Content::Mapping(_) => (Err(NotAValue::Nothing), None),
-        };
-        // A fault of the name is shown at the name, one of the value at the value.
-        let named = Parameter::named(&name).is_some() && value.is_ok();
-        let place = self.file.place(if named { &node.at } else { &key.at });
-        self.found.push(Assignment {
-            name,
-            value,
-            text,
-            place,
-        });
+    fn assign(&mut self, name: String, key: &YamlKey, node: &YamlNode) {
+        let mut given = Given::of_yaml(node, &|at| self.file.place(at));
+        // A fault in a scalar is shown at the scalar, one in the name or in a whole list at the name.
+        if Parameter::named(&name).is_none() || !matches!(given.content, given::Content::Scalar(_))
+        {
+            given.place = self.file.place(&key.at);
+        }
+        self.found.push(Assignment { name, given });
     }
 
-    fn report_duplicates(&mut self, entries: &[(Key, Node)], counts: impl Fn(&Node) -> bool) {
+    fn report_duplicates(
+        &mut self,
+        entries: &[(YamlKey, YamlNode)],
+        counts: impl Fn(&YamlNode) -> bool,
+    ) {
         let mut first_lines = BTreeMap::new();
         for (key, _) in entries.iter().filter(|(_, node)| counts(node)) {
             match first_lines.get(key.text.as_str()) {
@@ -292,7 +270,7 @@ mod tests {
         let (found, faults) = assignments(&file, node);
         let found = found
             .into_iter()
-            .map(|one| (one.name, one.text.unwrap_or_default()))
+            .map(|one| (one.name, one.given.text.unwrap_or_default()))
             .collect();
         (found, faults.iter().map(ToString::to_string).collect())
     }
@@ -307,9 +285,9 @@ mod tests {
         vec![(name.to_owned(), value.to_owned())]
     }
 
-    /// The spellings that rcl's parser takes (rcl_yaml_param_parser, its test files).
+    /// The spellings that rcl's parser accepts (test files of rcl_yaml_param_parser).
     #[test]
-    fn a_node_is_named_in_many_ways() {
+    fn a_node_can_be_named_in_many_ways() {
         for head in [
             "column_twin:",
             "/column_twin:",
@@ -367,24 +345,24 @@ mod tests {
     }
 
     #[test]
-    fn structure_faults_say_what_to_write() {
+    fn structural_faults_name_the_remedy() {
         for (text, expected) in [
             (
                 "",
-                "f.yaml:1:1: the file is empty; begin it with `column_twin:` and below, indented, `ros__parameters:`",
+                "f.yaml:1:1: the file is empty; begin it with `column_twin:` and, indented below it, `ros__parameters:`",
             ),
             ("42\n", "f.yaml:1:1: the file is not a mapping; begin it"),
             (
                 "colum_twin:\n  ros__parameters:\n    top.load: 1.0\n",
-                "nothing in the file is for the node /column_twin, only for /colum_twin; write `/column_twin:` or `/**:`",
+                "the file has parameters for /colum_twin, but none for the node /column_twin; write `/column_twin:` or `/**:`",
             ),
             (
                 "ros__parameters:\n  top.load: 1.0\n",
-                "f.yaml:1:1: ros__parameters needs the name of the node above it: `column_twin:`",
+                "f.yaml:1:1: ros__parameters must be below the name of a node: `column_twin:`",
             ),
             (
                 "column_twin:\n  top.load: 1.0\n",
-                "f.yaml:2:3: top.load stands outside of `ros__parameters:`; move it below",
+                "f.yaml:2:3: top.load is outside `ros__parameters:`; move it below",
             ),
             ("column_twin: {}\n", "the file has no `ros__parameters:`"),
             (
@@ -393,15 +371,15 @@ mod tests {
             ),
             (
                 "column_twin:\n  ros__parameters:\n    a: 1\n    a: 2\n",
-                "f.yaml:4:5: a is given a second time, first in line 3",
+                "f.yaml:4:5: a is given a second time; the first is in line 3",
             ),
             (
                 "column_twin:\n  ros__parameters:\n    a.b: 1\n    a: {b: 2}\n",
-                "f.yaml:4:9: a.b is given a second time, first in line 3",
+                "f.yaml:4:9: a.b is given a second time; the first is in line 3",
             ),
             (
                 "column_twin:\n  ros__parameters:\n    a: {b: 1}\n    a: {c: 2}\n",
-                "f.yaml:4:5: a is given a second time, first in line 3",
+                "f.yaml:4:5: a is given a second time; the first is in line 3",
             ),
             (
                 "column_twin:\n  ros__parameters: {a: 1}\ncolumn_twin:\n  ros__parameters: {b: 1}\n",

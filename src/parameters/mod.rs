@@ -1,7 +1,7 @@
-//! Parameters: one table says what there is, and declaration, validation and documentation follow from it.
+//! Parameters: declaration, validation and documentation follow from one table.
 //!
-//! Files are ROS 2 parameter files, overrides are ROS 2's `-p name:=value`. All faults are found at once, each with its
-//! place, name, value and what would be right.
+//! Files are ROS 2 parameter files, overrides are ROS 2's `-p name:=value`. All faults are reported at once, each with its
+//! place, name and value, and with what is admissible.
 //!
 //! ```
 //! use column_twin::parameters::{Parameters, parse_override};
@@ -27,11 +27,13 @@ mod consistency;
 mod draft;
 mod fault;
 mod file;
+mod given;
 mod node_name;
 mod overrides;
 mod processors;
 mod reference;
 mod settings;
+mod spelling;
 mod steel;
 mod table;
 mod value;
@@ -42,16 +44,17 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use catalogue::{CatalogueSection, catalogue};
-pub use fault::{Excerpt, Fault, ParameterFaults, Place, Problem};
+pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, Damping, Event, Geometry, Hinge, RealTime, Record, RecordMode, Resistance,
-    Response, Section, Settings, Solver, StateFile, Steel, SupportKind, Supports, Top, Viewer,
-    ViewerMode, YieldSurface,
+    Compression, DampingSettings, EventSettings, GeometrySettings, HingeSettings, RealTimeSettings,
+    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
+    SolverSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
@@ -59,10 +62,7 @@ pub use value::{Kind, Value};
 
 use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
 use draft::Draft;
-use file::Assignment;
-
-/// Longest name for which a similar one is looked for \[characters\].
-const MAX_MISSPELT: usize = 64;
+use given::Assignment;
 
 /// A complete and consistent set of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,14 +80,14 @@ pub enum Source {
     Override(Override),
 }
 
-/// The section that the column has: named, given by numbers, or named with some numbers overridden.
+/// The column's section: named, given by numbers, or named with some properties overridden.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ColumnSection {
     /// Name in the catalogue.
     pub name: Option<&'static str>,
     /// `A` \[m²\].
     pub area: f64,
-    /// `I` \[m⁴\], about the axis that the column is bent about.
+    /// `I` \[m⁴\], about the axis of bending.
     pub second_moment: f64,
     /// `m_l` \[kg/m\].
     pub mass_per_length: f64,
@@ -95,7 +95,7 @@ pub struct ColumnSection {
     pub plastic_modulus: Option<f64>,
 }
 
-/// The steel that the column has.
+/// The column's steel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ColumnSteel {
     /// Name of the grade.
@@ -107,8 +107,7 @@ pub struct ColumnSteel {
 }
 
 impl Parameters {
-    /// The defaults, changed by the files in their order and then by the overrides in theirs, for the node
-    /// `/column_twin`.
+    /// The defaults, changed by the files and then by the overrides, each in their order, for the node `/column_twin`.
     ///
     /// # Errors
     /// All faults of all files and overrides.
@@ -116,7 +115,7 @@ impl Parameters {
         Self::load_for(&NodeName::default(), files, overrides)
     }
 
-    /// The same for a node of another name or in a namespace.
+    /// As [`load`](Self::load), for a node of another name or in a namespace.
     ///
     /// # Errors
     /// All faults of all files and overrides.
@@ -127,17 +126,18 @@ impl Parameters {
     ) -> Result<Self, ParameterFaults> {
         let files = files.iter().cloned().map(Source::File);
         let overrides = overrides.iter().cloned().map(Source::Override);
-        Self::load_in_order(node, files.chain(overrides))
+        Self::load_in_order(node, files.chain(overrides)).map(|(parameters, _)| parameters)
     }
 
-    /// From sources in any order, of which the last one wins, as on the command line of a ROS 2 node.
+    /// From sources in any order, of which the last one wins, as on the command line of a ROS 2 node; with warnings of
+    /// deprecated values.
     ///
     /// # Errors
     /// All faults of all sources.
     pub fn load_in_order(
         node: &NodeName,
         sources: impl IntoIterator<Item = Source>,
-    ) -> Result<Self, ParameterFaults> {
+    ) -> Result<(Self, Vec<Fault>), ParameterFaults> {
         let mut draft = Draft::of_defaults();
         for source in sources {
             let (assignments, faults) = match source {
@@ -149,10 +149,11 @@ impl Parameters {
             };
             draft.take(assignments, faults);
         }
-        draft.finish()
+        let (settings, warnings) = draft.finish()?;
+        Ok((Self { settings }, warnings))
     }
 
-    /// The defaults, changed by the text of one parameter file; `path` names it in faults.
+    /// The defaults, changed by the text of a parameter file; `path` is its name in faults.
     ///
     /// # Errors
     /// All faults of the text.
@@ -162,9 +163,7 @@ impl Parameters {
             text: text.into(),
         };
         let (assignments, faults) = file::assignments(&source, &NodeName::default());
-        let mut draft = Draft::of_defaults();
-        draft.take(assignments, faults);
-        draft.finish()
+        Self::finish(Draft::of_defaults(), assignments, faults)
     }
 
     /// The defaults, changed by these values.
@@ -174,14 +173,13 @@ impl Parameters {
     pub fn from_values(
         values: impl IntoIterator<Item = (impl Into<String>, Value)>,
     ) -> Result<Self, ParameterFaults> {
-        let mut draft = Draft::of_defaults();
-        draft.take(values.into_iter().map(direct).collect(), vec![]);
-        draft.finish()
+        let assignments = values.into_iter().map(Assignment::direct).collect();
+        Self::finish(Draft::of_defaults(), assignments, vec![])
     }
 
-    /// These parameters with some of them changed, validated as a whole; nothing is half applied.
+    /// These parameters with some of them changed, validated as a whole: all changes or none.
     ///
-    /// Which of the changes a running node may make is for its caller to ask of [`changed_from`](Self::changed_from).
+    /// [`changed_from`](Self::changed_from) tells a running node whether the changes include read-only parameters.
     ///
     /// # Errors
     /// All faults of the changes, and of their combination with the rest.
@@ -189,15 +187,23 @@ impl Parameters {
         &self,
         changes: impl IntoIterator<Item = (impl Into<String>, Value)>,
     ) -> Result<Self, ParameterFaults> {
-        let mut draft = Draft::of_settings(&self.settings);
-        draft.take(changes.into_iter().map(direct).collect(), vec![]);
-        draft.finish()
+        let assignments = changes.into_iter().map(Assignment::direct).collect();
+        Self::finish(Draft::of_settings(&self.settings), assignments, vec![])
+    }
+
+    fn finish(
+        mut draft: Draft,
+        assignments: Vec<Assignment>,
+        faults: Vec<Fault>,
+    ) -> Result<Self, ParameterFaults> {
+        draft.take(assignments, faults);
+        draft.finish().map(|(settings, _)| Self { settings })
     }
 
     /// The parameters whose values differ.
     #[must_use]
     pub fn changed_from(&self, earlier: &Self) -> Vec<&'static Parameter> {
-        let before = values_of(&earlier.settings);
+        let before = earlier.settings.values();
         self.iter()
             .zip(before)
             .filter(|((_, value), before)| value != before)
@@ -205,16 +211,16 @@ impl Parameters {
             .collect()
     }
 
-    /// The value of the parameter of this name; `None` where there is no such parameter.
+    /// The value of the parameter of this name; `None` if there is no such parameter.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Value> {
         let index = Parameter::index_of(name)?;
-        values_of(&self.settings).into_iter().nth(index)
+        self.settings.values().into_iter().nth(index)
     }
 
     /// All parameters with their values, in the order of the table.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Value)> + use<> {
-        PARAMETERS.iter().zip(values_of(&self.settings))
+        PARAMETERS.iter().zip(self.settings.values())
     }
 
     /// All parameters as typed data.
@@ -223,13 +229,13 @@ impl Parameters {
         &self.settings
     }
 
-    /// What an impact event leaves open.
+    /// The default impact, for what an impact event leaves open.
     #[must_use]
     pub fn impact(&self) -> Impact {
         self.settings.impact
     }
 
-    /// Longest response that is computed \[s\].
+    /// Maximum duration of a response \[s\].
     #[must_use]
     pub fn response_duration(&self) -> f64 {
         self.settings.response.duration
@@ -283,7 +289,7 @@ impl Parameters {
         }
     }
 
-    /// What the mechanics is to know of the column.
+    /// The column as the mechanics needs it.
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
         let Settings {
@@ -330,7 +336,7 @@ impl Parameters {
         }
     }
 
-    /// A complete parameter file for the node `column_twin`, which [`load`](Self::load) reads back to the same values.
+    /// A complete parameter file for the node `column_twin`, from which [`load`](Self::load) reads the same values.
     #[must_use]
     pub fn to_yaml(&self) -> String {
         let mut text = String::from("column_twin:\n  ros__parameters:\n");
@@ -353,8 +359,7 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Draft::of_defaults()
-            .finish()
+        Self::finish(Draft::of_defaults(), vec![], vec![])
             .expect("the table's defaults are complete and consistent, which is tested")
     }
 }
@@ -363,13 +368,8 @@ impl TryFrom<Settings> for Parameters {
     type Error = ParameterFaults;
 
     fn try_from(settings: Settings) -> Result<Self, ParameterFaults> {
-        let all = PARAMETERS
-            .iter()
-            .map(|parameter| parameter.name)
-            .zip(values_of(&settings));
-        let mut draft = Draft::of_defaults();
-        draft.take(all.map(direct).collect(), vec![]);
-        draft.finish()
+        let names = PARAMETERS.iter().map(|parameter| parameter.name);
+        Self::from_values(names.zip(settings.values()))
     }
 }
 
@@ -379,14 +379,7 @@ impl From<Parameters> for Settings {
     }
 }
 
-/// One value per entry of the table, in its order.
-fn values_of(settings: &Settings) -> Vec<Value> {
-    settings
-        .values()
-        .expect("settings are numbers, words and texts, which JSON can hold")
-}
-
-/// A number as it is given, else that of the named section or grade.
+/// The given number, or else that of the named section or grade.
 fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
     if number > 0.0 {
         number
@@ -395,24 +388,10 @@ fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
     }
 }
 
-/// Whether a wrong name is short enough to look for what it may have meant: looking costs the product of the lengths.
-fn may_be_misspelt(name: &str) -> bool {
-    name.chars().nth(MAX_MISSPELT).is_none()
-}
-
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {
     match kind {
         SupportKind::BuiltIn => Support::BuiltIn,
         SupportKind::Pinned => Support::Pinned,
         SupportKind::SemiRigid => Support::SemiRigid { stiffness },
-    }
-}
-
-fn direct((name, value): (impl Into<String>, Value)) -> Assignment {
-    Assignment {
-        name: name.into(),
-        text: Some(value.plain()),
-        value: Ok(value),
-        place: Place::Direct,
     }
 }

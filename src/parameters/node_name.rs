@@ -1,4 +1,4 @@
-//! Names of nodes, and the patterns by which parameter files mean them.
+//! Names of nodes, and the patterns by which parameter files refer to them.
 
 use std::fmt;
 
@@ -19,8 +19,8 @@ impl NodeName {
         self.0.rsplit('/').next().unwrap_or_default()
     }
 
-    /// Whether a name or pattern from a parameter file means this node: `*` stands for one part of the name, `**` for
-    /// any number of parts.
+    /// Whether a name or pattern from a parameter file matches this node: `*` matches one part of the name, `**` any
+    /// number of parts.
     #[must_use]
     pub fn is_meant_by(&self, pattern: &str) -> bool {
         fn matches(pattern: &[&str], name: &[&str]) -> bool {
@@ -57,7 +57,7 @@ impl fmt::Display for NodeName {
     }
 }
 
-/// One slash before every part and none elsewhere.
+/// Normalizes a name: one slash before every part and none elsewhere.
 pub(super) fn with_slashes(name: &str) -> String {
     name.split('/')
         .filter(|part| !part.is_empty())
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wildcards_stand_for_parts() {
+    fn wildcards_match_parts() {
         let node = NodeName::new("/garage//a3/", "column_twin");
         assert_eq!(node.to_string(), "/garage/a3/column_twin");
         assert_eq!(node.bare(), "column_twin");

@@ -1,34 +1,33 @@
 //! Parameters given on the command line.
 
-use super::fault::{Fault, Place, Problem};
-use super::file::Assignment;
+use super::fault::{Fault, Origin, Problem};
+use super::given::{Assignment, Content, Given};
 use super::node_name::NodeName;
-use super::table::Parameter;
 use super::value::Value;
-use super::yaml::{self, Content, Node};
+use super::yaml;
 
 /// A parameter given on the command line: `-p [node:]name:=value`, or by a flag of its own.
 ///
-/// What is wrong with it is said by [`Parameters::load`](super::Parameters::load), together with all else that is.
+/// [`Parameters::load`](super::Parameters::load) reports its faults together with all others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
-    /// The node it is addressed to, if any.
+    /// The node that it is addressed to, if any.
     node: Option<String>,
     name: Option<String>,
-    /// The value with the text that was typed, or what is wrong with the argument.
-    value: Result<(Value, String), Problem>,
+    /// What was given, or what is wrong with the argument.
+    given: Result<Given, Problem>,
     /// The argument as it was typed.
     text: String,
 }
 
-/// Splits a `-p` argument `[node:]name:=value` as ROS 2 does; the value has the type that YAML gives it.
+/// Splits a `-p` argument `[node:]name:=value` as ROS 2 does; YAML decides on the type of the value.
 #[must_use]
 pub fn parse_override(argument: &str) -> Override {
     let text = format!("-p {argument}");
     let malformed = |message: &str| Override {
         node: None,
         name: None,
-        value: Err(Problem::Syntax(message.to_owned())),
+        given: Err(Problem::Syntax(message.to_owned())),
         text: text.clone(),
     };
     let Some((target, value)) = argument.split_once(":=") else {
@@ -44,52 +43,40 @@ pub fn parse_override(argument: &str) -> Override {
     Override {
         node,
         name: Some(name.to_owned()),
-        value: single_value(name, value),
+        given: given(value, Origin::CommandLine(text.clone())),
         text,
     }
 }
 
-fn single_value(name: &str, text: &str) -> Result<(Value, String), Problem> {
-    let expected = || {
-        Parameter::named(name).map_or_else(|| "a single value".to_owned(), Parameter::expectation)
+fn given(value: &str, place: Origin) -> Result<Given, Problem> {
+    let node = yaml::parse(value)
+        .map_err(|error| Problem::Syntax(format!("has a value that is {}", error.message)))?;
+    let nothing = Given {
+        content: Content::Nothing,
+        text: None,
+        place: place.clone(),
     };
-    match yaml::parse(text) {
-        Ok(None) => Err(Problem::NoValue {
-            expected: expected(),
-        }),
-        Ok(Some(Node { content, .. })) => match content {
-            Content::Scalar { value, text } => Ok((value, text)),
-            Content::Null => Err(Problem::NoValue {
-                expected: expected(),
-            }),
-            Content::List | Content::Mapping(_) => Err(Problem::WrongType {
-                found: "a list or a mapping".to_owned(),
-                expected: expected(),
-            }),
-        },
-        Err(error) => Err(Problem::Syntax(format!(
-            "has a value that is {}",
-            error.message
-        ))),
-    }
+    Ok(node.map_or(nothing, |node| Given::of_yaml(&node, &|_| place.clone())))
 }
 
 impl Override {
-    /// A parameter that a flag of its own gives; `text` is the flag with its argument, such as `--velocity 10`.
+    /// A parameter given by a flag of its own; `text` is the flag with its argument, such as `--velocity 10`.
     #[must_use]
     pub fn by_flag(text: &str, name: &str, value: Value) -> Self {
-        let plain = value.plain();
         Self {
             node: None,
             name: Some(name.to_owned()),
-            value: Ok((value, plain)),
+            given: Ok(Given::value(value, &Origin::CommandLine(text.to_owned()))),
             text: text.to_owned(),
         }
     }
 
-    /// As an assignment to this node's parameter, or what is wrong with it.
+    /// The assignment to this node's parameter.
+    ///
+    /// # Errors
+    /// A malformed argument, or one for another node.
     pub(super) fn assignment(&self, node: &NodeName) -> Result<Assignment, Box<Fault>> {
-        let place = Place::CommandLine(self.text.clone());
+        let place = Origin::CommandLine(self.text.clone());
         let fault = |problem| {
             Box::new(Fault {
                 name: self.name.clone(),
@@ -104,15 +91,12 @@ impl Override {
             .filter(|addressee| !is_addressed_to(node, addressee))
         {
             return Err(fault(Problem::Inconsistent(format!(
-                "is addressed to the node {addressee}, but this is {node}; leave `{addressee}:` out"
+                "is addressed to the node {addressee}, but this is {node}; omit `{addressee}:`"
             ))));
         }
-        let (value, text) = self.value.clone().map_err(fault)?;
         Ok(Assignment {
+            given: self.given.clone().map_err(fault)?,
             name: self.name.clone().unwrap_or_default(),
-            value: Ok(value),
-            text: Some(text),
-            place: place.clone(),
         })
     }
 }
@@ -124,12 +108,16 @@ fn is_addressed_to(node: &NodeName, addressee: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Parameters;
     use super::*;
 
     fn given(argument: &str) -> Result<(String, Value), String> {
         let assignment = parse_override(argument).assignment(&NodeName::default());
         let assignment = assignment.map_err(|fault| fault.to_string())?;
-        Ok((assignment.name, assignment.value.expect("a single value")))
+        match assignment.given.content {
+            Content::Scalar(value) => Ok((assignment.name, value)),
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]
@@ -156,14 +144,6 @@ mod tests {
             ),
             (":=3", "-p :=3: no name before `:=`"),
             (
-                "top.load:=",
-                "-p top.load:=: top.load has no value; allowed: 0 to 1e9 N",
-            ),
-            (
-                "top.load:=[1, 2]",
-                "top.load is a list or a mapping; allowed: 0 to 1e9 N",
-            ),
-            (
                 "top.load:=[1",
                 "top.load has a value that is not valid YAML",
             ),
@@ -174,6 +154,29 @@ mod tests {
         ] {
             let fault = given(argument).expect_err(argument);
             assert!(fault.contains(expected), "{fault}");
+        }
+    }
+
+    #[test]
+    fn values_that_are_no_scalars_are_checked_with_the_others() {
+        for (argument, expected) in [
+            (
+                "top.load:=",
+                "-p top.load:=: top.load has no value; allowed: 0 to 1e9 N",
+            ),
+            (
+                "top.load:=[1, 2]",
+                "top.load is a list; allowed: 0 to 1e9 N",
+            ),
+            (
+                "top.load:={a: 1}",
+                "top.load is a mapping; allowed: 0 to 1e9 N",
+            ),
+            ("top.laod:=[1, 2]", "did you mean top.load?"),
+        ] {
+            let faults = Parameters::load(&[], &[parse_override(argument)]);
+            let faults = faults.expect_err(argument).to_string();
+            assert!(faults.contains(expected), "{faults}");
         }
     }
 
@@ -195,7 +198,7 @@ mod tests {
     #[test]
     fn a_flag_is_its_own_place() {
         let flag = Override::by_flag("--velocity 100", "impact.velocity", Value::Double(100.0));
-        let faults = super::super::Parameters::load(&[], &[flag])
+        let faults = Parameters::load(&[], &[flag])
             .expect_err("out of range")
             .to_string();
         assert!(

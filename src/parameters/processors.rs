@@ -1,9 +1,10 @@
 //! Lists of processors, as `taskset` and `cpuset` write them.
 
-/// Highest number that a processor may have.
+/// Highest number of a processor.
 pub const MAX_PROCESSOR: usize = 1023;
 
-/// The processors of a list such as `1,4-7`, in its order; none where it is empty. `None` where it is no such list.
+/// The processors of a list such as `1,4-7`, in its order; `None` if the text is not such a list. An empty text is an empty
+/// list.
 #[must_use]
 pub fn processors(list: &str) -> Option<Vec<usize>> {
     if list.trim().is_empty() {

@@ -1,4 +1,4 @@
-//! The parameters' reference, written from the table.
+//! The reference documentation of the parameters, generated from the table.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ pub fn markdown() -> String {
     for parameter in PARAMETERS {
         let this = parameter.name.split_once('.').map(|(group, _)| group);
         if group != Some(this) {
-            text.push_str(&heading(this.unwrap_or("The node itself")));
+            text.push_str(&heading(this.unwrap_or("Node")));
             group = Some(this);
         }
         text.push_str(&row(parameter));
@@ -28,10 +28,11 @@ pub fn markdown() -> String {
 const INTRODUCTION: &str = "\
 # Parameters
 
-Written by the program from its one table of parameters (`src/parameters/table.rs`); do not edit.
+This page is generated from the table of parameters (`src/parameters/table.rs`); do not edit it.
 
-SI units throughout. Parameters come from ROS 2 parameter files and from `-p name:=value`, later ones override earlier
-ones. A file looks like this, groups nested or with dots:
+All units are SI.
+Parameters come from ROS 2 parameter files and from `-p name:=value`; later ones override earlier ones.
+A file looks like this, with groups nested or separated by dots:
 
 ```yaml
 column_twin:
@@ -40,10 +41,11 @@ column_twin:
     impact: {mass: 1500.0, velocity: 10.0}
 ```
 
-`/**:` instead of `column_twin:` means every node, `/garage/a3/column_twin:` the one in that namespace. A whole number is
-accepted where a double is wanted; NaN and infinity never are. Ranges include their bounds. *or 0 (...)* says what 0
-stands for where it is not a number of the range. *Applies* says when a change takes effect in the running node;
-*restart* means read-only while it runs.
+`/**:` instead of `column_twin:` applies to every node, `/garage/a3/column_twin:` to the node in that namespace.
+A whole number is accepted where a double is expected; NaN and infinity are rejected.
+Arrays are written `[1.0, 2.5]` or as a YAML block sequence; their range applies to each element.
+Ranges include their bounds; *or 0 (...)* gives the meaning of 0 where it is outside the range.
+*Applies* tells when a change takes effect in the running node; *restart* means read-only while it runs.
 ";
 
 fn heading(group: &str) -> String {
@@ -92,7 +94,7 @@ fn steels() -> String {
 fn sections() -> String {
     let mut text = String::from(
         "\n## Sections\n\nComputed from the dimensions of EN 10365 in `config/sections.csv`, root fillets included; bending about the \
-         strong axis. Names are\ntaken in any case, with or without spaces; `HE 220 B` is `HEB220`.\n\n\
+         strong axis.\nNames are accepted in any case, with or without spaces; `HE 220 B` is `HEB220`.\n\n\
          | name | A [cm^2] | I [cm^4] | W_pl [cm^3] | mass [kg/m] |\n|---|---|---|---|---|\n",
     );
     for section in catalogue() {

@@ -3,37 +3,39 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use super::table::PARAMETERS;
+use super::table::{PARAMETERS, Parameter};
 use super::value::{Kind, Value};
 use crate::column::{ElasticLaw, Impact, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs)] // said once, in the table
+#[allow(missing_docs)] // documented once, in the table
 pub struct Settings {
     pub column_id: String,
     pub frame_id: String,
-    pub geometry: Geometry,
-    pub section: Section,
-    pub steel: Steel,
-    pub resistance: Resistance,
-    pub yield_surface: YieldSurface,
-    pub hinge: Hinge,
-    pub support: Supports,
-    pub top: Top,
-    /// What an impact event leaves open.
+    pub geometry: GeometrySettings,
+    pub section: SectionSettings,
+    pub steel: SteelSettings,
+    pub resistance: ResistanceSettings,
+    pub yield_surface: YieldSurfaceSettings,
+    pub hinge: HingeSettings,
+    pub support: SupportSettings,
+    pub top: TopSettings,
+    /// Default impact, for what an impact event leaves open.
     pub impact: Impact,
-    pub event: Event,
-    pub solver: Solver,
-    pub damping: Damping,
-    pub response: Response,
-    pub state: StateFile,
+    pub event: EventSettings,
+    pub solver: SolverSettings,
+    pub damping: DampingSettings,
+    pub response: ResponseSettings,
+    pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
-    pub real_time: RealTime,
-    pub record: Record,
-    pub viewer: Viewer,
+    pub real_time: RealTimeSettings,
+    pub record: RecordSettings,
+    pub viewer: ViewerSettings,
+    #[cfg(test)]
+    pub example: ExampleSettings,
 }
 
 macro_rules! groups {
@@ -41,42 +43,42 @@ macro_rules! groups {
         $(#[$meaning])*
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
-        #[allow(missing_docs)] // said once, in the table
+        #[allow(missing_docs)] // documented once, in the table
         pub struct $group { $(pub $field: $type),* }
     )*};
 }
 
 groups! {
     /// Lengths of the two bars.
-    Geometry { length_below: f64, length_above: f64 }
-    /// The section as it was given: a name, numbers that override it, or numbers alone.
-    Section { name: String, area: f64, second_moment: f64, mass_per_length: f64 }
-    /// The steel as it was given: a grade, numbers that override it, or numbers alone.
-    Steel { grade: String, young_modulus: f64, yield_strength: f64 }
-    /// Resistances that were given; 0 = computed.
-    Resistance { moment: f64, axial: f64 }
+    GeometrySettings { length_below: f64, length_above: f64 }
+    /// The section as given: a name, numbers that override its properties, or numbers alone.
+    SectionSettings { name: String, area: f64, second_moment: f64, mass_per_length: f64 }
+    /// The steel as given: a grade, numbers that override its properties, or numbers alone.
+    SteelSettings { grade: String, young_modulus: f64, yield_strength: f64 }
+    /// Resistances as given; 0: computed.
+    ResistanceSettings { moment: f64, axial: f64 }
     /// Exponents of Eq 28.
-    YieldSurface { alpha: f64, beta: f64, gamma: f64 }
+    YieldSurfaceSettings { alpha: f64, beta: f64, gamma: f64 }
     /// Elastic law of the hinges.
-    Hinge { elastic_law: ElasticLaw, stiffness_1a: f64, stiffness_1b: f64, stiffness_2: f64, stiffness_3: f64 }
+    HingeSettings { elastic_law: ElasticLaw, stiffness_1a: f64, stiffness_1b: f64, stiffness_2: f64, stiffness_3: f64 }
     /// Rotational supports.
-    Supports { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
-    /// What stands on the column.
-    Top { spring_stiffness: f64, mass: f64, load: f64 }
-    /// Which stamps of impact events are taken.
-    Event { max_age: f64, max_ahead: f64 }
+    SupportSettings { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
+    /// The structure above the column.
+    TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
+    /// Admissible stamps of impact events.
+    EventSettings { max_age: f64, max_ahead: f64 }
     /// Time stepping.
-    Solver { scheme: Scheme, dt: f64 }
+    SolverSettings { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.
-    Damping { ratio: f64 }
-    /// End of a response.
-    Response { duration: f64 }
-    /// The file that carries the damage over a restart.
-    StateFile { directory: String }
-    /// What the solver's thread asks the system for.
-    RealTime { priority: u8, processors: String, lock_memory: bool }
+    DampingSettings { ratio: f64 }
+    /// Duration of a response.
+    ResponseSettings { duration: f64 }
+    /// The file that preserves the damage across restarts.
+    StateSettings { directory: String }
+    /// What the solver thread requests from the system.
+    RealTimeSettings { priority: u8, processors: String, lock_memory: bool }
     /// Recordings.
-    Record {
+    RecordSettings {
         mode: RecordMode,
         directory: String,
         max_file_size: u64,
@@ -88,7 +90,7 @@ groups! {
         sync: bool,
     }
     /// Pictures.
-    Viewer {
+    ViewerSettings {
         mode: ViewerMode,
         address: String,
         port: u16,
@@ -96,6 +98,12 @@ groups! {
         memory_limit: u64,
         magnification: f64,
     }
+    /// Arrays, in unit tests only.
+    #[cfg(test)]
+    ExampleSettings { numbers: Vec<f64>, nested: NestedExampleSettings }
+    /// A group within a group, in unit tests only.
+    #[cfg(test)]
+    NestedExampleSettings { words: Vec<String> }
 }
 
 macro_rules! words {
@@ -135,17 +143,17 @@ words! {
         /// Small.
         Zstd,
     }
-    /// Where the pictures go.
+    /// Destination of the pictures.
     ViewerMode {
-        /// Nowhere.
+        /// No pictures.
         Off,
-        /// Into a file.
+        /// A file.
         Save,
-        /// To viewers that connect to this program.
+        /// Viewers that connect to this program.
         Serve,
-        /// To a viewer that runs.
+        /// A viewer that is running.
         Connect,
-        /// To a viewer that is started.
+        /// A viewer that this program starts.
         Spawn,
     }
 }
@@ -154,47 +162,50 @@ impl Settings {
     /// From one checked value per entry of the table, in its order.
     ///
     /// # Errors
-    /// Table and struct differ, which a test excludes, or a value was not checked.
+    /// Table and struct differ, which a test rules out, or a value was not checked.
     pub(super) fn from_values(values: &[Value]) -> Result<Self, serde_json::Error> {
         let mut tree = Map::new();
         for (parameter, value) in PARAMETERS.iter().zip(values) {
-            let value = serde_json::to_value(value)?;
-            match parameter.name.split_once('.') {
-                None => {
-                    tree.insert(parameter.name.to_owned(), value);
-                }
-                Some((group, name)) => {
-                    let group = tree
-                        .entry(group)
-                        .or_insert_with(|| Json::Object(Map::new()));
-                    if let Json::Object(members) = group {
-                        members.insert(name.to_owned(), value);
-                    }
-                }
-            }
+            insert(&mut tree, parameter.name, serde_json::to_value(value)?);
         }
         serde_json::from_value(Json::Object(tree))
     }
 
     /// One value per entry of the table, in its order; numbers that are not finite become NaN.
-    ///
-    /// # Errors
-    /// None that is known of: all fields are numbers, words and texts.
-    pub(super) fn values(&self) -> Result<Vec<Value>, serde_json::Error> {
-        let tree = serde_json::to_value(self)?;
-        let values = PARAMETERS.iter().map(|parameter| {
+    pub(super) fn values(&self) -> Vec<Value> {
+        let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
+        let number = |json: &Json| json.as_f64().unwrap_or(f64::NAN);
+        let text = |json: &Json| json.as_str().unwrap_or_default().to_owned();
+        let value = |parameter: &Parameter| {
             let json = parameter
                 .name
                 .split('.')
                 .fold(&tree, |node, part| &node[part]);
-            match (parameter.kind(), json) {
-                (Kind::Double, json) => Value::Double(json.as_f64().unwrap_or(f64::NAN)),
-                (_, Json::Bool(value)) => Value::Bool(*value),
-                (_, Json::Number(number)) => Value::Integer(number.as_i64().unwrap_or(i64::MAX)),
-                (_, json) => Value::from(json.as_str().unwrap_or_default()),
+            let elements = || json.as_array().into_iter().flatten();
+            match parameter.kind() {
+                Kind::Bool => Value::Bool(json.as_bool().unwrap_or_default()),
+                Kind::Integer => Value::Integer(json.as_i64().unwrap_or(i64::MAX)),
+                Kind::Double => Value::Double(number(json)),
+                Kind::String => Value::String(text(json)),
+                Kind::DoubleArray => Value::DoubleArray(elements().map(number).collect()),
+                Kind::StringArray => Value::StringArray(elements().map(text).collect()),
             }
-        });
-        Ok(values.collect())
+        };
+        PARAMETERS.iter().map(value).collect()
+    }
+}
+
+/// Inserts a value under a name whose groups are separated by dots.
+fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
+    let Some((group, rest)) = name.split_once('.') else {
+        tree.insert(name.to_owned(), value);
+        return;
+    };
+    let group = tree
+        .entry(group)
+        .or_insert_with(|| Json::Object(Map::new()));
+    if let Json::Object(members) = group {
+        insert(members, rest, value);
     }
 }
 
@@ -204,28 +215,30 @@ mod tests {
     use super::*;
 
     fn defaults() -> Vec<Value> {
-        PARAMETERS
-            .iter()
-            .map(super::super::table::Parameter::default_value)
-            .collect()
+        PARAMETERS.iter().map(Parameter::default_value).collect()
+    }
+
+    fn collect_names(node: &Json, path: &str, names: &mut Vec<String>) {
+        match node {
+            Json::Object(members) => {
+                for (name, member) in members {
+                    let dot = if path.is_empty() { "" } else { "." };
+                    collect_names(member, &format!("{path}{dot}{name}"), names);
+                }
+            }
+            _ => names.push(path.to_owned()),
+        }
     }
 
     #[test]
     fn the_struct_has_the_names_of_the_table() {
         let settings = Settings::from_values(&defaults()).expect("table and struct agree");
         let mut names = Vec::new();
-        for (name, node) in serde_json::to_value(&settings)
-            .expect("serializes")
-            .as_object()
-            .expect("a mapping")
-        {
-            match node {
-                Json::Object(members) => {
-                    names.extend(members.keys().map(|member| format!("{name}.{member}")))
-                }
-                _ => names.push(name.clone()),
-            }
-        }
+        collect_names(
+            &serde_json::to_value(&settings).expect("serializes"),
+            "",
+            &mut names,
+        );
         let mut expected: Vec<_> = PARAMETERS
             .iter()
             .map(|parameter| parameter.name.to_owned())
@@ -233,11 +246,11 @@ mod tests {
         names.sort();
         expected.sort();
         assert_eq!(names, expected);
-        assert_eq!(settings.values().expect("serializes"), defaults());
+        assert_eq!(settings.values(), defaults());
     }
 
     #[test]
-    fn the_struct_knows_every_word_of_the_table() {
+    fn the_struct_has_every_word_of_the_table() {
         for (index, parameter) in PARAMETERS.iter().enumerate() {
             let Admissible::Choice(words) = parameter.admissible else {
                 continue;
@@ -246,10 +259,7 @@ mod tests {
                 let mut values = defaults();
                 values[index] = Value::from(*word);
                 let settings = Settings::from_values(&values).expect(word);
-                assert_eq!(
-                    settings.values().expect("serializes")[index],
-                    Value::from(*word)
-                );
+                assert_eq!(settings.values()[index], Value::from(*word));
             }
         }
     }
@@ -265,10 +275,7 @@ mod tests {
                 let mut values = defaults();
                 values[index] = Value::Integer(number);
                 assert_eq!(
-                    Settings::from_values(&values)
-                        .expect("fits")
-                        .values()
-                        .expect("serializes"),
+                    Settings::from_values(&values).expect("fits").values(),
                     values
                 );
             }

@@ -2,8 +2,8 @@
 
 /// A grade with its nominal values.
 ///
-/// Yield strengths are those of EN 1993-1-1:2005, table 3.1, for thicknesses up to 40 mm, which is the thickest
-/// flange of the catalogue (S235 to S355: EN 10025-2; S420, S460: EN 10025-3 N/NL and 10025-4 M/ML).
+/// Yield strengths are those of EN 1993-1-1:2005, table 3.1, for thicknesses up to 40 mm, which is the maximum flange
+/// thickness of the catalogue (S235 to S355: EN 10025-2; S420, S460: EN 10025-3 N/NL and 10025-4 M/ML).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelGrade {
     /// Such as `S355`.

@@ -1,25 +1,26 @@
-//! The one table of parameters: declaration, validation and documentation follow from it.
+//! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::spelling::may_be_misspelt;
 use super::value::{Kind, Value};
 
-/// One parameter: all that is to be known of it.
+/// One parameter with everything that is known about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
     /// Full name, such as `geometry.length_below`.
     pub name: &'static str,
-    /// SI unit; empty where there is none.
+    /// SI unit, of an array that of its elements; empty where there is none.
     pub unit: &'static str,
-    /// Value where none is given.
+    /// Value if none is given.
     pub default: DefaultValue,
-    /// Which values it may have.
+    /// Admissible values.
     pub admissible: Admissible,
     /// When a change takes effect in the running node.
     pub applies: Applies,
-    /// What it is, beginning with its symbol in the paper where it has one.
+    /// Description, beginning with the symbol in the paper where there is one.
     pub meaning: &'static str,
 }
 
-/// A parameter's default, in a form that a constant can have.
+/// Default of a parameter, in a form that a constant can hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefaultValue {
     /// See [`Value::Bool`].
@@ -30,9 +31,13 @@ pub enum DefaultValue {
     Double(f64),
     /// See [`Value::String`].
     Text(&'static str),
+    /// See [`Value::DoubleArray`].
+    Numbers(&'static [f64]),
+    /// See [`Value::StringArray`].
+    Texts(&'static [&'static str]),
 }
 
-/// The values that a parameter may have; all bounds are inclusive.
+/// Admissible values of a parameter; all bounds are inclusive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Admissible {
     /// `true` or `false`.
@@ -51,13 +56,13 @@ pub enum Admissible {
         /// Largest.
         max: f64,
     },
-    /// A finite number, or 0 with a meaning of its own.
+    /// A finite number, or 0 with a special meaning.
     RealOrZero {
-        /// Smallest that is not 0.
+        /// Smallest apart from 0.
         min: f64,
         /// Largest.
         max: f64,
-        /// What 0 stands for.
+        /// Meaning of 0.
         zero: &'static str,
     },
     /// A duration in seconds that is a whole number of nanoseconds.
@@ -69,29 +74,38 @@ pub enum Admissible {
     },
     /// One of these words.
     Choice(&'static [&'static str]),
-    /// A text without control characters.
+    /// A string without control characters.
     Text {
-        /// Fewest characters.
+        /// Minimum number of characters.
         min_chars: usize,
-        /// Most characters.
+        /// Maximum number of characters.
         max_chars: usize,
     },
-    /// A section of the [catalogue](super::catalogue()), or empty.
+    /// A section of the [catalogue](super::catalogue()), or the empty string.
     SectionName,
-    /// One of the [steel grades](super::STEEL_GRADES), or empty.
+    /// One of the [steel grades](super::STEEL_GRADES), or the empty string.
     SteelGrade,
-    /// A [list of processors](super::processors()), or empty.
+    /// A [list of processors](super::processors()), or the empty string.
     Processors,
+    /// An array of numbers or of strings.
+    List {
+        /// Admissible values of every element: numbers or strings.
+        of: &'static Admissible,
+        /// Minimum number of elements.
+        min_len: usize,
+        /// Maximum number of elements.
+        max_len: usize,
+    },
 }
 
 /// When a change takes effect in the running node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Applies {
-    /// At once, from the next event, sample or picture on.
+    /// Immediately: from the next event, sample or picture on.
     AtOnce,
-    /// At once while the column is at rest, else when the present response is over.
+    /// Immediately while the column is at rest, otherwise when the current response is over.
     AfterResponse,
-    /// Only when the node starts: read-only while it runs.
+    /// Only when the node starts; the parameter is read-only while it runs.
     Restart,
 }
 
@@ -102,19 +116,19 @@ impl Parameter {
         Self::index_of(name).map(|index| &PARAMETERS[index])
     }
 
-    /// Its place in [`PARAMETERS`].
+    /// Its index in [`PARAMETERS`].
     pub(super) fn index_of(name: &str) -> Option<usize> {
         PARAMETERS
             .iter()
             .position(|parameter| parameter.name == name)
     }
 
-    /// The names that are nearest to a misspelt one, nearest first, at most three.
+    /// The names closest to a misspelt one, closest first, at most three.
     ///
-    /// A name without its group (`velocity`) is taken for what it most likely is (`impact.velocity`).
+    /// A name without its group (`velocity`) is completed to the most likely one (`impact.velocity`).
     #[must_use]
     pub fn nearest(name: &str) -> Vec<&'static str> {
-        if !super::may_be_misspelt(name) {
+        if !may_be_misspelt(name) {
             return Vec::new();
         }
         let wanted = name.to_ascii_lowercase().replace('/', ".");
@@ -140,7 +154,7 @@ impl Parameter {
             .collect()
     }
 
-    /// The parameters of the group of this name, such as `impact`; none where there is no such group.
+    /// The parameters of the group of this name, such as `impact`; empty if there is no such group.
     pub fn in_group(group: &str) -> impl Iterator<Item = &'static Self> {
         PARAMETERS.iter().filter(move |parameter| {
             parameter
@@ -153,18 +167,7 @@ impl Parameter {
     /// Type of its values.
     #[must_use]
     pub fn kind(&self) -> Kind {
-        match self.admissible {
-            Admissible::Switch => Kind::Bool,
-            Admissible::Integer { .. } => Kind::Integer,
-            Admissible::Real { .. }
-            | Admissible::RealOrZero { .. }
-            | Admissible::WholeNanoseconds { .. } => Kind::Double,
-            Admissible::Choice(_)
-            | Admissible::Text { .. }
-            | Admissible::SectionName
-            | Admissible::SteelGrade
-            | Admissible::Processors => Kind::String,
-        }
+        self.admissible.kind()
     }
 
     /// Its default as a value.
@@ -175,15 +178,54 @@ impl Parameter {
             DefaultValue::Integer(value) => Value::Integer(value),
             DefaultValue::Double(value) => Value::Double(value),
             DefaultValue::Text(text) => Value::from(text),
+            DefaultValue::Numbers(numbers) => Value::from(numbers.to_vec()),
+            DefaultValue::Texts(texts) => {
+                Value::StringArray(texts.iter().map(|it| (*it).to_owned()).collect())
+            }
         }
     }
 
-    /// Whether a running node refuses to change it.
+    /// Whether it cannot be changed while the node runs.
     #[must_use]
     pub fn read_only(&self) -> bool {
         self.applies == Applies::Restart
     }
+
+    /// The word that replaces a deprecated one; `None` if `word` is not deprecated.
+    pub(crate) fn replacement_of(&self, word: &str) -> Option<&'static str> {
+        DEPRECATED_WORDS
+            .iter()
+            .find(|(name, old, _)| *name == self.name && *old == word)
+            .map(|(.., new)| *new)
+    }
 }
+
+impl Admissible {
+    /// Type of the values.
+    pub(super) const fn kind(&self) -> Kind {
+        match self {
+            Self::Switch => Kind::Bool,
+            Self::Integer { .. } => Kind::Integer,
+            Self::Real { .. } | Self::RealOrZero { .. } | Self::WholeNanoseconds { .. } => {
+                Kind::Double
+            }
+            Self::Choice(_)
+            | Self::Text { .. }
+            | Self::SectionName
+            | Self::SteelGrade
+            | Self::Processors => Kind::String,
+            Self::List { of, .. } => match of.kind() {
+                Kind::Double => Kind::DoubleArray,
+                Kind::String => Kind::StringArray,
+                _ => panic!("the elements of an array are numbers or strings"),
+            },
+        }
+    }
+}
+
+/// Words that are still accepted as values: the parameter, the old word and the one that replaces it.
+const DEPRECATED_WORDS: &[(&str, &str, &str)] =
+    &[("solver.scheme", "energy", "conserving_midpoint")];
 
 const LENGTH: Admissible = Admissible::Real {
     min: 0.02,
@@ -215,7 +257,7 @@ const IDENTIFIER: Admissible = Admissible::Text {
     max_chars: 255,
 };
 
-/// Every parameter, in the order in which they are shown.
+/// Every parameter, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "column_id",
@@ -223,7 +265,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("column"),
         admissible: IDENTIFIER,
         applies: Applies::Restart,
-        meaning: "name of the column in messages; events for another one are not taken",
+        meaning: "name of the column in messages; impact events for another column are ignored",
     },
     Parameter {
         name: "frame_id",
@@ -231,7 +273,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("column"),
         admissible: IDENTIFIER,
         applies: Applies::Restart,
-        meaning: "coordinate frame of the column in messages, its origin at the base",
+        meaning: "coordinate frame of the column in messages, with its origin at the base",
     },
     Parameter {
         name: "publish_rate",
@@ -242,8 +284,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10_000.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "how often state and hinge forces are published during a response; at most once per step, the period \
-                  rounded to whole steps",
+        meaning: "rate at which state and hinge forces are published during a response; at most once per step, with the \
+                  period rounded to whole steps",
     },
     Parameter {
         name: "use_sim_time",
@@ -251,7 +293,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Bool(false),
         admissible: Admissible::Switch,
         applies: Applies::Restart,
-        meaning: "take the time from the topic /clock, as in every ROS 2 node",
+        meaning: "take the time from the topic /clock, as every ROS 2 node does",
     },
     Parameter {
         name: "geometry.length_below",
@@ -267,7 +309,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(3.0),
         admissible: LENGTH,
         applies: Applies::AfterResponse,
-        meaning: "L_b: from the impact point to the top",
+        meaning: "L_b: distance from the impact point to the top",
     },
     Parameter {
         name: "section.name",
@@ -275,8 +317,8 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("HEB220"),
         admissible: Admissible::SectionName,
         applies: Applies::AfterResponse,
-        meaning: "rolled section, bent about its strong axis; empty = given by numbers. Where files and overrides do not \
-                  name one but give one of its numbers, it is empty",
+        meaning: "rolled section, bent about its strong axis; empty: the section is given by numbers. If files and overrides \
+                  give one of the numbers but no name, the name is empty",
     },
     Parameter {
         name: "section.area",
@@ -288,7 +330,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "A: area; a number overrides this one property of a named section",
+        meaning: "A: cross-sectional area; overrides the area of a named section",
     },
     Parameter {
         name: "section.second_moment",
@@ -300,7 +342,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "I: second moment of area; a number overrides this one property of a named section",
+        meaning: "I: second moment of area; overrides that of a named section",
     },
     Parameter {
         name: "section.mass_per_length",
@@ -312,7 +354,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: FROM_SECTION,
         },
         applies: Applies::AfterResponse,
-        meaning: "m_l: mass per length; a number overrides this one property of a named section",
+        meaning: "m_l: mass per length; overrides that of a named section",
     },
     Parameter {
         name: "steel.grade",
@@ -320,8 +362,8 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("S355"),
         admissible: Admissible::SteelGrade,
         applies: Applies::AfterResponse,
-        meaning: "steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty = given by \
-                  numbers. Where files and overrides do not name one but give one of its numbers, it is empty",
+        meaning: "steel grade, nominal values for thicknesses up to 40 mm (EN 1993-1-1, table 3.1); empty: the steel is \
+                  given by numbers. If files and overrides give one of the numbers but no grade, the grade is empty",
     },
     Parameter {
         name: "steel.young_modulus",
@@ -333,7 +375,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "from `steel.grade`",
         },
         applies: Applies::AfterResponse,
-        meaning: "E: Young's modulus; a number overrides this one property of a named grade",
+        meaning: "E: Young's modulus; overrides that of a named grade",
     },
     Parameter {
         name: "steel.yield_strength",
@@ -345,7 +387,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "from `steel.grade`",
         },
         applies: Applies::AfterResponse,
-        meaning: "f_y: yield strength; a number overrides this one property of a named grade",
+        meaning: "f_y: yield strength; overrides that of a named grade",
     },
     Parameter {
         name: "resistance.moment",
@@ -357,7 +399,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "W_pl f_y, which needs `section.name`",
         },
         applies: Applies::AfterResponse,
-        meaning: "M^p: plastic moment without normal force",
+        meaning: "M^p: plastic moment resistance without normal force",
     },
     Parameter {
         name: "resistance.axial",
@@ -369,7 +411,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "A f_y",
         },
         applies: Applies::AfterResponse,
-        meaning: "N^p: squash load",
+        meaning: "N^p: plastic axial resistance (squash load)",
     },
     Parameter {
         name: "yield_surface.alpha",
@@ -396,8 +438,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 100.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "gamma: the whole sum has the exponent 1/gamma (Eq 28), which scales the plastic multiplier but not the \
-                  surface",
+        meaning: "gamma: the whole sum is raised to 1/gamma (Eq 28), which scales the plastic multiplier but not the surface",
     },
     Parameter {
         name: "hinge.elastic_law",
@@ -405,7 +446,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("coupled"),
         admissible: Admissible::Choice(&["uncoupled", "coupled"]),
         applies: Applies::AfterResponse,
-        meaning: "uncoupled: the paper's independent springs (Eqs 47-48); coupled: the elastic beam, exact for any rotations",
+        meaning: "uncoupled: the paper's independent springs (Eqs 47-48); coupled: the elastic beam, exact for any end rotations",
     },
     Parameter {
         name: "hinge.stiffness_1a",
@@ -480,7 +521,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1e13,
         },
         applies: Applies::AfterResponse,
-        meaning: "k_s: vertical spring at the top, the rest of the structure",
+        meaning: "k_s: stiffness of the vertical spring at the top, which represents the rest of the structure",
     },
     Parameter {
         name: "top.mass",
@@ -488,7 +529,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(0.0),
         admissible: Admissible::Real { min: 0.0, max: 1e7 },
         applies: Applies::AfterResponse,
-        meaning: "m_2: mass at the top",
+        meaning: "m_2: lumped mass at the top",
     },
     Parameter {
         name: "top.load",
@@ -496,7 +537,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(5e5),
         admissible: Admissible::Real { min: 0.0, max: 1e9 },
         applies: Applies::AfterResponse,
-        meaning: "P: constant load on the top, positive in compression",
+        meaning: "P: constant vertical load at the top, positive in compression",
     },
     Parameter {
         name: "impact.mass",
@@ -507,7 +548,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1e6,
         },
         applies: Applies::AtOnce,
-        meaning: "m_c: mass of the impactor",
+        meaning: "m_c: mass of the vehicle",
     },
     Parameter {
         name: "impact.velocity",
@@ -518,7 +559,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 60.0,
         },
         applies: Applies::AtOnce,
-        meaning: "v_c: speed of the impactor over the ground, positive towards the column",
+        meaning: "v_c: ground speed of the vehicle, positive towards the column",
     },
     Parameter {
         name: "impact.gap",
@@ -529,7 +570,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 100.0,
         },
         applies: Applies::AtOnce,
-        meaning: "g_N: initial distance between impactor and column",
+        meaning: "g_N: initial gap between vehicle and column",
     },
     Parameter {
         name: "impact.restitution",
@@ -537,7 +578,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(0.0),
         admissible: Admissible::Real { min: 0.0, max: 1.0 },
         applies: Applies::AtOnce,
-        meaning: "epsilon: coefficient of restitution of Newton's impact law, 0 = inelastic, 1 = elastic",
+        meaning: "epsilon: coefficient of restitution of Newton's impact law; 0 is perfectly inelastic, 1 perfectly elastic",
     },
     Parameter {
         name: "event.max_age",
@@ -548,8 +589,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 3600.0,
         },
         applies: Applies::AtOnce,
-        meaning: "how far the stamp of an impact event may lie in the past; an older event is refused, a younger one caught \
-                  up",
+        meaning: "maximum age of the stamp of an impact event; an older event is rejected, and the response to a younger one \
+                  catches up",
     },
     Parameter {
         name: "event.max_ahead",
@@ -560,15 +601,15 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 60.0,
         },
         applies: Applies::AtOnce,
-        meaning: "how far the stamp of an impact event may lie in the future; one further ahead is refused",
+        meaning: "how far the stamp of an impact event may lie in the future; an event further ahead is rejected",
     },
     Parameter {
         name: "solver.scheme",
         unit: "",
-        default: DefaultValue::Text("energy"),
-        admissible: Admissible::Choice(&["midpoint", "energy"]),
+        default: DefaultValue::Text("conserving_midpoint"),
+        admissible: Admissible::Choice(&["midpoint", "conserving_midpoint"]),
         applies: Applies::AfterResponse,
-        meaning: "midpoint: the paper's rule as printed; energy: its energy-conserving sibling",
+        meaning: "midpoint: the paper's midpoint rule as printed; conserving_midpoint: the midpoint rule that conserves energy",
     },
     Parameter {
         name: "solver.dt",
@@ -579,7 +620,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1e-3,
         },
         applies: Applies::AfterResponse,
-        meaning: "length of a time step",
+        meaning: "time step",
     },
     Parameter {
         name: "damping.ratio",
@@ -587,7 +628,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Double(0.0),
         admissible: Admissible::Real { min: 0.0, max: 1.0 },
         applies: Applies::AfterResponse,
-        meaning: "fraction of critical damping of the elastic modes; the paper has none",
+        meaning: "damping ratio of the elastic modes, relative to critical damping; the paper has no damping",
     },
     Parameter {
         name: "response.duration",
@@ -598,7 +639,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 600.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "longest response that is computed, if it is not over before",
+        meaning: "maximum duration of a computed response, which ends earlier if the column comes to rest",
     },
     Parameter {
         name: "state.directory",
@@ -609,8 +650,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max_chars: 4096,
         },
         applies: Applies::Restart,
-        meaning: "where the file stands that carries the damage over a restart, named after the column; empty = the damage \
-                  ends with the program",
+        meaning: "directory of the state file, which is named after the column and preserves the damage across restarts; \
+                  empty: the damage is lost when the program ends",
     },
     Parameter {
         name: "real_time.priority",
@@ -618,8 +659,8 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Integer(50),
         admissible: Admissible::Integer { min: 0, max: 99 },
         applies: Applies::Restart,
-        meaning: "priority of the solver's thread under SCHED_FIFO, where the system permits it, the publishing thread one below; \
-                  0 = as every thread",
+        meaning: "SCHED_FIFO priority of the solver thread, if the system permits it, with the publishing thread one below; \
+                  0: normal scheduling",
     },
     Parameter {
         name: "real_time.processors",
@@ -627,7 +668,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text(""),
         admissible: Admissible::Processors,
         applies: Applies::Restart,
-        meaning: "the processors that the solver's thread may run on; empty = all",
+        meaning: "processors that the solver thread may run on; empty: all",
     },
     Parameter {
         name: "real_time.lock_memory",
@@ -635,7 +676,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Bool(true),
         admissible: Admissible::Switch,
         applies: Applies::Restart,
-        meaning: "keep the program's memory from being swapped out, where the system permits it",
+        meaning: "lock the program's memory so that it is never swapped out, if the system permits it",
     },
     Parameter {
         name: "record.mode",
@@ -643,7 +684,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("off"),
         admissible: Admissible::Choice(&["off", "events", "always"]),
         applies: Applies::Restart,
-        meaning: "what is recorded: nothing, every event with its response, or everything",
+        meaning: "off: no recording; events: every impact event with its response; always: everything",
     },
     Parameter {
         name: "record.directory",
@@ -651,7 +692,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("recordings"),
         admissible: DIRECTORY,
         applies: Applies::Restart,
-        meaning: "where recordings are written",
+        meaning: "directory of the recordings",
     },
     Parameter {
         name: "record.max_file_size",
@@ -662,7 +703,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1_000_000_000_000,
         },
         applies: Applies::Restart,
-        meaning: "size at which a recording goes on in a new one, when the column is at rest; at twice the size in any case",
+        meaning: "size at which a new recording is started once the column is at rest; at twice this size in any case",
     },
     Parameter {
         name: "record.max_duration",
@@ -674,7 +715,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::Restart,
-        meaning: "age at which a recording goes on in a new one, when the column is at rest; at twice the age in any case",
+        meaning: "duration after which a new recording is started once the column is at rest; after twice this duration in any case",
     },
     Parameter {
         name: "record.max_files",
@@ -685,7 +726,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1_000_000,
         },
         applies: Applies::Restart,
-        meaning: "most recordings that are kept, the oldest are deleted; 0 = no limit",
+        meaning: "maximum number of recordings, beyond which the oldest are deleted; 0: no limit",
     },
     Parameter {
         name: "record.max_total_size",
@@ -696,7 +737,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1_000_000_000_000_000,
         },
         applies: Applies::Restart,
-        meaning: "most bytes of all recordings together that are kept, the oldest are deleted; 0 = no limit",
+        meaning: "maximum total size of all recordings, beyond which the oldest are deleted; 0: no limit",
     },
     Parameter {
         name: "record.max_age",
@@ -708,7 +749,7 @@ pub const PARAMETERS: &[Parameter] = &[
             zero: "no limit",
         },
         applies: Applies::Restart,
-        meaning: "age at which a recording is deleted",
+        meaning: "age at which recordings are deleted",
     },
     Parameter {
         name: "record.compression",
@@ -716,7 +757,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("none"),
         admissible: Admissible::Choice(&["none", "lz4", "zstd"]),
         applies: Applies::Restart,
-        meaning: "compression of the chunks of a recording",
+        meaning: "compression of the chunks of recordings",
     },
     Parameter {
         name: "record.sync",
@@ -724,7 +765,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Bool(true),
         admissible: Admissible::Switch,
         applies: Applies::Restart,
-        meaning: "whether what was recorded 50 ms ago survives a loss of power, too, and not only the end of the program",
+        meaning: "write recorded data to the disk within 50 ms, so that they survive a power failure and not only a crash of the program",
     },
     Parameter {
         name: "viewer.mode",
@@ -732,8 +773,8 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("off"),
         admissible: Admissible::Choice(&["off", "save", "serve", "connect", "spawn"]),
         applies: Applies::Restart,
-        meaning: "where the pictures go: nowhere, into a file, to viewers that connect here, to a viewer that runs, to one \
-                  that is started",
+        meaning: "off: no pictures; save: write a file; serve: viewers connect to this program; connect: connect to a running \
+                  viewer; spawn: start a viewer",
     },
     Parameter {
         name: "viewer.address",
@@ -760,7 +801,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("recordings"),
         admissible: DIRECTORY,
         applies: Applies::Restart,
-        meaning: "where `save` writes its files",
+        meaning: "directory of the files that `save` writes",
     },
     Parameter {
         name: "viewer.memory_limit",
@@ -771,7 +812,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 64_000_000_000,
         },
         applies: Applies::Restart,
-        meaning: "memory for viewers that come late or come back (serve, connect, spawn); the oldest data go first",
+        meaning: "memory for the data that viewers receive when they connect later or again (serve, connect, spawn); the oldest data are \
+                  dropped first",
     },
     Parameter {
         name: "viewer.magnification",
@@ -782,7 +824,34 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 1000.0,
         },
         applies: Applies::AtOnce,
-        meaning: "factor on the displacements that are drawn; 1 = true to scale",
+        meaning: "magnification factor of the displacements in the pictures; 1: true to scale",
+    },
+    // No array parameter is in use yet. These two take the same way as all others, in unit tests only.
+    #[cfg(test)]
+    Parameter {
+        name: "example.numbers",
+        unit: "kg",
+        default: DefaultValue::Numbers(&[1.0, 2.5]),
+        admissible: Admissible::List {
+            of: &Admissible::Real { min: 0.5, max: 1e6 },
+            min_len: 1,
+            max_len: 3,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "an array of numbers",
+    },
+    #[cfg(test)]
+    Parameter {
+        name: "example.nested.words",
+        unit: "",
+        default: DefaultValue::Texts(&[]),
+        admissible: Admissible::List {
+            of: &Admissible::Choice(&["red", "green", "blue"]),
+            min_len: 0,
+            max_len: 4,
+        },
+        applies: Applies::AtOnce,
+        meaning: "an array of strings, in a group within a group",
     },
 ];
 

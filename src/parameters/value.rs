@@ -1,4 +1,4 @@
-//! Values of parameters, with the four scalar types of ROS 2.
+//! Values of parameters, with the types of ROS 2 that the table uses.
 
 use std::fmt;
 
@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// A parameter's value.
 ///
-/// [`Display`](fmt::Display) writes it so that every YAML reader (1.1 and 1.2) gets back the same type and value.
+/// [`Display`](fmt::Display) writes it so that every YAML reader (1.1 and 1.2) reads back the same type and value. In
+/// JSON, empty arrays of both kinds look alike; a parameter of either kind accepts them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -18,6 +19,10 @@ pub enum Value {
     Double(f64),
     /// `string`
     String(String),
+    /// `float64[]`
+    DoubleArray(Vec<f64>),
+    /// `string[]`
+    StringArray(Vec<String>),
 }
 
 /// Type of a parameter.
@@ -28,10 +33,14 @@ pub enum Kind {
     Bool,
     /// `int64`
     Integer,
-    /// `float64`; a whole number is accepted where one is wanted.
+    /// `float64`; a whole number is accepted too.
     Double,
     /// `string`
     String,
+    /// `float64[]`; whole numbers are accepted as elements.
+    DoubleArray,
+    /// `string[]`
+    StringArray,
 }
 
 impl Value {
@@ -43,10 +52,12 @@ impl Value {
             Self::Integer(_) => Kind::Integer,
             Self::Double(_) => Kind::Double,
             Self::String(_) => Kind::String,
+            Self::DoubleArray(_) => Kind::DoubleArray,
+            Self::StringArray(_) => Kind::StringArray,
         }
     }
 
-    /// The value without quotes: a text as it is, anything else as [`Display`](fmt::Display) writes it.
+    /// The value without quotes: a string as it is, anything else as [`Display`](fmt::Display) writes it.
     #[must_use]
     pub fn plain(&self) -> String {
         match self {
@@ -62,15 +73,21 @@ impl fmt::Display for Value {
             Self::Bool(value) => write!(f, "{value}"),
             Self::Integer(value) => write!(f, "{value}"),
             Self::Double(value) => f.write_str(&double_in_yaml(*value)),
-            // A JSON string is a YAML double-quoted scalar.
-            Self::String(text) => {
-                f.write_str(&serde_json::to_string(text).map_err(|_| fmt::Error)?)
+            Self::String(text) => f.write_str(&string_in_yaml(text)?),
+            Self::DoubleArray(numbers) => {
+                let elements: Vec<_> = numbers.iter().copied().map(double_in_yaml).collect();
+                write!(f, "[{}]", elements.join(", "))
+            }
+            Self::StringArray(texts) => {
+                let elements: Result<Vec<_>, _> =
+                    texts.iter().map(|it| string_in_yaml(it)).collect();
+                write!(f, "[{}]", elements?.join(", "))
             }
         }
     }
 }
 
-/// YAML 1.1 (PyYAML, `ros2 param`) takes `1e7` for a text: a number needs its point and its exponent a sign.
+/// YAML 1.1 (PyYAML, `ros2 param`) reads `1e7` as a string: a number needs its point and its exponent a sign.
 fn double_in_yaml(value: f64) -> String {
     if value.is_nan() {
         return ".nan".to_owned();
@@ -85,6 +102,11 @@ fn double_in_yaml(value: f64) -> String {
     let point = if mantissa.contains('.') { "" } else { ".0" };
     let sign = if exponent.starts_with('-') { "" } else { "+" };
     format!("{mantissa}{point}e{sign}{exponent}")
+}
+
+/// A JSON string is a YAML double-quoted scalar.
+fn string_in_yaml(text: &str) -> Result<String, fmt::Error> {
+    serde_json::to_string(text).map_err(|_| fmt::Error)
 }
 
 /// A number as people write it: 60, 0.001, 1e-6, 2.1e11.
@@ -103,6 +125,8 @@ impl fmt::Display for Kind {
             Self::Integer => "integer",
             Self::Double => "double",
             Self::String => "string",
+            Self::DoubleArray => "double_array",
+            Self::StringArray => "string_array",
         })
     }
 }
@@ -137,6 +161,18 @@ impl From<String> for Value {
     }
 }
 
+impl From<Vec<f64>> for Value {
+    fn from(values: Vec<f64>) -> Self {
+        Self::DoubleArray(values)
+    }
+}
+
+impl From<Vec<String>> for Value {
+    fn from(values: Vec<String>) -> Self {
+        Self::StringArray(values)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +189,15 @@ mod tests {
         ] {
             assert_eq!(Value::Double(value).to_string(), text);
         }
+    }
+
+    #[test]
+    fn arrays_are_flow_sequences() {
+        let numbers = Value::from(vec![1.0, 1e16, f64::NAN]);
+        assert_eq!(numbers.to_string(), "[1.0, 1.0e+16, .nan]");
+        let texts = Value::from(["a", "b, c", "\"d\""].map(str::to_owned).to_vec());
+        assert_eq!(texts.to_string(), r#"["a", "b, c", "\"d\""]"#);
+        assert_eq!(Value::StringArray(Vec::new()).to_string(), "[]");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! YAML text as a tree that knows where everything stands, keeps duplicate keys and bounds its own depth.
+//! YAML text as a tree that knows the place of every node, keeps duplicate keys and bounds its own depth.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use saphyr_parser::{Event, Marker, Parser, Span};
 
 use super::value::Value;
 
-/// Deepest nesting of a file; ROS 2 parameter files need five or so levels.
+/// Maximum depth of nesting; ROS 2 parameter files need about five levels.
 const MAX_DEPTH: usize = 32;
 
 /// A place in the text.
@@ -18,36 +18,35 @@ pub(super) struct Location {
     pub line: usize,
     /// From 1, in characters.
     pub column: usize,
-    /// Bytes of the text that are meant.
+    /// Range of bytes in the text.
     pub bytes: Range<usize>,
 }
 
 /// A node of the document.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
+pub(super) struct YamlNode {
     pub at: Location,
-    pub content: Content,
+    pub content: YamlContent,
 }
 
-/// What a node is.
+/// YamlContent of a node.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Content {
-    /// Nothing was written, or `null`.
+pub(super) enum YamlContent {
+    /// Nothing, or `null`.
     Null,
     Scalar {
         value: Value,
         /// As it was typed, without quotes.
         text: String,
     },
-    /// A list; no parameter is one, so its items are not kept.
-    List,
+    List(Vec<YamlNode>),
     /// In the order of the text, duplicates included.
-    Mapping(Vec<(Key, Node)>),
+    Mapping(Vec<(YamlKey, YamlNode)>),
 }
 
 /// A key of a mapping.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Key {
+pub(super) struct YamlKey {
     pub at: Location,
     pub text: String,
 }
@@ -59,8 +58,8 @@ pub(super) struct SyntaxError {
     pub message: String,
 }
 
-/// The one document of a text; `None` where it is empty.
-pub(super) fn parse(text: &str) -> Result<Option<Node>, SyntaxError> {
+/// The single document of a text; `None` if the text is empty.
+pub(super) fn parse(text: &str) -> Result<Option<YamlNode>, SyntaxError> {
     let offsets = Offsets::of(text);
     let mut parser = Parser::new_from_str(text);
     let mut builder = Builder::default();
@@ -82,20 +81,24 @@ pub(super) fn parse(text: &str) -> Result<Option<Node>, SyntaxError> {
     }
 }
 
-/// Collections that are still open, innermost last.
+/// Builds the tree from the parser's events.
 #[derive(Default)]
 struct Builder {
+    /// Collections that are still open, innermost last.
     open: Vec<Open>,
-    root: Option<Node>,
+    root: Option<YamlNode>,
     documents: usize,
 }
 
 enum Open {
-    List(Location),
+    List {
+        at: Location,
+        elements: Vec<YamlNode>,
+    },
     Mapping {
         at: Location,
-        entries: Vec<(Key, Node)>,
-        key: Option<Key>,
+        entries: Vec<(YamlKey, YamlNode)>,
+        key: Option<YamlKey>,
     },
 }
 
@@ -106,7 +109,7 @@ impl Builder {
                 self.documents += 1;
                 if self.documents > 1 {
                     return Err(
-                        "a second document: a parameter file has only one; remove the `---`"
+                        "a second document, but a parameter file has only one; remove the `---`"
                             .to_owned(),
                     );
                 }
@@ -115,7 +118,10 @@ impl Builder {
             Event::Scalar(text, style, _, tag) => {
                 self.insert(scalar(text, style, tag.as_ref(), at)?)
             }
-            Event::SequenceStart(..) => self.open(Open::List(at)),
+            Event::SequenceStart(..) => self.open(Open::List {
+                at,
+                elements: Vec::new(),
+            }),
             Event::MappingStart(..) => self.open(Open::Mapping {
                 at,
                 entries: Vec::new(),
@@ -123,7 +129,7 @@ impl Builder {
             }),
             Event::SequenceEnd | Event::MappingEnd => self.close(),
             Event::Alias(_) => Err(
-                "ROS parameter files have no aliases (`*name`); write the value itself".to_owned(),
+                "aliases (`*name`) are not supported in ROS parameter files; write the value itself".to_owned(),
             ),
             Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentEnd => Ok(()),
         }
@@ -139,22 +145,22 @@ impl Builder {
 
     fn close(&mut self) -> Result<(), String> {
         match self.open.pop() {
-            Some(Open::List(at)) => self.insert(Node {
+            Some(Open::List { at, elements }) => self.insert(YamlNode {
                 at,
-                content: Content::List,
+                content: YamlContent::List(elements),
             }),
-            Some(Open::Mapping { at, entries, .. }) => self.insert(Node {
+            Some(Open::Mapping { at, entries, .. }) => self.insert(YamlNode {
                 at,
-                content: Content::Mapping(entries),
+                content: YamlContent::Mapping(entries),
             }),
             None => Err("an end without a beginning".to_owned()),
         }
     }
 
-    fn insert(&mut self, node: Node) -> Result<(), String> {
+    fn insert(&mut self, node: YamlNode) -> Result<(), String> {
         match self.open.last_mut() {
             None => self.root = Some(node),
-            Some(Open::List(_)) => {}
+            Some(Open::List { elements, .. }) => elements.push(node),
             Some(Open::Mapping { entries, key, .. }) => match key.take() {
                 Some(key) => entries.push((key, node)),
                 None => *key = Some(as_key(node)?),
@@ -164,11 +170,13 @@ impl Builder {
     }
 }
 
-fn as_key(node: Node) -> Result<Key, String> {
+fn as_key(node: YamlNode) -> Result<YamlKey, String> {
     match node.content {
-        Content::Scalar { text, .. } => Ok(Key { at: node.at, text }),
-        Content::Null => Err("a key is missing before the colon".to_owned()),
-        Content::List | Content::Mapping(_) => Err("a key must be a plain name".to_owned()),
+        YamlContent::Scalar { text, .. } => Ok(YamlKey { at: node.at, text }),
+        YamlContent::Null => Err("a key is missing before the colon".to_owned()),
+        YamlContent::List(_) | YamlContent::Mapping(_) => {
+            Err("a key must be a plain name".to_owned())
+        }
     }
 }
 
@@ -177,34 +185,26 @@ fn scalar(
     style: ScalarStyle,
     tag: Option<&Cow<'_, Tag>>,
     at: Location,
-) -> Result<Node, String> {
+) -> Result<YamlNode, String> {
     let typed = text.clone().into_owned();
-    let content = match Scalar::parse_from_cow_and_metadata(text, style, tag) {
-        None => return Err(format!("`{typed}` does not fit its tag; leave the tag out")),
-        Some(Scalar::Null) => Content::Null,
-        Some(Scalar::Boolean(value)) => Content::Scalar {
-            value: Value::Bool(value),
-            text: typed,
-        },
-        Some(Scalar::Integer(value)) => Content::Scalar {
-            value: Value::Integer(value),
-            text: typed,
-        },
-        Some(Scalar::FloatingPoint(value)) => Content::Scalar {
-            value: Value::Double(value.0),
-            text: typed,
-        },
-        Some(Scalar::String(value)) => Content::Scalar {
-            value: Value::String(value.into_owned()),
-            text: typed,
-        },
+    let value = match Scalar::parse_from_cow_and_metadata(text, style, tag) {
+        None => return Err(format!("`{typed}` does not match its tag; omit the tag")),
+        Some(Scalar::Null) => {
+            let content = YamlContent::Null;
+            return Ok(YamlNode { at, content });
+        }
+        Some(Scalar::Boolean(value)) => Value::Bool(value),
+        Some(Scalar::Integer(value)) => Value::Integer(value),
+        Some(Scalar::FloatingPoint(value)) => Value::Double(value.0),
+        Some(Scalar::String(value)) => Value::String(value.into_owned()),
     };
-    Ok(Node { at, content })
+    let content = YamlContent::Scalar { value, text: typed };
+    Ok(YamlNode { at, content })
 }
 
-/// The parser counts characters; editors and reports want lines, columns and bytes.
+/// Converts the parser's character counts into the lines, columns and bytes of editors and reports.
 struct Offsets {
-    /// Byte offset of every character, then the length of the text.
+    /// Byte offset of every character, followed by the length of the text.
     bytes: Vec<usize>,
 }
 
@@ -240,9 +240,9 @@ mod tests {
 
     use super::*;
 
-    fn entries(text: &str) -> Vec<(Key, Node)> {
+    fn entries(text: &str) -> Vec<(YamlKey, YamlNode)> {
         match parse(text).expect("valid").expect("not empty").content {
-            Content::Mapping(entries) => entries,
+            YamlContent::Mapping(entries) => entries,
             other => panic!("{other:?}"),
         }
     }
@@ -266,16 +266,24 @@ mod tests {
         )
         .into_iter()
         .map(|(_, node)| match node.content {
-            Content::Scalar { value, .. } => format!("{:?}", value.kind()),
-            Content::Null => "Null".to_owned(),
-            Content::List => "List".to_owned(),
-            Content::Mapping(_) => "Mapping".to_owned(),
+            YamlContent::Scalar { value, .. } => format!("{:?}", value.kind()),
+            YamlContent::Null => "Null".to_owned(),
+            YamlContent::List(elements) => format!("List of {}", elements.len()),
+            YamlContent::Mapping(_) => "Mapping".to_owned(),
         })
         .collect();
         assert_eq!(
             kinds,
             [
-                "Integer", "Double", "String", "Bool", "String", "Double", "Null", "List", "Null"
+                "Integer",
+                "Double",
+                "String",
+                "Bool",
+                "String",
+                "Double",
+                "Null",
+                "List of 2",
+                "Null"
             ]
         );
     }
@@ -293,11 +301,11 @@ mod tests {
     }
 
     #[test]
-    fn bad_texts_say_where() {
+    fn errors_have_their_place() {
         for (text, line, words) in [
             ("a: 1\nb: [1, 2\n", 3, "not valid YAML"),
             ("a: 1\nb: '2\n", 2, "not valid YAML"),
-            ("a: &x 1\nb: *x\n", 2, "no aliases"),
+            ("a: &x 1\nb: *x\n", 2, "aliases"),
             ("a: 1\n---\nb: 2\n", 2, "second document"),
             ("[1, 2]: 3\n", 1, "plain name"),
             ("a: !!int x\n", 1, "tag"),

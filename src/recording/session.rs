@@ -16,7 +16,7 @@ use super::retention::{Kept, delete_what_is_too_much};
 use super::syncing::Syncing;
 use super::topic::TopicInfo;
 use super::writer::{Ended, Entry, Unsaved, Writer, WriterOptions};
-use crate::parameters::{Compression, Record};
+use crate::parameters::{Compression, RecordSettings};
 
 /// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
 /// [`FLUSH_WITHIN`](super::FLUSH_WITHIN).
@@ -97,7 +97,7 @@ impl RecorderOptions {
 
     /// As the parameters `record.*` say.
     #[must_use]
-    pub fn from_parameters(record: &Record, started: SystemTime) -> Self {
+    pub fn from_parameters(record: &RecordSettings, started: SystemTime) -> Self {
         let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
         let number = |value: u64| (value > 0).then_some(value);
         Self {

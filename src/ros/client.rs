@@ -15,7 +15,7 @@ use crate::messages::column_twin::{
 use crate::messages::std_msgs::Header;
 
 use super::environment::Environment;
-use super::lines::Lines;
+use super::lines::WatchLines;
 use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
@@ -189,7 +189,7 @@ pub fn watch(
     let task = Task::start("column_twin/see", move || async move {
         join!(events, sight.show(sender));
     })?;
-    let mut lines = Lines::default();
+    let mut lines = WatchLines::default();
     while !signals.asked() && shown.is_continue() {
         if let Some(seen) = next(&seen, Instant::now() + LOOK)
             && let Some(line) = lines.line(&seen, Instant::now())

@@ -11,12 +11,12 @@ const STATE_LINES: Duration = Duration::from_millis(100);
 
 /// Turns what is seen into lines; remembers what was said already.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct WatchLines {
     last_state: Option<(Instant, u8)>,
     last_status: Option<(u8, u64, u64)>,
 }
 
-impl Lines {
+impl WatchLines {
     /// The line for what was seen; `None` where it says nothing new, or comes too soon.
     pub(super) fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
         match seen {
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {
-        let mut lines = Lines::default();
+        let mut lines = WatchLines::default();
         let start = Instant::now();
         let mut shown = |phase, millis| {
             let state = Seen::State(ColumnState {
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_status_is_a_line_only_when_it_says_something_new() {
-        let mut lines = Lines::default();
+        let mut lines = WatchLines::default();
         let now = Instant::now();
         assert!(
             lines

@@ -1,6 +1,6 @@
-//! Which of the node's endpoints have found a peer.
+//! Which of the node's endpoints are matched with a peer.
 //!
-//! ros2-client's `Spinner` would keep this too, but it also subscribes `/clock` under a wrong type, so that the node
+//! The `Spinner` of ros2-client tracks this too, but it also subscribes to `/clock` with a wrong type. The node therefore
 //! reads the participant's events itself and runs no spinner.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,9 +8,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use futures::StreamExt;
-use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, StatusEvented};
+use rustdds::{
+    DomainParticipant, DomainParticipantStatusEvent, EndpointDescription, GUID, StatusEvented,
+};
 
-/// What is known of the peers of the participant's endpoints.
+/// The peers of the participant's endpoints.
 #[derive(Debug, Default)]
 pub struct Matches {
     peers: Mutex<BTreeMap<GUID, BTreeSet<GUID>>>,
@@ -19,7 +21,7 @@ pub struct Matches {
 }
 
 impl Matches {
-    /// Remembers under which name an endpoint is to be spoken of.
+    /// Sets the name of an endpoint for log messages.
     pub(super) fn name(&self, endpoint: GUID, name: &str) {
         locked(&self.names).insert(endpoint, name.to_owned());
     }
@@ -30,7 +32,7 @@ impl Matches {
         locked(&self.peers).get(&endpoint).map_or(0, BTreeSet::len)
     }
 
-    /// Waits until an endpoint has at least `count` peers; `false` when the deadline came first.
+    /// Waits until an endpoint has at least `count` peers; `false` if the deadline passes first.
     #[must_use]
     pub fn wait_for(&self, endpoint: GUID, count: usize, deadline: Instant) -> bool {
         let mut peers = locked(&self.peers);
@@ -46,12 +48,19 @@ impl Matches {
         }
     }
 
-    /// Reads the participant's events for ever.
-    pub(super) async fn follow(self: Arc<Self>, participant: DomainParticipant) {
+    /// Reads the participant's events indefinitely; `on_writer` is called with every writer that is discovered.
+    pub(super) async fn follow(
+        self: Arc<Self>,
+        participant: DomainParticipant,
+        mut on_writer: impl FnMut(&EndpointDescription),
+    ) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         while let Some(event) = events.next().await {
-            self.take(event);
+            match event {
+                DomainParticipantStatusEvent::WriterDetected { writer } => on_writer(&writer),
+                event => self.take(event),
+            }
         }
     }
 
@@ -83,8 +92,8 @@ impl Matches {
             } => {
                 if let Some(name) = locked(&self.names).get(&own) {
                     tracing::warn!(
-                        "a peer on {name} asks for another quality of service than this node has, so that no messages \
-                         pass between the two; compare with `ros2 topic info -v {name}`"
+                        "the quality of service of a peer on {name} is incompatible with that of this node, so no \
+                         messages are exchanged; compare both with `ros2 topic info -v {name}`"
                     );
                 }
             }
@@ -93,7 +102,7 @@ impl Matches {
     }
 }
 
-/// What stands behind a mutex is whole after every statement, so that a panic elsewhere does no harm to it.
+/// Ignores poisoning: the contents of these mutexes are consistent after every statement.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

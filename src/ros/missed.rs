@@ -13,14 +13,14 @@ const MAX_WRITERS: usize = 1024;
 /// Counts the holes in what the writers of a reliable topic have numbered.
 #[derive(Debug, Default)]
 pub(super) struct Missed {
-    last: HashMap<Gid, Last>,
+    last: HashMap<Gid, LastMessage>,
     /// Messages that came and could not be read, by whom is not known: they leave holes too.
     unreadable: u64,
 }
 
 /// The newest message of a writer.
 #[derive(Debug, Clone, Copy)]
-struct Last {
+struct LastMessage {
     number: i64,
     /// Of [`Missed::unreadable`], those before it: they explain no hole behind it.
     unreadable: u64,
@@ -41,7 +41,7 @@ impl Missed {
         if self.last.len() >= MAX_WRITERS && !self.last.contains_key(&writer) {
             self.last.clear();
         }
-        let this = Last {
+        let this = LastMessage {
             number,
             unreadable: self.unreadable,
         };

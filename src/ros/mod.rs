@@ -10,6 +10,7 @@
 mod arguments;
 mod client;
 mod diagnostics;
+mod duplicates;
 mod environment;
 mod fresh_domain;
 mod inputs;

@@ -1,4 +1,4 @@
-//! A node: participant, names, and endpoints made from the table.
+//! A node: participant, names, and endpoints created from the table.
 
 use std::sync::Arc;
 
@@ -10,51 +10,52 @@ use ros2_client::{
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::duplicates::Duplicates;
 use super::environment::Environment;
 use super::matches::Matches;
 use super::names::{NameError, Names};
 use super::participant;
-use super::qos::{Endpoint, package_and_type};
+use super::qos::{self, Endpoint, package_and_type};
 use super::raw::Raw;
 
-/// Why there is no node, or an endpoint is missing.
+/// Errors of creating a node or its endpoints.
 #[derive(Debug, thiserror::Error)]
 pub enum NodeError {
-    /// No participant.
+    /// The participant cannot be created.
     #[error(
-        "no DDS participant in domain {domain_id}: {reason}; are the domain's UDP ports free, and are there file \
-         descriptors left (ulimit -n)?"
+        "cannot create a DDS participant in domain {domain_id}: {reason}; check that the domain's UDP ports are free and \
+         the limit of open files is not reached (ulimit -n)"
     )]
     Participant {
         /// The domain.
         domain_id: u16,
-        /// What RustDDS says.
+        /// The error of RustDDS.
         reason: String,
     },
-    /// A name that is none.
+    /// A name is invalid.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// No node or no endpoint.
-    #[error("{what} cannot be made: {reason}")]
+    /// The node or an endpoint cannot be created.
+    #[error("cannot create {what}: {reason}")]
     Endpoint {
         /// The endpoint, by its full name.
         what: String,
-        /// What ros2-client says.
+        /// The error of ros2-client.
         reason: String,
     },
-    /// No thread.
-    #[error("the thread {name} cannot be started: {source}")]
+    /// A thread cannot be started.
+    #[error("cannot start the thread {name}: {source}")]
     Thread {
         /// Its name.
         name: &'static str,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
 }
 
 /// A node without any tasks.
 pub struct Node {
-    // Dropped in this order: the node says goodbye through the context's participant.
+    // Dropped in this order: the node unregisters through the context's participant.
     node: ros2_client::Node,
     context: Context,
     names: Names,
@@ -62,26 +63,26 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node of these names in the environment's domain.
+    /// A node with these names in the environment's domain.
     ///
     /// # Errors
-    /// When there is no participant to be had.
+    /// The participant or the node cannot be created.
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
         let context = participant::context(environment)?;
-        let not_made = |reason: String| NodeError::Endpoint {
+        let not_created = |reason: String| NodeError::Endpoint {
             what: names.fully_qualified(),
             reason,
         };
         let name = NodeName::new(names.namespace(), names.node())
-            .map_err(|error| not_made(error.to_string()))?;
-        // Log messages, parameters and their services are this crate's own: ros2-client's know neither descriptions
+            .map_err(|error| not_created(error.to_string()))?;
+        // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
         // nor ranges nor sets that are valid only as a whole.
         let options = NodeOptions::new()
             .enable_rosout(false)
             .start_parameter_services(false);
         let node = context
             .new_node(name, options)
-            .map_err(|error| not_made(error.to_string()))?;
+            .map_err(|error| not_created(error.to_string()))?;
         Ok(Self {
             node,
             context,
@@ -96,22 +97,45 @@ impl Node {
         &self.names
     }
 
-    /// What is known of peers, once [`participant_events`](Self::participant_events) runs.
+    /// The peers of the node's endpoints, as long as [`participant_events`](Self::participant_events) runs.
     #[must_use]
     pub fn matches(&self) -> Arc<Matches> {
         Arc::clone(&self.matches)
     }
 
-    /// Keeps [`matches`](Self::matches) up to date for as long as it runs.
+    /// Keeps [`matches`](Self::matches) up to date as long as it runs.
     pub fn participant_events(&self) -> impl Future<Output = ()> + use<> {
         let participant = self.context.domain_participant();
-        Arc::clone(&self.matches).follow(participant)
+        Arc::clone(&self.matches).follow(participant, |_| {})
+    }
+
+    /// As [`participant_events`](Self::participant_events), for the node of a twin: also warns about other nodes with the
+    /// same name and other twins of the same column.
+    ///
+    /// # Errors
+    /// A name is invalid.
+    pub(super) fn twin_events(
+        &self,
+        column_id: &str,
+    ) -> Result<impl Future<Output = ()> + use<>, NodeError> {
+        let participant = self.context.domain_participant();
+        let duplicates = Duplicates {
+            participant: participant.clone(),
+            node: self.names.fully_qualified(),
+            status: self.topic(&qos::TWIN_STATUS)?.1,
+            column_id: column_id.to_owned(),
+        };
+        let (on_writer, compare) = duplicates.watch();
+        let follow = Arc::clone(&self.matches).follow(participant, on_writer);
+        Ok(async {
+            futures::join!(follow, compare);
+        })
     }
 
     /// A publisher of an endpoint of the table.
     ///
     /// # Errors
-    /// When the name is none, or RustDDS refuses.
+    /// The name is invalid, or RustDDS cannot create the endpoint.
     pub fn publisher<M: Serialize>(
         &mut self,
         endpoint: &Endpoint,
@@ -120,31 +144,31 @@ impl Node {
         let publisher = self
             .node
             .create_publisher(&topic, Some(endpoint.qos.profile()))
-            .map_err(|error| not_made(&name, &error))?;
+            .map_err(|error| not_created(&name, &error))?;
         self.matches.name(publisher.guid(), &name);
         Ok(publisher)
     }
 
-    /// A publisher of bytes, of a topic by its full name.
+    /// A publisher of encoded messages on a topic given by its full name.
     ///
     /// # Errors
-    /// When the name is none, or RustDDS refuses.
+    /// The name is invalid, or RustDDS cannot create the endpoint.
     pub fn raw_publisher(
         &mut self,
         full_name: &str,
         type_name: &str,
         qos: QosProfile,
     ) -> Result<Publisher<Raw>, NodeError> {
-        let name = Name::parse(full_name).map_err(|error| not_made(full_name, &error))?;
+        let name = Name::parse(full_name).map_err(|error| not_created(full_name, &error))?;
         let (package, bare) = package_and_type(type_name);
         let topic = self
             .node
             .create_topic(&name, MessageTypeName::new(package, bare), &qos)
-            .map_err(|error| not_made(full_name, &error))?;
+            .map_err(|error| not_created(full_name, &error))?;
         let publisher = self
             .node
             .create_publisher(&topic, Some(qos))
-            .map_err(|error| not_made(full_name, &error))?;
+            .map_err(|error| not_created(full_name, &error))?;
         self.matches.name(publisher.guid(), full_name);
         Ok(publisher)
     }
@@ -152,7 +176,7 @@ impl Node {
     /// A subscription of an endpoint of the table.
     ///
     /// # Errors
-    /// When the name is none, or RustDDS refuses.
+    /// The name is invalid, or RustDDS cannot create the endpoint.
     pub fn subscription<M: DeserializeOwned + 'static>(
         &mut self,
         endpoint: &Endpoint,
@@ -161,7 +185,7 @@ impl Node {
         let subscription = self
             .node
             .create_subscription(&topic, Some(endpoint.qos.profile()))
-            .map_err(|error| not_made(&name, &error))?;
+            .map_err(|error| not_created(&name, &error))?;
         self.matches.name(subscription.guid(), &name);
         Ok(subscription)
     }
@@ -169,7 +193,7 @@ impl Node {
     /// A server of a service of the table.
     ///
     /// # Errors
-    /// When the name is none, or RustDDS refuses.
+    /// The name is invalid, or RustDDS cannot create the endpoint.
     pub fn server<Request, Response>(
         &mut self,
         endpoint: &Endpoint,
@@ -189,13 +213,13 @@ impl Node {
                 endpoint.qos.profile(),
                 endpoint.qos.profile(),
             )
-            .map_err(|error| not_made(&full, &error))
+            .map_err(|error| not_created(&full, &error))
     }
 
     /// A client of a service of the table.
     ///
     /// # Errors
-    /// When the name is none, or RustDDS refuses.
+    /// The name is invalid, or RustDDS cannot create the endpoint.
     pub fn client<Request, Response>(
         &mut self,
         endpoint: &Endpoint,
@@ -214,7 +238,7 @@ impl Node {
                 endpoint.qos.profile(),
                 endpoint.qos.profile(),
             )
-            .map_err(|error| not_made(&full, &error))
+            .map_err(|error| not_created(&full, &error))
     }
 
     fn topic(&self, endpoint: &Endpoint) -> Result<(String, rustdds::Topic), NodeError> {
@@ -227,19 +251,19 @@ impl Node {
                 MessageTypeName::new(package, type_name),
                 &endpoint.qos.profile(),
             )
-            .map_err(|error| not_made(&full, &error))?;
+            .map_err(|error| not_created(&full, &error))?;
         Ok((full, topic))
     }
 
     /// Full name after remapping, as text and as ros2-client wants it.
     fn resolved(&self, endpoint: &Endpoint) -> Result<(String, Name), NodeError> {
         let full = self.names.resolve(endpoint.kind(), endpoint.name)?;
-        let name = Name::parse(&full).map_err(|error| not_made(&full, &error))?;
+        let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
         Ok((full, name))
     }
 }
 
-fn not_made(what: &str, reason: &impl ToString) -> NodeError {
+fn not_created(what: &str, reason: &impl ToString) -> NodeError {
     NodeError::Endpoint {
         what: what.to_owned(),
         reason: reason.to_string(),

@@ -1,7 +1,7 @@
 //! The six services behind `ros2 param`, and `/parameter_events`.
 //!
-//! ros2-client has such services, but theirs know no description, no range and no read-only flag, check one value at a
-//! time and never a set as a whole, refuse a whole number for a `double`, and run their set action at declaration.
+//! The services of ros2-client have neither descriptions nor ranges nor read-only flags, check one value at a time and
+//! never a set as a whole, reject a whole number for a `double`, and run their set action at declaration.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ use crate::twin::{Command, Refusal, RefusalCode};
 
 use super::live_twin::LiveTwin;
 
-/// Most parameters in one request: more than there are, and little enough to answer.
+/// Maximum number of parameters in one request: more than exist, and few enough to answer quickly.
 const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
 
 /// `~/get_parameters`: unknown names are "not set", as in rclpy.
@@ -55,17 +55,17 @@ pub(super) fn describe(request: &DescribeParametersRequest) -> DescribeParameter
     }
 }
 
-/// One answer for each that is asked for, as the services promise: with `answer` up to the bound, behind it with `refuse`,
-/// which is given the reason: once in words, so that the reply does not grow beyond the request, then empty.
-fn each<T, A>(asked: &[T], answer: impl Fn(&T) -> A, refuse: impl Fn(String) -> A) -> Vec<A> {
-    let (answered, refused) = asked.split_at(asked.len().min(MAX_PARAMETERS_PER_REQUEST));
-    let refusals = (0..refused.len()).map(|index| {
-        refuse(match index {
-            0 => too_many(asked.len()),
+/// One reply for each request, as the services require: `answer` up to the bound, `reject` beyond it. `reject` receives the
+/// reason, which is empty after the first one, so that the reply does not grow beyond the request.
+fn each<T, A>(requested: &[T], answer: impl Fn(&T) -> A, reject: impl Fn(String) -> A) -> Vec<A> {
+    let (answered, rejected) = requested.split_at(requested.len().min(MAX_PARAMETERS_PER_REQUEST));
+    let rejections = (0..rejected.len()).map(|index| {
+        reject(match index {
+            0 => too_many(requested.len()),
             _ => String::new(),
         })
     });
-    answered.iter().map(answer).chain(refusals).collect()
+    answered.iter().map(answer).chain(rejections).collect()
 }
 
 fn too_many(count: usize) -> String {
@@ -74,8 +74,8 @@ fn too_many(count: usize) -> String {
     )
 }
 
-/// `~/list_parameters`, as rclcpp answers it: with no prefix all names of less than `depth` dots (0: of any number), with
-/// prefixes those that are one, or lie below one with less than `depth` dots behind it, the first one counted.
+/// `~/list_parameters`, as in rclcpp: without prefixes all names with fewer than `depth` dots (0: any number); with
+/// prefixes the names equal to one of them, or below one with fewer than `depth` dots after it, including the first.
 pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
     let within = |dots: usize| request.depth == 0 || (dots as u64) < request.depth;
     let below = |name: &str, prefix: &String| {
@@ -116,7 +116,7 @@ pub(super) fn set(twin: &LiveTwin, request: SetParametersRequest) -> SetParamete
     }
 }
 
-/// `~/set_parameters_atomically`: all or none, valid as a whole.
+/// `~/set_parameters_atomically`: all or none, validated as a whole.
 pub(super) fn set_atomically(
     twin: &LiveTwin,
     request: SetParametersRequest,
@@ -131,62 +131,90 @@ pub(super) fn set_atomically(
     }
 }
 
-fn set_all(twin: &LiveTwin, parameters: Vec<raw::Parameter>) -> Result<(), String> {
+/// Changes parameters as a whole; returns what the client should know of a deprecated value.
+fn set_all(twin: &LiveTwin, parameters: Vec<raw::Parameter>) -> Result<String, String> {
     const SOURCE: &str = "parameter service";
     let values: Result<Vec<_>, Refusal> = parameters
         .into_iter()
         .map(|parameter| Ok((parameter.name.clone(), settable_value(parameter)?)))
         .collect();
     let source = SOURCE.into();
-    let command = match values {
-        Ok(changes) => Command::SetParameters { changes, source },
-        Err(refusal) => Command::RejectedChange { refusal, source },
+    let (command, warnings) = match values {
+        Ok(changes) => {
+            let warnings: Vec<_> = changes.iter().filter_map(deprecation).collect();
+            (Command::SetParameters { changes, source }, warnings)
+        }
+        Err(refusal) => (Command::RejectedChange { refusal, source }, vec![]),
     };
-    match twin.execute(command) {
-        Ok(_) => Ok(()),
-        Err(refusal) => Err(refusal.tagged()),
+    twin.execute(command).map_err(|refusal| refusal.tagged())?;
+    for warning in &warnings {
+        tracing::warn!("{warning}");
     }
+    Ok(warnings.join("; "))
 }
 
-/// The value, if a running node lets anybody set it.
+fn deprecation((name, value): &(String, Value)) -> Option<String> {
+    let Value::String(word) = value else {
+        return None;
+    };
+    let replacement = Parameter::named(name)?.replacement_of(word)?;
+    Some(format!(
+        "{name}: `{word}` is deprecated; write {replacement}"
+    ))
+}
+
+/// The value, if the parameter can be set while the node runs.
 fn settable_value(parameter: raw::Parameter) -> Result<Value, Refusal> {
     let raw::Parameter { name, value } = parameter;
+    // What becomes of an array of other elements is the same for all, unless it is empty.
+    let array = |is_empty: bool| is_empty.then(|| Value::DoubleArray(vec![]));
     let found = match value.ptype {
         raw::ParameterType::BOOL => Some(Value::Bool(value.boolean_value)),
         raw::ParameterType::INTEGER => Some(Value::Integer(value.int_value)),
         raw::ParameterType::DOUBLE => Some(Value::Double(value.double_value)),
         raw::ParameterType::STRING => Some(Value::String(value.string_value)),
+        raw::ParameterType::BYTE_ARRAY => array(value.byte_array.is_empty()),
+        raw::ParameterType::BOOL_ARRAY => array(value.bool_array.is_empty()),
+        // A whole number is accepted where a double is expected.
+        raw::ParameterType::INTEGER_ARRAY => {
+            let numbers = value.int_array.iter().map(|it| *it as f64);
+            Some(Value::DoubleArray(numbers.collect()))
+        }
+        raw::ParameterType::DOUBLE_ARRAY => Some(Value::DoubleArray(value.double_array)),
+        raw::ParameterType::STRING_ARRAY => Some(Value::StringArray(value.string_array)),
         _ => None,
     };
     let Some(known) = Parameter::named(&name) else {
-        // The twin says which name may have been meant.
+        // The twin rejects the name, with a suggestion.
         return Ok(found.unwrap_or(Value::Bool(false)));
     };
     if known.read_only() {
         let reason = format!(
-            "{name} is read-only while the node runs; give it when the node starts (-p {name}:=...)"
+            "{name} is read-only while the node runs; set it when starting the node (-p {name}:=...)"
         );
         return Err(Refusal::new(RefusalCode::ParametersReadOnly, reason));
     }
     found.ok_or_else(|| {
         let problem = match value.ptype {
             raw::ParameterType::NOT_SET => "cannot be undeclared",
-            _ => "is a list",
+            raw::ParameterType::BYTE_ARRAY => "is a list of bytes",
+            raw::ParameterType::BOOL_ARRAY => "is a list of booleans",
+            _ => "has an unknown type",
         };
         let reason = format!("{name} {problem}; allowed: {}", known.expectation());
         Refusal::new(RefusalCode::ParametersInvalid, reason)
     })
 }
 
-fn result(outcome: Result<(), String>) -> raw::SetParametersResult {
+fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
     raw::SetParametersResult {
         successful: outcome.is_ok(),
-        reason: outcome.err().unwrap_or_default(),
+        reason: outcome.unwrap_or_else(|reason| reason),
     }
 }
 
-/// What to publish on `/parameter_events` when `now` hold instead of `before`; at the start `before` is nothing, and all
-/// are new.
+/// The message on `/parameter_events` after a change from `before` to `now`; at the start there is no `before`, and all
+/// parameters are new.
 pub(super) fn event(
     node: String,
     stamp: i64,
@@ -232,24 +260,30 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
         to_value,
         step: 0.0,
     };
-    match parameter.admissible {
+    // The range of an array is that of its elements.
+    let admissible = match parameter.admissible {
+        Admissible::List { of, .. } => *of,
+        other => other,
+    };
+    match admissible {
         Admissible::Integer { min, max } => it.integer_range.push(raw::IntegerRange {
             from_value: min,
             to_value: max,
-            // 0 would forbid all values between the two ends.
+            // A step of 0 would rule out all values between the ends.
             step: 1,
         }),
         Admissible::Real { min, max } | Admissible::WholeNanoseconds { min, max } => {
             it.floating_point_range.push(reals(min, max));
         }
-        // A range has no hole: the constraint in words says the rest.
+        // A range has no gap; the additional constraint describes the rest.
         Admissible::RealOrZero { max, .. } => it.floating_point_range.push(reals(0.0, max)),
         Admissible::Switch
         | Admissible::Choice(_)
         | Admissible::Text { .. }
         | Admissible::SectionName
         | Admissible::SteelGrade
-        | Admissible::Processors => {}
+        | Admissible::Processors
+        | Admissible::List { .. } => {}
     }
     it
 }
@@ -273,6 +307,8 @@ fn type_code(kind: Kind) -> u8 {
         Kind::Integer => raw::ParameterType::INTEGER,
         Kind::Double => raw::ParameterType::DOUBLE,
         Kind::String => raw::ParameterType::STRING,
+        Kind::DoubleArray => raw::ParameterType::DOUBLE_ARRAY,
+        Kind::StringArray => raw::ParameterType::STRING_ARRAY,
     }
 }
 
@@ -284,6 +320,8 @@ fn raw_value(value: Value) -> raw::ParameterValue {
         Value::Integer(value) => raw.int_value = value,
         Value::Double(value) => raw.double_value = value,
         Value::String(value) => raw.string_value = value,
+        Value::DoubleArray(values) => raw.double_array = values,
+        Value::StringArray(values) => raw.string_array = values,
     }
     raw
 }
@@ -318,9 +356,11 @@ mod tests {
     fn lists_as_rclcpp_does() {
         assert_eq!(names(&[], 0).len(), PARAMETERS.len());
         assert!(names(&[], 1).iter().all(|name| !name.contains('.')));
-        assert_eq!(names(&[], 2).len(), PARAMETERS.len());
+        assert_eq!(names(&[], 3).len(), PARAMETERS.len());
+        assert!(!names(&[], 2).contains(&"example.nested.words".to_owned()));
+        assert_eq!(names(&["example"], 2), ["example.numbers"]);
         assert!(names(&["top"], 0).contains(&"top.load".to_owned()));
-        // The dot behind the prefix counts too.
+        // The dot after the prefix counts too.
         assert!(names(&["top"], 1).is_empty());
         assert_eq!(names(&["top"], 2), names(&["top"], 0));
         assert_eq!(names(&["column_id", "nothing"], 0), ["column_id"]);
@@ -348,7 +388,15 @@ mod tests {
                 ([range], Value::Double(value)) => {
                     assert!((range.from_value..=range.to_value).contains(&value));
                 }
-                ([], value) => assert!(!matches!(value, Value::Double(_)), "{}", parameter.name),
+                ([range], Value::DoubleArray(values)) => {
+                    let all = range.from_value..=range.to_value;
+                    assert!(values.iter().all(|value| all.contains(value)));
+                }
+                ([], value) => assert!(
+                    !matches!(value, Value::Double(_) | Value::DoubleArray(_)),
+                    "{}",
+                    parameter.name
+                ),
                 _ => panic!("{} has a range and is no number", parameter.name),
             }
         }
@@ -359,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_much_is_answered_as_such() {
+    fn oversized_requests_are_answered() {
         let many = MAX_PARAMETERS_PER_REQUEST + 2;
         let names = vec!["top.load".to_owned(); many];
         let parameters = Parameters::default();
@@ -394,18 +442,26 @@ mod tests {
     }
 
     #[test]
-    fn values_go_out_with_their_types() {
+    fn values_have_their_types() {
         let request = GetParametersRequest {
-            names: ["column_id", "top.load", "viewer.port", "use_sim_time", "x"]
-                .map(str::to_owned)
-                .to_vec(),
+            names: [
+                "column_id",
+                "top.load",
+                "viewer.port",
+                "use_sim_time",
+                "x",
+                "example.numbers",
+                "example.nested.words",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
         };
         let types: Vec<_> = get(&Parameters::default(), &request)
             .values
             .iter()
             .map(|value| value.ptype)
             .collect();
-        assert_eq!(types, [4, 3, 2, 1, 0]);
+        assert_eq!(types, [4, 3, 2, 1, 0, 8, 9]);
         let same = super::types(&GetParameterTypesRequest {
             names: request.names,
         });
@@ -413,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_set_is_refused_with_the_reason() {
+    fn values_that_cannot_be_set_are_rejected_with_the_reason() {
         let given = |name: &str, value: raw::ParameterValue| {
             settable_value(raw::Parameter {
                 name: name.to_owned(),
@@ -430,12 +486,16 @@ mod tests {
             reason.starts_with("top.load cannot be undeclared"),
             "{reason}"
         );
-        let list = raw::ParameterValue {
-            ptype: raw::ParameterType::DOUBLE_ARRAY,
+        let flags = raw::ParameterValue {
+            ptype: raw::ParameterType::BOOL_ARRAY,
+            bool_array: vec![true],
             ..not_set()
         };
-        let reason = given("top.load", list).expect_err("a list");
-        assert_eq!(reason, "top.load is a list; allowed: 0 to 1e9 N");
+        let reason = given("top.load", flags).expect_err("a list");
+        assert_eq!(
+            reason,
+            "top.load is a list of booleans; allowed: 0 to 1e9 N"
+        );
         assert_eq!(
             given("top.load", raw_value(Value::Integer(3))),
             Ok(Value::Integer(3))
@@ -443,7 +503,92 @@ mod tests {
     }
 
     #[test]
-    fn events_name_what_is_new_and_what_has_changed() {
+    fn arrays_are_read_written_and_described() {
+        let given = |name: &str, value: raw::ParameterValue| {
+            let name = name.to_owned();
+            settable_value(raw::Parameter { name, value })
+        };
+        let numbers = Value::from(vec![3.0, 4.5]);
+        let words = Value::from(vec!["red".to_owned()]);
+        assert_eq!(
+            given("example.numbers", raw_value(numbers.clone())),
+            Ok(numbers.clone())
+        );
+        assert_eq!(
+            given("example.nested.words", raw_value(words.clone())),
+            Ok(words.clone())
+        );
+        let whole = raw::ParameterValue {
+            ptype: raw::ParameterType::INTEGER_ARRAY,
+            int_array: vec![3, 4],
+            ..not_set()
+        };
+        assert_eq!(
+            given("example.numbers", whole),
+            Ok(Value::from(vec![3.0, 4.0]))
+        );
+        // rclpy sends an empty list as an array of booleans.
+        let empty = raw::ParameterValue {
+            ptype: raw::ParameterType::BOOL_ARRAY,
+            ..not_set()
+        };
+        let empty = given("example.nested.words", empty).expect("an empty list");
+        let changes = [
+            ("example.numbers", numbers.clone()),
+            ("example.nested.words", words.clone()),
+        ];
+        let before = Parameters::default();
+        let now = before.with_changes(changes).expect("admissible");
+        let none = now.with_changes([("example.nested.words", empty)]);
+        let none = none.expect("admissible").get("example.nested.words");
+        assert_eq!(none, Some(Value::StringArray(vec![])));
+
+        let names = ["example.numbers", "example.nested.words"].map(str::to_owned);
+        let request = GetParametersRequest {
+            names: names.to_vec(),
+        };
+        let values = get(&now, &request).values;
+        assert_eq!(values[0].double_array, [3.0, 4.5]);
+        assert_eq!(values[1].string_array, ["red"]);
+        let event = event("/n".to_owned(), 5, Some(&before), &now).expect("both have changed");
+        let changed = event.changed_parameters.iter();
+        let changed: Vec<_> = changed
+            .map(|it| (it.name.as_str(), it.value.ptype))
+            .collect();
+        assert_eq!(changed, [(names[0].as_str(), 8), (names[1].as_str(), 9)]);
+
+        let descriptors = describe(&DescribeParametersRequest {
+            names: names.to_vec(),
+        });
+        let [numbers, words] = &descriptors.values[..] else {
+            panic!("{descriptors:?}");
+        };
+        assert_eq!((numbers.r#type, words.r#type), (8, 9));
+        let range = &numbers.floating_point_range[0];
+        assert_eq!((range.from_value, range.to_value), (0.5, 1e6));
+        assert_eq!(
+            numbers.additional_constraints,
+            "a list of 1 to 3 elements, each 0.5 to 1e6 kg"
+        );
+        assert_eq!(
+            words.additional_constraints,
+            "a list of 0 to 4 elements, each red, green or blue"
+        );
+    }
+
+    #[test]
+    fn deprecated_values_are_reported() {
+        let old = ("solver.scheme".to_owned(), Value::from("energy"));
+        assert_eq!(
+            deprecation(&old).as_deref(),
+            Some("solver.scheme: `energy` is deprecated; write conserving_midpoint")
+        );
+        let new = ("solver.scheme".to_owned(), Value::from("midpoint"));
+        assert_eq!(deprecation(&new), None);
+    }
+
+    #[test]
+    fn events_name_new_and_changed_parameters() {
         let before = Parameters::default();
         let now = before.with_changes([("top.load", 1e5)].map(|(n, v)| (n, Value::Double(v))));
         let now = now.expect("a valid change");

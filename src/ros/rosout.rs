@@ -1,16 +1,19 @@
-//! Log messages: to the terminal in ROS's form, and to `/rosout`.
+//! Log messages: on the terminal in the format of ROS, and on `/rosout`.
 //!
-//! A message goes into a bounded queue and is published by a thread of its own: whoever logs never waits. Messages of the
-//! libraries that publish them (`ros2_client`, `rustdds`, `cdr_encoding`) are left out, or `/rosout` would feed itself.
+//! Messages for `/rosout` go into a bounded queue and are published by a separate thread, so that logging never blocks. On
+//! the terminal, repeated messages are limited. Messages of the libraries that publish (`ros2_client`, `rustdds`,
+//! `cdr_encoding`) are omitted; otherwise `/rosout` would feed itself.
 
+use std::collections::HashMap;
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use ros2_client::Log;
 use ros2_client::builtin_interfaces::Time;
+use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber};
 use tracing_subscriber::filter::EnvFilter;
@@ -23,15 +26,22 @@ use tracing_subscriber::{Layer, Registry};
 
 use super::arguments::{LogLevel, RosArguments};
 
-/// Messages that may wait to be published; the next ones are dropped and counted.
+/// Maximum number of messages that wait to be published; further ones are dropped and counted.
 const ROSOUT_QUEUE: usize = 256;
 
+/// Maximum number of warnings or errors from the same place of the program that the terminal shows per
+/// [`LIMIT_PERIOD`]; further ones are counted.
+const MAX_REPEATED: u64 = 20;
+
+/// Period of [`MAX_REPEATED`].
+const LIMIT_PERIOD: Duration = Duration::from_secs(1);
+
 /// Targets that would feed themselves.
-const LEFT_OUT: [&str; 3] = ["ros2_client", "rustdds", "cdr_encoding"];
+const OMITTED: [&str; 3] = ["ros2_client", "rustdds", "cdr_encoding"];
 
 /// One message.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Record {
+pub(super) struct LogRecord {
     level: u8,
     stamp: i64,
     message: String,
@@ -43,14 +53,14 @@ pub(super) struct Record {
 /// Messages on their way to `/rosout`.
 #[derive(Debug)]
 pub struct RosoutQueue {
-    pub(super) records: Receiver<Record>,
+    pub(super) records: Receiver<LogRecord>,
     pub(super) dropped: Arc<AtomicU64>,
 }
 
 /// Collects messages for `/rosout`.
 #[derive(Debug)]
 struct RosoutLayer {
-    records: SyncSender<Record>,
+    records: SyncSender<LogRecord>,
     dropped: Arc<AtomicU64>,
 }
 
@@ -65,11 +75,11 @@ fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
     (layer, RosoutQueue { records, dropped })
 }
 
-/// Sets up logging for the whole program, as the ROS arguments say; `RUST_LOG` overrides their levels for the terminal.
-/// Gives the queue for `/rosout`.
+/// Sets up logging for the whole program according to the ROS arguments; `RUST_LOG` overrides their levels on the terminal.
+/// Returns the queue for `/rosout`.
 ///
 /// # Errors
-/// When logging is set up already.
+/// Logging is already set up.
 pub fn start_logging(
     arguments: &RosArguments,
     logger: &str,
@@ -80,6 +90,7 @@ pub fn start_logging(
         let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(&own));
         let form = RosFormat {
             logger: logger.to_owned(),
+            limit: Limit::default(),
         };
         tracing_subscriber::fmt::layer()
             .event_format(form)
@@ -106,7 +117,7 @@ fn directive(level: LogLevel) -> &'static str {
     }
 }
 
-impl Record {
+impl LogRecord {
     fn new(event: &Event<'_>) -> Self {
         let mut text = Text::default();
         event.record(&mut text);
@@ -121,7 +132,7 @@ impl Record {
         }
     }
 
-    /// As `/rosout` carries it.
+    /// The message of `/rosout`.
     pub fn into_log(self, logger: &str) -> Log {
         Log {
             stamp: Time::from_nanos(self.stamp),
@@ -141,7 +152,7 @@ impl<S: Subscriber> Layer<S> for RosoutLayer {
     }
 
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
-        if is_wanted(event.metadata()) && self.records.try_send(Record::new(event)).is_err() {
+        if is_wanted(event.metadata()) && self.records.try_send(LogRecord::new(event)).is_err() {
             self.dropped.fetch_add(1, Ordering::Relaxed);
         }
     }
@@ -149,7 +160,7 @@ impl<S: Subscriber> Layer<S> for RosoutLayer {
 
 fn is_wanted(metadata: &Metadata<'_>) -> bool {
     let root = metadata.target().split("::").next().unwrap_or_default();
-    !LEFT_OUT.contains(&root)
+    !OMITTED.contains(&root)
 }
 
 fn level_code(level: &Level) -> u8 {
@@ -168,14 +179,14 @@ fn now() -> i64 {
     i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
 }
 
-/// The message, and behind it the fields as `name=value`.
+/// The message, followed by the fields as `name=value`.
 #[derive(Default)]
 struct Text(String);
 
 impl Visit for Text {
     fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
         use fmt::Write;
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = match field.name() {
             "message" => write!(self.0, "{value:?}"),
             name => write!(self.0, " {name}={value:?}"),
@@ -186,6 +197,43 @@ impl Visit for Text {
 /// `[INFO] [1700000000.123456789] [column_twin]: text`, as rcl writes it.
 struct RosFormat {
     logger: String,
+    limit: Limit,
+}
+
+/// Limits how often the terminal shows warnings and errors from the same place of the program.
+#[derive(Debug, Default)]
+struct Limit(Mutex<HashMap<Identifier, Repeated>>);
+
+/// The messages from one place of the program.
+#[derive(Debug)]
+struct Repeated {
+    period_start: Instant,
+    /// Messages in this period.
+    count: u64,
+}
+
+impl Limit {
+    /// Whether to show a message; then with the number of messages that were hidden before it.
+    fn admit(&self, metadata: &Metadata<'_>, now: Instant) -> Option<u64> {
+        if *metadata.level() > Level::WARN {
+            return Some(0);
+        }
+        let mut places = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = places.entry(metadata.callsite()).or_insert(Repeated {
+            period_start: now,
+            count: 0,
+        });
+        let mut hidden = 0;
+        if now.saturating_duration_since(place.period_start) >= LIMIT_PERIOD {
+            hidden = place.count.saturating_sub(MAX_REPEATED);
+            *place = Repeated {
+                period_start: now,
+                count: 0,
+            };
+        }
+        place.count += 1;
+        (place.count <= MAX_REPEATED).then_some(hidden)
+    }
 }
 
 impl<S, N> FormatEvent<S, N> for RosFormat
@@ -199,6 +247,9 @@ where
         mut writer: Writer<'_>,
         event: &Event<'_>,
     ) -> fmt::Result {
+        let Some(hidden) = self.limit.admit(event.metadata(), Instant::now()) else {
+            return Ok(());
+        };
         let (stamp, level) = (now(), event.metadata().level());
         write!(
             writer,
@@ -210,6 +261,12 @@ where
         context
             .field_format()
             .format_fields(format::Writer::new(&mut writer), event)?;
+        if hidden > 0 {
+            write!(
+                writer,
+                " ({hidden} similar messages before this one are not shown)"
+            )?;
+        }
         writeln!(writer)
     }
 }
@@ -218,7 +275,7 @@ where
 mod tests {
     use super::*;
 
-    fn logged(say: impl FnOnce()) -> (Vec<Record>, u64) {
+    fn logged(say: impl FnOnce()) -> (Vec<LogRecord>, u64) {
         let (layer, queue) = rosout_layer();
         tracing::subscriber::with_default(Registry::default().with(layer), say);
         (
@@ -228,20 +285,20 @@ mod tests {
     }
 
     #[test]
-    fn messages_carry_level_text_and_place() {
+    fn messages_have_level_text_and_place() {
         let (records, _) = logged(|| {
-            tracing::warn!(mass = 3, "refused {}", "it");
+            tracing::warn!(mass = 3, "rejected {}", "it");
             tracing::error!("worse");
         });
         let log = records[0].clone().into_log("garage.column_twin");
-        assert_eq!((log.level, log.msg.as_str()), (30, "refused it mass=3"));
+        assert_eq!((log.level, log.msg.as_str()), (30, "rejected it mass=3"));
         assert_eq!(log.name, "garage.column_twin");
         assert!(log.file.ends_with("rosout.rs") && log.line > 0);
         assert_eq!(records[1].level, 40);
     }
 
     #[test]
-    fn the_libraries_below_are_not_forwarded() {
+    fn messages_of_the_libraries_are_not_forwarded() {
         let (records, _) = logged(|| {
             tracing::warn!(target: "rustdds::network::udp_sender", "large datagram");
             tracing::error!(target: "ros2_client::node", "not known to node");
@@ -249,6 +306,49 @@ mod tests {
             tracing::info!(target: "rustdds_monitor", "another program");
         });
         assert_eq!(records.len(), 1);
+    }
+
+    /// Passes the metadata of every event to a closure.
+    struct MetadataTap<F>(F);
+
+    impl<S: Subscriber, F: Fn(&Metadata<'_>) + 'static> Layer<S> for MetadataTap<F> {
+        fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+            (self.0)(event.metadata());
+        }
+    }
+
+    #[test]
+    fn repeated_warnings_are_limited_and_counted() {
+        use std::sync::atomic::AtomicUsize;
+        static SHOWN: AtomicUsize = AtomicUsize::new(0);
+        static HIDDEN: AtomicU64 = AtomicU64::new(0);
+        static MILLIS: AtomicU64 = AtomicU64::new(0);
+        let (limit, start) = (Limit::default(), Instant::now());
+        let tap = MetadataTap(move |metadata: &Metadata<'_>| {
+            let now = start + Duration::from_millis(MILLIS.load(Ordering::Relaxed));
+            if let Some(hidden) = limit.admit(metadata, now) {
+                SHOWN.fetch_add(1, Ordering::Relaxed);
+                HIDDEN.fetch_add(hidden, Ordering::Relaxed);
+            }
+        });
+        let shown = || {
+            (
+                SHOWN.swap(0, Ordering::Relaxed),
+                HIDDEN.swap(0, Ordering::Relaxed),
+            )
+        };
+        let flood = || (0..100).for_each(|_| tracing::warn!("rejected"));
+        tracing::subscriber::with_default(Registry::default().with(tap), || {
+            flood();
+            assert_eq!(shown(), (20, 0));
+            tracing::warn!("from another place");
+            assert_eq!(shown(), (1, 0));
+            (0..100).for_each(|_| tracing::info!("no warning"));
+            assert_eq!(shown(), (100, 0));
+            MILLIS.store(1000, Ordering::Relaxed);
+            flood();
+            assert_eq!(shown(), (20, 80));
+        });
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
-use crate::parameters::{ParameterFaults, Parameters, Source};
+use crate::parameters::{Fault, ParameterFaults, Parameters, Source};
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
@@ -70,10 +70,13 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     } = options;
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
-    let parameters = load_parameters(options, &names)?;
+    let (parameters, deprecated) = load_parameters(options, &names)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     say_what_is_not_done(options);
+    for warning in &deprecated {
+        tracing::warn!("{warning}");
+    }
     let recording = RunRecording::start(&parameters, &names)?;
     let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
     let node = TwinNode::start_recorded(
@@ -164,7 +167,10 @@ impl RunRecording {
     }
 }
 
-fn load_parameters(options: &RunOptions, names: &Names) -> Result<Parameters, ParameterFaults> {
+fn load_parameters(
+    options: &RunOptions,
+    names: &Names,
+) -> Result<(Parameters, Vec<Fault>), ParameterFaults> {
     let files = options.parameter_files.iter().cloned().map(Source::File);
     let sources = files.chain(options.ros.parameters.iter().cloned());
     Parameters::load_in_order(&names.for_parameters(), sources)

@@ -96,7 +96,8 @@ impl TwinNode {
             ask_for_sender(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
-        let (events, matches) = (node.participant_events(), Arc::clone(&counters));
+        let events = node.twin_events(&twin.parameters().settings().column_id)?;
+        let matches = Arc::clone(&counters);
         let of_twin = Arc::clone(&twin);
         let inputs = vec![
             Task::start("column_twin/ros", move || async move {

@@ -1,12 +1,12 @@
-//! Numbers in JSON that read back to the last bit, those that are not finite as words.
+//! Numbers in JSON that are read back to the last bit, with those that are not finite as words.
 //!
-//! JSON has no NaN and no infinity; an input that was refused for one is to be read back all the same.
+//! JSON has neither NaN nor infinity, but an input that was rejected for one must be read back too.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::parameters::Value;
 
-/// A number as it is written.
+/// A number in JSON.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Written {
@@ -76,12 +76,21 @@ pub(super) mod option {
 pub(super) mod changes {
     use super::{Deserialize, Deserializer, Serialize, Serializer, Value, Word, Written};
 
-    /// A value that stands in JSON as it is, or in place of a number that cannot.
+    /// A value in JSON: as it is, or with its numbers that are not finite replaced.
     #[derive(Serialize, Deserialize)]
     #[serde(untagged)]
     enum Any {
         NotFinite { number: Word },
         Plain(Value),
+        Array(Vec<Element>),
+    }
+
+    /// An element of an array of numbers of which one is not finite.
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged)]
+    enum Element {
+        NotFinite { number: Word },
+        Finite(f64),
     }
 
     pub fn serialize<S: Serializer>(
@@ -93,6 +102,13 @@ pub(super) mod changes {
                 Written::Finite(_) => Any::Plain(value.clone()),
                 Written::Other(number) => Any::NotFinite { number },
             },
+            Value::DoubleArray(numbers) if !numbers.iter().all(|it| it.is_finite()) => {
+                let element = |number: &f64| match Written::from(*number) {
+                    Written::Finite(number) => Element::Finite(number),
+                    Written::Other(number) => Element::NotFinite { number },
+                };
+                Any::Array(numbers.iter().map(element).collect())
+            }
             other => Any::Plain(other.clone()),
         };
         serializer.collect_seq(changes.iter().map(|(name, value)| (name, any(value))))
@@ -104,6 +120,13 @@ pub(super) mod changes {
         let value = |any| match any {
             Any::Plain(value) => value,
             Any::NotFinite { number } => Value::Double(Written::Other(number).into()),
+            Any::Array(elements) => {
+                let number = |element| match element {
+                    Element::Finite(number) => number,
+                    Element::NotFinite { number } => Written::Other(number).into(),
+                };
+                Value::DoubleArray(elements.into_iter().map(number).collect())
+            }
         };
         let pairs = Vec::<(String, Any)>::deserialize(deserializer)?;
         Ok(pairs
@@ -143,26 +166,37 @@ mod tests {
             let both = Both {
                 one: number,
                 other: Some(number),
-                changes: vec![("a".to_owned(), Value::Double(number))],
+                changes: vec![
+                    ("a".to_owned(), Value::Double(number)),
+                    ("b".to_owned(), Value::from(vec![1.0, number])),
+                ],
             };
             let text = serde_json::to_string(&both).expect("JSON");
             let read: Both = serde_json::from_str(&text).expect("the same");
-            let Value::Double(changed) = read.changes[0].1 else {
+            let [(_, Value::Double(changed)), (_, Value::DoubleArray(array))] = &read.changes[..]
+            else {
                 panic!("{text}");
             };
-            for back in [read.one, read.other.expect("given"), changed] {
+            assert_eq!((array.len(), array[0]), (2, 1.0));
+            for back in [read.one, read.other.expect("given"), *changed, array[1]] {
                 assert_eq!(back.to_bits(), number.to_bits(), "{text}");
             }
         }
     }
 
     #[test]
-    fn what_is_no_number_stays_what_it_is() {
-        let changes = ["nan", "1.5"].map(|text| ("a".to_owned(), Value::from(text)));
+    fn other_values_are_unchanged() {
+        let words = ["nan", "1.5"];
+        let changes = [
+            Value::from(words[0]),
+            Value::from(words[1]),
+            Value::Integer(5),
+            Value::from(words.map(str::to_owned).to_vec()),
+        ];
         let both = Both {
             one: 1.0,
             other: None,
-            changes: [&changes[..], &[("b".to_owned(), Value::Integer(5))]].concat(),
+            changes: changes.map(|value| ("a".to_owned(), value)).to_vec(),
         };
         let text = serde_json::to_string(&both).expect("JSON");
         let read: Both = serde_json::from_str(&text).expect("the same");

@@ -10,7 +10,7 @@ use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
-use column_twin::parameters::{Record, RecordMode};
+use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
 use column_twin::ros::bridge::{Outputs, QueueHealth, Recording, RecordingHealth, Twin};
 use column_twin::ros::{Names, StartedTwin, TwinNode, qos, start_live_twin};
@@ -161,7 +161,7 @@ fn what_waits_when_the_time_to_publish_is_over_is_still_recorded() {
 #[test]
 fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
     let directory = tempfile::TempDir::new().unwrap();
-    let record = Record {
+    let record = RecordSettings {
         mode: RecordMode::Events,
         directory: directory.path().display().to_string(),
         ..parameters().settings().record.clone()

@@ -162,12 +162,12 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
 /// A recorder that cannot follow costs the node nothing, and what is missing is counted and accounted for.
 #[test]
 fn losses_are_counted_and_accounted_for() {
-    use column_twin::parameters::{Record, RecordMode};
+    use column_twin::parameters::{RecordMode, RecordSettings};
     use column_twin::recording::RecorderOptions;
     use column_twin::ros::bridge::Recording;
 
     let directory = TempDir::new().unwrap();
-    let record = Record {
+    let record = RecordSettings {
         mode: RecordMode::Always,
         directory: directory.path().display().to_string(),
         ..Parameters::default().settings().record.clone()

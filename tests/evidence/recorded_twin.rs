@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::outgoing::{Outgoing, RecordingTap as _};
-use column_twin::parameters::{Parameters, Record, RecordMode, Value};
+use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
 use tempfile::TempDir;
@@ -61,7 +61,7 @@ impl RecordedTwin {
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Self {
         let directory = TempDir::new().expect("a directory");
-        let record = Record {
+        let record = RecordSettings {
             mode,
             directory: directory.path().display().to_string(),
             ..parameters.settings().record.clone()

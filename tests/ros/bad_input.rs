@@ -213,6 +213,39 @@ fn a_refused_set_of_parameters_is_readable() {
     assert!(program.terminate().0.success());
 }
 
+/// The terminal shows a few of many rejections and the number of the others.
+#[test]
+fn rejections_are_limited_on_the_terminal() {
+    const FLOOD: u64 = 500;
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let quiet = "-p real_time.priority:=0 -p real_time.lock_memory:=false -p state.directory:=''";
+    let arguments: Vec<_> = quiet.split(' ').collect();
+    let mut program = Program::ready(&domain, folder.path(), &arguments);
+    let mut node = reader(&domain);
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let begin = Instant::now();
+    for number in 0..FLOOD {
+        assert!(events.publish(event(&format!("wrong-{number}"), now(), f64::NAN, 1.0)));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    statuses.find("all events", |it| it.events_refused == FLOOD);
+    std::thread::sleep(Duration::from_millis(1100));
+    assert!(events.publish(event("the last one", now(), f64::NAN, 1.0)));
+    let last = program.wait_for("the last one");
+    let seconds = begin.elapsed().as_secs();
+    assert!(
+        last.contains("similar messages before this one are not shown"),
+        "{last}"
+    );
+    drop(statuses);
+    let (_, _, log) = program.terminate();
+    let shown = log.iter().filter(|line| line.contains("mass = NaN")).count() as u64;
+    println!("{shown} of {FLOOD} rejections shown within {seconds} s");
+    assert!(shown <= 20 * (seconds + 2), "{shown} lines");
+}
+
 /// Everything that was sent is accepted, refused, or counted as dropped, and the twin answers as before.
 #[test]
 fn ten_thousand_events_in_a_second_are_bounded_and_counted() {

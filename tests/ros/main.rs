@@ -5,6 +5,7 @@
 
 mod bad_input;
 mod domain;
+mod duplicates;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;
 mod live_twin;

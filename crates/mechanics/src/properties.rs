@@ -90,5 +90,6 @@ pub enum Scheme {
     /// The paper's midpoint rule as printed (Eqs 40, 44-46).
     Midpoint,
     /// Its energy-conserving sibling: discrete gradient, mean stresses, impacts as events.
+    #[serde(rename = "conserving_midpoint", alias = "energy")]
     Energy,
 }

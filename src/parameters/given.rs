@@ -1,0 +1,88 @@
+//! What was given for a parameter, with its place, before it is checked.
+
+use super::fault::Origin;
+use super::value::Value;
+use super::yaml::{Location, YamlContent, YamlNode};
+
+/// One name with what was given for it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Assignment {
+    pub name: String,
+    pub given: Given,
+}
+
+/// What was given for a parameter, or as an element of a list.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Given {
+    pub content: Content,
+    /// A scalar as it was typed.
+    pub text: Option<String>,
+    pub place: Origin,
+}
+
+/// What may be written where a value is expected.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Content {
+    /// Nothing, or `null`.
+    Nothing,
+    /// A value that is no array.
+    Scalar(Value),
+    /// The elements of an array.
+    List(Vec<Given>),
+    /// A mapping, which no parameter is.
+    Mapping,
+}
+
+impl Assignment {
+    /// A value that a program gives.
+    pub fn direct((name, value): (impl Into<String>, Value)) -> Self {
+        Self {
+            name: name.into(),
+            given: Given::value(value, &Origin::Direct),
+        }
+    }
+}
+
+impl Given {
+    /// A value from one place.
+    pub fn value(value: Value, place: &Origin) -> Self {
+        let text = value.plain();
+        let content = match value {
+            Value::DoubleArray(numbers) => Content::list(numbers, place),
+            Value::StringArray(texts) => Content::list(texts, place),
+            scalar => Content::Scalar(scalar),
+        };
+        Self {
+            text: matches!(content, Content::Scalar(_)).then_some(text),
+            content,
+            place: place.clone(),
+        }
+    }
+
+    /// A node of a YAML text; `place` converts its location.
+    pub fn of_yaml(node: &YamlNode, place: &impl Fn(&Location) -> Origin) -> Self {
+        let (content, text) = match &node.content {
+            YamlContent::Null => (Content::Nothing, None),
+            YamlContent::Scalar { value, text } => {
+                (Content::Scalar(value.clone()), Some(text.clone()))
+            }
+            YamlContent::List(elements) => {
+                let elements = elements.iter().map(|it| Self::of_yaml(it, place));
+                (Content::List(elements.collect()), None)
+            }
+            YamlContent::Mapping(_) => (Content::Mapping, None),
+        };
+        Self {
+            content,
+            text,
+            place: place(&node.at),
+        }
+    }
+}
+
+impl Content {
+    fn list<T: Into<Value>>(elements: Vec<T>, place: &Origin) -> Self {
+        let elements = elements.into_iter().map(Into::into);
+        Self::List(elements.map(|it| Given::value(it, place)).collect())
+    }
+}

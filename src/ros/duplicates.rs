@@ -1,0 +1,89 @@
+//! Warns about another node with the same name, and about another twin of the same column, on the network.
+
+use std::pin::pin;
+
+use futures::StreamExt;
+use futures::channel::oneshot;
+use ros2_client::CreateResult;
+use rustdds::no_key::SimpleDataReader;
+use rustdds::{
+    CDRDeserializerAdapter, DomainParticipant, EndpointDescription, QosPolicies, RTPSEntity, Topic,
+    TopicDescription,
+};
+
+use super::qos;
+use crate::messages::column_twin::TwinStatus;
+
+/// What a node compares with its peers.
+pub(super) struct Duplicates {
+    pub participant: DomainParticipant,
+    /// Fully qualified name of the node.
+    pub node: String,
+    /// The topic on which the node publishes its status.
+    pub status: Topic,
+    /// Column of the node's twin.
+    pub column_id: String,
+}
+
+impl Duplicates {
+    /// A handler for every writer that is discovered, and a future that compares the columns of twins. Each warns once.
+    pub fn watch(self) -> (impl FnMut(&EndpointDescription), impl Future<Output = ()>) {
+        let own = self.participant.guid().prefix;
+        let node = self.node.clone();
+        // Every ROS 2 node with parameters replies on this topic.
+        let replies = format!("rr{node}/get_parametersReply");
+        let status = self.status.name();
+        let (found, other_twin) = oneshot::channel();
+        let (mut found, mut is_unique) = (Some(found), true);
+        let on_writer = move |writer: &EndpointDescription| {
+            if writer.guid.prefix == own {
+                return;
+            }
+            if writer.topic_name == replies && is_unique {
+                is_unique = false;
+                tracing::warn!(
+                    "another node on the network is called {node}; stop one of the two, or start one with another name \
+                     (-r __node:=...) or namespace (-r __ns:=...)"
+                );
+            }
+            if writer.topic_name == status
+                && let Some(found) = found.take()
+            {
+                // Without a receiver the node is stopping.
+                let _ = found.send(());
+            }
+        };
+        let compare = async move {
+            if other_twin.await.is_ok()
+                && let Err(error) = self.wait_for_same_column().await
+            {
+                tracing::warn!("twins on the same topics cannot be compared: {error}");
+            }
+        };
+        (on_writer, compare)
+    }
+
+    /// Returns after the warning. The reader exists only while there is another twin on the node's topics.
+    async fn wait_for_same_column(&self) -> CreateResult<()> {
+        let own = self.participant.guid().prefix;
+        let qos = QosPolicies::from(qos::TWIN_STATUS.qos.profile());
+        let subscriber = self.participant.create_subscriber(&qos)?;
+        let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> =
+            subscriber.create_simple_datareader_no_key(&self.status, Some(qos))?;
+        let mut statuses = pin!(reader.as_async_stream());
+        while let Some(status) = statuses.next().await {
+            let Ok(status) = status else {
+                continue;
+            };
+            if status.writer_guid.prefix != own && status.sample.column_id == self.column_id {
+                tracing::warn!(
+                    "another twin of the column {:?} is running on the same topics; stop one of the two, or start one \
+                     with another column_id or in another namespace (-r __ns:=...)",
+                    self.column_id
+                );
+                break;
+            }
+        }
+        Ok(())
+    }
+}
