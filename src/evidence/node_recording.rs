@@ -13,7 +13,7 @@ use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::parameters::{Record, RecordMode};
 use crate::recording::{
-    Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
+    self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
 use crate::ros::bridge::{QueueHealth, Recording, RecordingHealth};
 use crate::twin::Journal;
@@ -52,8 +52,8 @@ impl NodeRecording {
             RecordMode::Events => true,
             RecordMode::Always => false,
         };
-        let options = options(RecorderOptions::from_parameters(record, SystemTime::now()));
-        let recorder = Recorder::start(options, topics.declared())?;
+        let options = options(recording::recorder_options(record, SystemTime::now()));
+        let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
             recorder: RwLock::new(Some(recorder)),
             entries: Entries::new(topics),
@@ -213,7 +213,14 @@ impl Recording for NodeRecording {
             ("recordings finished", finished.to_string()),
         ];
         RecordingHealth {
-            queue: queue.into(),
+            queue: QueueHealth {
+                name: "recording".to_owned(),
+                capacity: queue.capacity,
+                len: queue.len,
+                policy: "newest dropped",
+                pushed: queue.pushed,
+                dropped: queue.dropped,
+            },
             lost: lost + self.unencoded.load(Ordering::Relaxed),
             problem: failing.map(|reason| reason.to_string()),
             values: values

@@ -223,7 +223,7 @@ fn draw_key(area: &Area<'_>, key: Key, x: i32, y: i32, length: i32) -> Drawn<()>
 }
 
 /// A dot with a white core.
-pub(super) fn notify(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
+pub(super) fn ring(area: &Area<'_>, centre: (i32, i32), colour: RGBColor) -> Drawn<()> {
     area.draw(&Circle::new(centre, 30, colour.filled()))?;
     area.draw(&Circle::new(centre, 16, WHITE.filled()))
 }

@@ -1,19 +1,29 @@
-//! A type on the wire: its names, its definition, and what follows from the definition.
+//! A ROS 2 type: its names, its definition, and what follows from the definition.
 
 use re_ros_msg::MessageSchema;
 use re_ros_msg::message_spec::{ComplexType, MessageSpecification, Type};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::table;
+/// The definitions in which the types of fields are looked up.
+pub type Definitions<'a> = &'a [&'static Interface];
 
-/// A struct that travels as a ROS 2 message, or as one half of a service.
+/// The definition with this ROS name, for example `std_msgs/msg/Header`.
+#[must_use]
+pub fn find(ros_name: &str, definitions: Definitions<'_>) -> Option<&'static Interface> {
+    definitions
+        .iter()
+        .copied()
+        .find(|interface| interface.ros_name() == ros_name)
+}
+
+/// A struct that is sent as a ROS 2 message, or as the request or response of a service.
 pub trait Message: Serialize + DeserializeOwned {
-    /// Its names and its definition.
+    /// The names and the definition of the type.
     const INTERFACE: &'static Interface;
 }
 
-/// What of its file a type is.
+/// Which part of its file defines a type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// A whole `.msg` file.
@@ -24,7 +34,7 @@ pub enum Part {
     Response,
 }
 
-/// One type: where it is defined and what it is called.
+/// One type: its package, its name and its definition.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Interface {
     package: &'static str,
@@ -33,20 +43,20 @@ pub struct Interface {
     file: &'static str,
 }
 
-/// The text of a definition is wrong. The texts are part of the program, and tests read every one of them.
+/// A definition that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DefinitionError {
-    /// Not what a `.msg` file may hold.
+    /// The text is not valid in a `.msg` file.
     #[error("definition of {interface}: {reason}")]
     Syntax {
         /// ROS name of the type.
         interface: String,
-        /// What the parser says.
+        /// The message of the parser.
         reason: String,
     },
-    /// A field of a type that is not in the table.
+    /// The type of a field is not among the given definitions.
     #[error(
-        "definition of {interface}: expected a type that src/messages/table.rs lists, found {found}; add it there"
+        "definition of {interface}: expected a type with a known definition, found {found}; add the definition of {found}"
     )]
     UnknownType {
         /// ROS name of the type that has the field.
@@ -57,8 +67,9 @@ pub enum DefinitionError {
 }
 
 impl Interface {
-    /// `name` is that of the file without its extension, `file` the file's text.
-    pub(super) const fn new(
+    /// `name` is the name of the file without its extension, `file` the text of the file.
+    #[must_use]
+    pub const fn new(
         package: &'static str,
         part: Part,
         name: &'static str,
@@ -73,16 +84,19 @@ impl Interface {
     }
 
     /// Name of the ROS package.
+    #[must_use]
     pub fn package(&self) -> &'static str {
         self.package
     }
 
     /// `column_twin/msg/ColumnState`, `std_srvs/srv/Trigger_Request`.
+    #[must_use]
     pub fn ros_name(&self) -> String {
         format!("{}/{}/{}", self.package, self.folder(), self.type_name())
     }
 
     /// Name of the type in DDS: `column_twin::msg::dds_::ColumnState_`.
+    #[must_use]
     pub fn dds_name(&self) -> String {
         format!(
             "{}::{}::dds_::{}_",
@@ -93,6 +107,7 @@ impl Interface {
     }
 
     /// Name of the type inside its package: `ColumnState`, `Trigger_Request`.
+    #[must_use]
     pub fn type_name(&self) -> String {
         match self.part {
             Part::Message => self.name.to_owned(),
@@ -108,7 +123,8 @@ impl Interface {
         }
     }
 
-    /// The definition as it stands in the file; of a service, its own half.
+    /// The text of the definition; for a service, the request's or the response's half of the file.
+    #[must_use]
     pub fn text(&self) -> &'static str {
         const SEPARATOR: &str = "---\n";
         let (above, below) = match self.file.find("\n---\n") {
@@ -122,11 +138,10 @@ impl Interface {
         }
     }
 
-    /// Fields and constants of the type. A type without fields has the one that rosidl gives it,
-    /// `structure_needs_at_least_one_member`.
+    /// Fields and constants of the type.
     ///
     /// # Errors
-    /// When the text is not a ROS 2 definition.
+    /// The text is not a ROS 2 definition.
     pub fn specification(&self) -> Result<MessageSpecification, DefinitionError> {
         MessageSchema::parse(&self.ros_name(), self.text())
             .map(|schema| schema.spec)
@@ -136,15 +151,18 @@ impl Interface {
             })
     }
 
-    /// The types of the fields, each once, in the order of their fields.
+    /// The message types of the fields, each once, in the order of the fields.
     ///
     /// # Errors
-    /// When the text is wrong, or names a type that is not in the table.
-    pub fn field_types(&self) -> Result<Vec<&'static Interface>, DefinitionError> {
+    /// The text is not a ROS 2 definition, or names a type that is not among `definitions`.
+    pub fn field_types(
+        &self,
+        definitions: Definitions<'_>,
+    ) -> Result<Vec<&'static Interface>, DefinitionError> {
         let mut found = Vec::new();
         for field in self.specification()?.fields {
             if let Some(nested) = nested_type(&field.ty) {
-                let interface = self.resolve(nested)?;
+                let interface = self.resolve(nested, definitions)?;
                 if !found.contains(&interface) {
                     found.push(interface);
                 }
@@ -153,38 +171,42 @@ impl Interface {
         Ok(found)
     }
 
-    /// All types that this one is made of, each once: a field's type, then what that is made of, then the next field's.
+    /// All types that this one depends on, each once, depth first in the order of the fields.
     ///
     /// # Errors
-    /// When a text is wrong, or names a type that is not in the table.
-    pub fn dependencies(&self) -> Result<Vec<&'static Interface>, DefinitionError> {
+    /// A text is not a ROS 2 definition, or names a type that is not among `definitions`.
+    pub fn dependencies(
+        &self,
+        definitions: Definitions<'_>,
+    ) -> Result<Vec<&'static Interface>, DefinitionError> {
         let mut found = Vec::new();
-        self.collect_dependencies(&mut found)?;
+        self.collect_dependencies(definitions, &mut found)?;
         Ok(found)
     }
 
     fn collect_dependencies(
         &self,
+        definitions: Definitions<'_>,
         found: &mut Vec<&'static Interface>,
     ) -> Result<(), DefinitionError> {
-        for interface in self.field_types()? {
-            // A type that is already there is not entered again, which also ends a type that would hold itself.
+        for interface in self.field_types(definitions)? {
+            // A type that was found before is not entered again; this also ends the recursion of a type that contains itself.
             if !found.contains(&interface) {
                 found.push(interface);
-                interface.collect_dependencies(found)?;
+                interface.collect_dependencies(definitions, found)?;
             }
         }
         Ok(())
     }
 
-    /// The text that a recording embeds as schema of encoding `ros2msg`: this definition, then every dependency
+    /// The schema text (encoding `ros2msg`) that a recording embeds: this definition, then every dependency
     /// under a line of 80 `=` and a line with its name.
     ///
     /// # Errors
-    /// When a text is wrong, or names a type that is not in the table.
-    pub fn schema_text(&self) -> Result<String, DefinitionError> {
+    /// As for [`dependencies`](Self::dependencies).
+    pub fn schema_text(&self, definitions: Definitions<'_>) -> Result<String, DefinitionError> {
         let mut text = with_final_newline(self.text());
-        for dependency in self.dependencies()? {
+        for dependency in self.dependencies(definitions)? {
             text += "\n";
             text += &"=".repeat(80);
             text += &format!("\nMSG: {}/{}\n", dependency.package, dependency.name);
@@ -193,16 +215,17 @@ impl Interface {
         Ok(text)
     }
 
-    /// The type that a field of this type names, in full or, within one package, by its name alone.
+    /// The type of a field: named in full or, within one package, by its name alone.
     pub(super) fn resolve(
         &self,
         nested: &ComplexType,
+        definitions: Definitions<'_>,
     ) -> Result<&'static Interface, DefinitionError> {
         let ros_name = match nested {
             ComplexType::Absolute { package, name } => format!("{package}/msg/{name}"),
             ComplexType::Relative { name } => format!("{}/msg/{name}", self.package),
         };
-        table::find(&ros_name).ok_or_else(|| DefinitionError::UnknownType {
+        find(&ros_name, definitions).ok_or_else(|| DefinitionError::UnknownType {
             interface: self.ros_name(),
             found: ros_name,
         })

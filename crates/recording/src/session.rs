@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use super::error::RecordingError;
-use super::names::directory_name;
-use super::report::RecorderReport;
-use super::retention::{Kept, delete_what_is_too_much};
-use super::syncing::Syncing;
-use super::topic::TopicInfo;
-use super::writer::{Ended, Entry, Unsaved, Writer, WriterOptions};
-use crate::parameters::{Compression, Record};
+use crate::compression::ChunkCompression;
+use crate::error::RecordingError;
+use crate::names::directory_name;
+use crate::report::RecorderReport;
+use crate::retention::{Kept, delete_what_is_too_much};
+use crate::syncing::Syncing;
+use crate::topic::TopicInfo;
+use crate::writer::{APPLICATION, Ended, Entry, Unsaved, Writer, WriterOptions};
 
 /// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
-/// [`FLUSH_WITHIN`](super::FLUSH_WITHIN).
+/// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).
 const FLUSH_PERIOD: Duration = Duration::from_millis(25);
 
 /// Shortest time between two notes of losses in the file.
@@ -45,11 +45,13 @@ pub type Telling = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
 pub struct RecorderOptions {
     /// Directory of the recordings; it is made where it is missing.
     pub directory: PathBuf,
-    /// Compression of the chunks.
-    pub compression: Compression,
-    /// Whether every [`FLUSH_WITHIN`](super::FLUSH_WITHIN) what was written is made to survive a loss of power.
+    /// ChunkCompression of the chunks.
+    pub compression: ChunkCompression,
+    /// Whether every [`FLUSH_WITHIN`](crate::FLUSH_WITHIN) what was written is made to survive a loss of power.
     pub sync: bool,
-    /// What each recording says about itself besides program and version.
+    /// Name of the recording program; the names of recordings and threads begin with it.
+    pub application: String,
+    /// Notes of the recording program, which each recording begins with: its version, for example.
     pub notes: BTreeMap<String, String>,
     /// Size at which a recording goes on in a new one \[bytes\].
     pub max_file_size: u64,
@@ -79,8 +81,9 @@ impl RecorderOptions {
     pub fn new(directory: impl Into<PathBuf>, started: SystemTime) -> Self {
         Self {
             directory: directory.into(),
-            compression: Compression::None,
+            compression: ChunkCompression::None,
             sync: true,
+            application: APPLICATION.to_owned(),
             notes: BTreeMap::new(),
             max_file_size: u64::MAX,
             max_duration: None,
@@ -95,32 +98,16 @@ impl RecorderOptions {
         }
     }
 
-    /// As the parameters `record.*` say.
-    #[must_use]
-    pub fn from_parameters(record: &Record, started: SystemTime) -> Self {
-        let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
-        let number = |value: u64| (value > 0).then_some(value);
-        Self {
-            compression: record.compression,
-            sync: record.sync,
-            max_file_size: record.max_file_size,
-            max_duration: seconds(record.max_duration),
-            max_files: number(record.max_files),
-            max_total_size: number(record.max_total_size),
-            max_age: seconds(record.max_age),
-            ..Self::new(&record.directory, started)
-        }
-    }
-
     fn writer_options(&self) -> WriterOptions {
         WriterOptions {
             compression: self.compression,
             sync: self.sync,
+            application: self.application.clone(),
             notes: self.notes.clone(),
         }
     }
 
-    pub(super) fn say(&self, report: &RecorderReport) {
+    pub(crate) fn say(&self, report: &RecorderReport) {
         if let Some(tell) = &self.tell {
             tell(report);
         }
@@ -137,7 +124,7 @@ impl fmt::Debug for RecorderOptions {
 
 /// What others may look at while the recorder works.
 #[derive(Debug, Default)]
-pub(super) struct Counters {
+pub(crate) struct Counters {
     pub written: AtomicU64,
     pub written_bytes: AtomicU64,
     /// Messages that did not get into the queue.
@@ -155,7 +142,7 @@ fn set<T>(place: &Mutex<Option<T>>, value: Option<T>) {
 }
 
 /// One recording after the other.
-pub(super) struct Session {
+pub(crate) struct Session {
     options: RecorderOptions,
     topics: Vec<TopicInfo>,
     counters: Arc<Counters>,
@@ -186,10 +173,10 @@ impl Session {
         counters: Arc<Counters>,
     ) -> Result<Self, RecordingError> {
         Ok(Self {
+            syncing: Syncing::start(&options.application)?,
             options,
             topics,
             counters,
-            syncing: Syncing::start()?,
             writer: None,
             checkpoint: None,
             retry_at: None,
@@ -296,7 +283,7 @@ impl Session {
     /// Makes a directory that nobody else has.
     fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
         let parent = &self.options.directory;
-        let name = directory_name(self.options.started + now);
+        let name = directory_name(&self.options.application, self.options.started + now);
         for attempt in 0..MAX_PER_SECOND {
             let directory = match attempt {
                 0 => parent.join(&name),
@@ -326,6 +313,7 @@ impl Session {
             age: self.options.max_age,
         };
         for directory in delete_what_is_too_much(
+            &self.options.application,
             &self.options.directory,
             current,
             self.options.started + now,
@@ -485,9 +473,9 @@ impl Session {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reader::Reader;
-    use super::super::topic::OfferedQos;
     use super::*;
+    use crate::reader::Reader;
+    use crate::topic::OfferedQos;
 
     fn entry(checkpoint: bool) -> Entry {
         Entry {
@@ -502,7 +490,9 @@ mod tests {
     fn session(options: RecorderOptions) -> (Session, Arc<Counters>) {
         let topic = TopicInfo {
             name: "/text".to_owned(),
-            type_name: "std_msgs/msg/String",
+            type_name: "std_msgs/msg/String".to_owned(),
+            schema: "string data\n".to_owned(),
+            type_hash: String::new(),
             qos: OfferedQos {
                 reliable: true,
                 transient_local: false,
@@ -521,7 +511,7 @@ mod tests {
             .map(|it| it.unwrap().path())
             .collect();
         directories.sort();
-        let file = |it: &PathBuf| it.join(super::super::writer::file_name(it));
+        let file = |it: &PathBuf| it.join(crate::writer::file_name(it));
         directories
             .iter()
             .map(|it| Reader::open(&file(it)).unwrap())
@@ -563,7 +553,7 @@ mod tests {
         assert_eq!(contents(folder.path()), [(4, None), (2, Some(4))]);
         let told = told.lock().unwrap();
         let resumed = RecorderReport::Resumed {
-            directory: folder.path().join("column_twin_1970_01_01-00_00_06"),
+            directory: folder.path().join("recording_1970_01_01-00_00_06"),
             lost: 4,
         };
         assert!(
@@ -608,7 +598,7 @@ mod tests {
         session.finish();
         assert_eq!(
             names(),
-            ["00", "16", "36"].map(|second| format!("column_twin_1970_01_01-00_00_{second}"))
+            ["00", "16", "36"].map(|second| format!("recording_1970_01_01-00_00_{second}"))
         );
         // The last began with the checkpoint of second 16.
         assert_eq!(counters.written.load(Ordering::Relaxed), 6 + 1);

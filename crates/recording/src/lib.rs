@@ -15,9 +15,9 @@
 //! out of order, [`MAX_OUT_OF_ORDER`].
 
 mod bag_metadata;
+mod compression;
 mod decode;
 mod error;
-mod events;
 mod names;
 mod reader;
 mod recorder;
@@ -34,18 +34,16 @@ mod table;
 mod topic;
 mod writer;
 
+pub use compression::ChunkCompression;
 pub use decode::{Decoded, Decoder};
 pub use error::RecordingError;
-pub use events::{EventSummary, summarise_events};
 pub use names::{directory_name, directory_time};
 pub use reader::{MAX_OUT_OF_ORDER, Message, Messages, Reader, RecordedTopic, Wholeness};
-pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle};
+pub use recorder::{Recorder, RecorderHandle};
 pub use records::MAX_CHUNK;
-pub use repair::{REPAIR_RECORD, Repaired, repair};
-pub use report::RecorderReport;
-pub use session::RecorderOptions;
-pub use statistics::RecorderStatistics;
+pub use repair::{Repaired, repair};
+pub use report::{RecorderReport, ReportLevel};
+pub use session::{RecorderOptions, Telling};
+pub use statistics::{QueueStatistics, RecorderStatistics};
 pub use topic::{OfferedQos, TopicInfo};
-pub use writer::{
-    Entry, FLUSH_WITHIN, Finished, LOSSES_RECORD, START_RECORD, Writer, WriterOptions,
-};
+pub use writer::{Entry, FLUSH_WITHIN, Finished, Writer, WriterOptions};

@@ -1,15 +1,15 @@
 //! The bytes of a message: an encapsulation header of four bytes, then CDR (OMG RTPS 10.2, XTypes 7.4).
 //!
-//! These are the bytes on the wire and the bytes in a recording. Padding is written as zeros here; other writers leave
-//! there whatever was in memory (Fast CDR does), so that equal messages need not be equal bytes. Reading is bounded:
-//! a message that announces more than it holds is refused without first taking the memory for it.
+//! These are the bytes on the wire and the bytes in a recording. Padding is written as zeros; other writers, such as
+//! Fast CDR, leave whatever was in memory, so that the bytes of equal messages may differ. Reading is bounded:
+//! a message that announces more elements than it holds is rejected before memory is allocated for them.
 
 use byteorder::{BigEndian, LittleEndian};
 use serde::Serialize;
 
-use super::interface::Message;
+use crate::interface::Message;
 
-/// Header of plain CDR, little endian: what is written.
+/// Encapsulation header that is written: plain CDR, little endian.
 const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
 
 /// Length of the encapsulation header \[bytes\].
@@ -18,10 +18,10 @@ const HEADER_LENGTH: usize = 4;
 /// RTPS pads a payload to a multiple of four bytes, so up to three may follow the message.
 const MAX_PADDING: usize = 3;
 
-/// Why bytes are not a message, or a message cannot be written.
+/// Why bytes cannot be read as a message, or a message cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum CdrError {
-    /// Too short to have an encapsulation header.
+    /// The bytes are too few for an encapsulation header.
     #[error("{message}: expected at least 4 bytes of encapsulation header, found {found} bytes")]
     NoHeader {
         /// ROS name of the expected type.
@@ -29,7 +29,7 @@ pub enum CdrError {
         /// Number of bytes.
         found: usize,
     },
-    /// Encapsulated in another way than plain CDR.
+    /// The encapsulation is not plain CDR.
     #[error("{message}: expected plain CDR (encapsulation 00 00 or 00 01), found {:02x} {:02x}; let the sender use XCDR1", found[0], found[1])]
     Encapsulation {
         /// ROS name of the expected type.
@@ -37,19 +37,19 @@ pub enum CdrError {
         /// First two bytes.
         found: [u8; 2],
     },
-    /// The content is not that of the expected type.
+    /// The bytes are not a message of the expected type.
     #[error(
-        "{message}: {length} bytes are not such a message: {source}; compare the sender's definition of the type"
+        "{message}: the {length} bytes are not a message of this type: {source}; compare the sender's definition of the type"
     )]
     Content {
         /// ROS name of the expected type.
         message: String,
         /// Number of bytes.
         length: usize,
-        /// What does not fit.
+        /// What the decoder found.
         source: cdr_encoding::Error,
     },
-    /// More bytes than the expected type has.
+    /// There are more bytes than the expected type has.
     #[error(
         "{message}: expected {expected} bytes, found {found}; compare the sender's definition of the type"
     )]
@@ -71,15 +71,15 @@ pub enum CdrError {
     },
 }
 
-/// The bytes of `message`, header included, little endian.
+/// The bytes of `message`, little endian, with encapsulation header.
 ///
 /// # Errors
-/// When memory or a length of 32 bits does not suffice.
+/// A sequence or string is longer than 32 bits can tell.
 pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
     encode_as::<M, M>(message)
 }
 
-/// The bytes of a message of type `M` that another library's struct of the same fields holds.
+/// The bytes of a message of type `M` whose content is in another library's struct with the same fields.
 ///
 /// # Errors
 /// As [`encode`].
@@ -103,13 +103,13 @@ fn write<M: Message, Content: Serialize>(
     })
 }
 
-/// The message that `bytes` are, header included, of either byte order.
+/// Reads a message from `bytes`, which begin with the encapsulation header; either byte order.
 ///
-/// Takes memory for what `bytes` hold, and at most 1 MiB ahead of it for each sequence that is being read: that is
-/// where serde stops to believe an announced length.
+/// Allocates memory for what `bytes` hold, and at most 1 MiB in advance for each sequence that is being read: serde
+/// trusts an announced length only up to there.
 ///
 /// # Errors
-/// When the bytes are too few, too many (beyond padding), or not of this type.
+/// The bytes are too few, too many (beyond padding), or not a message of this type.
 pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
     let name = || M::INTERFACE.ros_name();
     let Some((header, content)) = bytes.split_first_chunk::<HEADER_LENGTH>() else {

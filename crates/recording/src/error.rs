@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::messages::interface::DefinitionError;
-
 /// Why a recording cannot be written or read. Each says what was expected, what was found, where, and what to do.
 #[derive(Debug, Error)]
 pub enum RecordingError {
@@ -42,16 +40,6 @@ pub enum RecordingError {
         /// What exists.
         path: PathBuf,
     },
-    /// A topic that this program has no definition of.
-    #[error(
-        "topic {topic}: expected a type that src/messages/table.rs lists, found {type_name}; add it there"
-    )]
-    UnknownType {
-        /// Its name.
-        topic: String,
-        /// Its type.
-        type_name: String,
-    },
     /// A name twice.
     #[error("topic {topic} is declared twice; declare it once")]
     DuplicateTopic {
@@ -66,9 +54,6 @@ pub enum RecordingError {
         /// Number of topics.
         topics: usize,
     },
-    /// A message definition of this program is wrong.
-    #[error(transparent)]
-    Definition(#[from] DefinitionError),
     /// The MCAP library refuses.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -168,7 +153,7 @@ pub enum RecordingError {
     },
     /// Messages are too far out of order to be put in order.
     #[error(
-        "{}: more than {} MiB of messages are recorded before others that are older; put it in order with: mcap sort {} -o OUT.mcap", path.display(), super::MAX_OUT_OF_ORDER >> 20, path.display()
+        "{}: more than {} MiB of messages are recorded before others that are older; put it in order with: mcap sort {} -o OUT.mcap", path.display(), crate::reader::MAX_OUT_OF_ORDER >> 20, path.display()
     )]
     OutOfOrder {
         /// The file.
@@ -231,7 +216,7 @@ pub enum RecordingError {
 
 impl RecordingError {
     /// An error of the system; one that says that there is no room is told apart.
-    pub(super) fn io(doing: &'static str, path: &Path, source: io::Error) -> Self {
+    pub(crate) fn io(doing: &'static str, path: &Path, source: io::Error) -> Self {
         let path = path.to_path_buf();
         if is_no_room(&source) {
             Self::NoRoom { path, source }
@@ -245,7 +230,7 @@ impl RecordingError {
     }
 
     /// An error of the MCAP library while writing.
-    pub(super) fn write(path: &Path, source: mcap::McapError) -> Self {
+    pub(crate) fn write(path: &Path, source: mcap::McapError) -> Self {
         match source {
             mcap::McapError::Io(source) => Self::io("write", path, source),
             source => Self::Write {
@@ -270,7 +255,7 @@ impl RecordingError {
 }
 
 /// Whether there is no room for what was to be written: a full disk, a quota, a limit on the size of files.
-pub(super) fn is_no_room(error: &io::Error) -> bool {
+pub(crate) fn is_no_room(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge

@@ -2,13 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A topic that is recorded.
+/// A topic to be recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TopicInfo {
-    /// Resolved name, `/garage/column_state`.
+    /// Resolved name, `/robot/odometry`.
     pub name: String,
-    /// ROS name of the type, `column_twin/msg/ColumnState`; one of [`INTERFACES`](crate::messages::INTERFACES).
-    pub type_name: &'static str,
+    /// ROS name of the type, `std_msgs/msg/String`.
+    pub type_name: String,
+    /// Definition of the type with all that it depends on, in the encoding `ros2msg`.
+    pub schema: String,
+    /// Hash of the type, `RIHS01_...`; may be empty.
+    pub type_hash: String,
     /// What its publisher offers.
     pub qos: OfferedQos,
 }
@@ -38,7 +42,7 @@ struct Span {
 
 /// One profile as rosbag2 writes it in version 9: with words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct QosProfile {
+pub(crate) struct QosProfile {
     history: &'static str,
     depth: usize,
     reliability: &'static str,
@@ -82,7 +86,7 @@ impl WordOrNumber {
 }
 
 impl OfferedQos {
-    pub(super) fn profile(self) -> QosProfile {
+    pub(crate) fn profile(self) -> QosProfile {
         QosProfile {
             history: "keep_last",
             depth: self.depth,
@@ -105,12 +109,12 @@ impl OfferedQos {
     }
 
     /// The text of the channel metadata `offered_qos_profiles`.
-    pub(super) fn to_yaml(self) -> Result<String, serde_yaml_ng::Error> {
+    pub(crate) fn to_yaml(self) -> Result<String, serde_yaml_ng::Error> {
         serde_yaml_ng::to_string(&[self.profile()])
     }
 
     /// The first profile of such a text, of whatever version; `None` where there is none that can be read.
-    pub(super) fn from_yaml(text: &str) -> Option<Self> {
+    pub(crate) fn from_yaml(text: &str) -> Option<Self> {
         let profiles: Vec<ReadProfile> = serde_yaml_ng::from_str(text).ok()?;
         profiles.first().map(|profile| Self {
             reliable: profile.reliability.is("reliable", 1),

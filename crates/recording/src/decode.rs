@@ -7,10 +7,9 @@ use re_ros_msg::MessageSchema;
 use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, MessageSpecification, Type};
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
-use super::error::RecordingError;
-use super::reader::{Message, RecordedTopic};
-use super::table;
-use crate::messages;
+use crate::error::RecordingError;
+use crate::reader::{Message, RecordedTopic};
+use crate::table;
 
 /// Longest definition that is read \[bytes\].
 const MAX_DEFINITION: usize = 4 << 20;
@@ -108,7 +107,7 @@ impl Serialize for Decoded {
 }
 
 /// The word for a number that JSON cannot write.
-pub(super) fn not_finite(value: f64) -> &'static str {
+pub(crate) fn not_finite(value: f64) -> &'static str {
     if value.is_nan() {
         "NaN"
     } else if value > 0.0 {
@@ -130,7 +129,7 @@ pub struct Decoder {
 
 /// What a type is made of.
 #[derive(Debug, Clone)]
-pub(super) enum Shape {
+pub(crate) enum Shape {
     One(BuiltInType),
     Fields(Arc<[(Arc<str>, Shape)]>),
     Array(Box<Shape>, usize),
@@ -435,22 +434,18 @@ fn within(name: &str, reason: String) -> String {
 }
 
 impl RecordedTopic {
-    /// Whether the recording's definition of the type is that of this program, so that
-    /// [`cdr::decode`](messages::cdr::decode) reads its messages as they were meant.
+    /// Whether the recording defines the type as `expected` does (a schema in the encoding `ros2msg`), so that a
+    /// program with that definition reads the messages as they were meant.
     ///
     /// # Errors
-    /// The type is not one of ours, or its fields, their types or its constants differ; the first difference is said.
-    pub fn check_definition(&self) -> Result<(), RecordingError> {
+    /// Fields, their types or constants differ; the error names the first difference.
+    pub fn check_definition(&self, expected: &str) -> Result<(), RecordingError> {
         let other = |difference: String| RecordingError::OtherDefinition {
             topic: self.name.to_string(),
             type_name: self.type_name.to_string(),
             difference,
         };
-        let ours = messages::find(&self.type_name).ok_or_else(|| RecordingError::UnknownType {
-            topic: self.name.to_string(),
-            type_name: self.type_name.to_string(),
-        })?;
-        let expected = MessageSchema::parse(&self.type_name, &ours.schema_text()?)
+        let expected = MessageSchema::parse(&self.type_name, expected)
             .map_err(|error| wrong_schema(self, format!("{error:#}")))?;
         let (expected, found) = (lines(&expected), lines(&parse_schema(self)?));
         if expected == found {

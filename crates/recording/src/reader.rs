@@ -5,16 +5,17 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::bag_metadata::{METADATA_FILE, read_file_names};
-use super::error::RecordingError;
-use super::records::{ChannelRecord, FileEnd, MessageRecord, Record, RecordReader, SchemaRecord};
-use super::reordering::{Blocks, Reordering};
-use super::retention::mcap_files;
-use super::storage::is_being_written;
-use super::topic::OfferedQos;
-use super::writer::{LOSSES_RECORD, QOS_KEY, START_RECORD};
-use crate::endpoints;
-use crate::parameters::Compression;
+use mcap::records::{Channel, Header, MessageHeader, Record, SchemaHeader};
+
+use crate::bag_metadata::{METADATA_FILE, read_file_names};
+use crate::compression::ChunkCompression;
+use crate::error::RecordingError;
+use crate::records::{FileEnd, RecordReader};
+use crate::reordering::{Blocks, Reordering};
+use crate::retention::mcap_files;
+use crate::storage::is_being_written;
+use crate::topic::OfferedQos;
+use crate::writer::{LOSSES, QOS_KEY, REPAIR, START};
 
 /// Most bytes of messages that are held to put them in order.
 pub const MAX_OUT_OF_ORDER: usize = 256 << 20;
@@ -66,15 +67,6 @@ pub struct RecordedTopic {
     pub messages: u64,
 }
 
-impl RecordedTopic {
-    /// Whether it is the journal of a twin, under whatever name of its node.
-    #[must_use]
-    pub fn is_journal(&self) -> bool {
-        let name = endpoints::JOURNAL.name.trim_start_matches('~');
-        *self.type_name == *endpoints::JOURNAL.type_name && self.name.ends_with(name)
-    }
-}
-
 /// Whether all that was written to a recording is there and unharmed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Wholeness {
@@ -124,7 +116,7 @@ struct Contents {
     messages: u64,
     span: Option<(u64, u64)>,
     bytes: u64,
-    compression: Option<Compression>,
+    compression: Option<ChunkCompression>,
     wholeness: Wholeness,
 }
 
@@ -148,17 +140,16 @@ impl Reader {
         Self::open_files(path, files_of(path)?)
     }
 
-    pub(super) fn open_files(path: &Path, files: Vec<PathBuf>) -> Result<Self, RecordingError> {
+    pub(crate) fn open_files(path: &Path, files: Vec<PathBuf>) -> Result<Self, RecordingError> {
         let (mut contents, mut blocks) = (Contents::default(), Blocks::default());
         for file in &files {
             let mut pass = Pass::open(file)?;
             contents.bytes += pass.records.length();
             loop {
                 match pass.next(&mut contents) {
-                    Ok(Some((topic, message))) => {
-                        let (time, bytes) = (message.log_time, message.data.len());
-                        blocks.add(time, bytes);
-                        contents.count(topic, time);
+                    Ok(Some((topic, header, data))) => {
+                        blocks.add(header.log_time, data.len());
+                        contents.count(topic, header.log_time);
                     }
                     Ok(None) => break,
                     Err(fault @ RecordingError::Damaged { .. }) => contents.note_damage(&fault),
@@ -226,10 +217,10 @@ impl Reader {
         &self.contents.library
     }
 
-    /// Compression of its chunks; that of the last where they differ.
+    /// ChunkCompression of its chunks; that of the last where they differ.
     #[must_use]
-    pub fn compression(&self) -> Compression {
-        self.contents.compression.unwrap_or(Compression::None)
+    pub fn compression(&self) -> ChunkCompression {
+        self.contents.compression.unwrap_or(ChunkCompression::None)
     }
 
     /// All metadata records, in their order.
@@ -244,41 +235,48 @@ impl Reader {
         &self.contents.wholeness
     }
 
-    /// What our program noted at the beginning; `None` in a recording of others.
+    /// Name of the program that wrote the recording with this crate; `None` for a recording of another writer.
+    #[must_use]
+    pub fn application(&self) -> Option<&str> {
+        let names = self.contents.metadata.iter().map(|(name, _)| name);
+        names.filter_map(|name| name.strip_suffix(START)).next()
+    }
+
+    /// The notes that the program wrote at the beginning; `None` for a recording of another writer.
     #[must_use]
     pub fn start_notes(&self) -> Option<&BTreeMap<String, String>> {
-        let mut records = self.contents.metadata.iter();
-        records
-            .find(|(name, _)| name == START_RECORD)
-            .map(|(_, entries)| entries)
+        self.notes(START).next()
     }
 
-    /// Messages that our recorder could not record, as it noted last; `None` where it noted nothing: in a recording of
-    /// others, or in one that was cut off before anything was lost.
+    /// From what the recording was repaired, and why; `None` for one that was not repaired.
+    #[must_use]
+    pub fn repair_notes(&self) -> Option<&BTreeMap<String, String>> {
+        self.notes(REPAIR).next()
+    }
+
+    /// The last count of messages that the recorder could not record; `None` if there is none: in a recording of
+    /// another writer, or in one that was cut off before anything was lost.
     #[must_use]
     pub fn lost_messages(&self) -> Option<u64> {
-        let notes = self
-            .contents
-            .metadata
-            .iter()
-            .filter(|(name, _)| name == LOSSES_RECORD);
-        let mut counts =
-            notes.filter_map(|(_, entries)| entries.get("lost_messages")?.parse().ok());
-        counts.next_back()
+        let counts = self.notes(LOSSES);
+        counts
+            .filter_map(|entries| entries.get("lost_messages")?.parse().ok())
+            .next_back()
     }
 
-    /// Why our recorder ended it: `stopped`, `rotated`, `no_room`, `repaired`; `None` where it is not said.
+    /// Why the recorder ended the recording: `stopped`, `rotated`, `no_room` or `repaired`; `None` if it did not end it.
     #[must_use]
     pub fn ended(&self) -> Option<&str> {
-        let mut notes = self
-            .contents
-            .metadata
-            .iter()
-            .filter(|(name, _)| name == LOSSES_RECORD);
-        notes
-            .next_back()
-            .and_then(|(_, entries)| entries.get("ended"))
-            .map(String::as_str)
+        let last = self.notes(LOSSES).next_back()?;
+        last.get("ended").map(String::as_str)
+    }
+
+    /// The metadata records of this kind.
+    fn notes(&self, kind: &str) -> impl DoubleEndedIterator<Item = &BTreeMap<String, String>> {
+        let records = self.contents.metadata.iter();
+        records
+            .filter(move |(name, _)| name.ends_with(kind))
+            .map(|(_, entries)| entries)
     }
 
     /// All messages in the order of their log times; those of equal time in the order in which they were written.
@@ -295,7 +293,7 @@ impl Reader {
     }
 
     /// All messages in the order in which they were written.
-    pub(super) fn messages_as_written(&self) -> Messages<'_> {
+    pub(crate) fn messages_as_written(&self) -> Messages<'_> {
         Messages {
             // Nothing is waited for.
             reordering: Reordering::new([].into()),
@@ -358,7 +356,7 @@ fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
 /// One reading of one file.
 struct Pass {
     records: RecordReader,
-    schemas: HashMap<u16, SchemaRecord>,
+    schemas: HashMap<u16, (SchemaHeader, Vec<u8>)>,
     /// Topics of the channels.
     channels: HashMap<u16, usize>,
 }
@@ -372,52 +370,49 @@ impl Pass {
         })
     }
 
-    /// The next message with its topic; what else comes is noted.
+    /// The next message with its topic; everything else goes into `contents`.
     fn next(
         &mut self,
         contents: &mut Contents,
-    ) -> Result<Option<(usize, MessageRecord<'_>)>, RecordingError> {
-        loop {
-            let Some(place) = self.records.advance()? else {
-                return Ok(None);
+    ) -> Result<Option<(usize, MessageHeader, Vec<u8>)>, RecordingError> {
+        while let Some(record) = self.records.next()? {
+            let noted = match record {
+                Record::Message { header, data } => match self.channels.get(&header.channel_id) {
+                    Some(topic) => return Ok(Some((*topic, header, data.into_owned()))),
+                    None => Err(format!(
+                        "a message is of channel {}, which the file does not declare",
+                        header.channel_id
+                    )),
+                },
+                other => self.note(other, contents),
             };
-            if place.is_message() {
-                let channel = self.records.message(&place)?.channel;
-                let Some(topic) = self.channels.get(&channel).copied() else {
-                    let reason = format!(
-                        "a message is of channel {channel}, which the file does not declare"
-                    );
-                    return Err(self.records.damaged(place.begins, reason));
-                };
-                return Ok(Some((topic, self.records.message(&place)?)));
-            }
-            let record = self.records.record(&place)?;
-            let noted = self.note(record, contents);
-            noted.map_err(|reason| self.records.damaged(place.begins, reason))?;
+            noted.map_err(|reason| self.records.damaged(reason))?;
         }
+        Ok(None)
     }
 
-    fn note(&mut self, record: Record, contents: &mut Contents) -> Result<(), String> {
+    fn note(&mut self, record: Record<'_>, contents: &mut Contents) -> Result<(), String> {
         match record {
-            Record::Header { profile, library } => contents.note_header(profile, library),
-            Record::Schema(schema) => {
+            Record::Header(header) => contents.note_header(header),
+            Record::Schema { header, data } => {
+                let (id, schema) = (header.id, (header, data.into_owned()));
                 // Some writers repeat it in every chunk.
-                if self.schemas.get(&schema.id) != Some(&schema) {
-                    contents.add_text(schema.data.len() + schema.name.len())?;
-                    self.schemas.insert(schema.id, schema);
+                if self.schemas.get(&id) != Some(&schema) {
+                    contents.add_text(schema.1.len() + schema.0.name.len())?;
+                    self.schemas.insert(id, schema);
                 }
             }
             Record::Channel(channel) => {
                 let id = channel.id;
-                let schema = self.schemas.get(&channel.schema);
+                let schema = self.schemas.get(&channel.schema_id);
                 let topic = contents.topic_of(channel, schema)?;
                 self.channels.insert(id, topic);
             }
-            Record::Metadata { name, entries } => {
-                contents.add_text(name.len() + text_length(&entries))?;
-                contents.metadata.push((name, entries));
+            Record::Metadata(metadata) => {
+                contents.add_text(metadata.name.len() + text_length(&metadata.metadata))?;
+                contents.metadata.push((metadata.name, metadata.metadata));
             }
-            Record::Other => {}
+            _ => {}
         }
         Ok(())
     }
@@ -431,10 +426,10 @@ fn text_length(entries: &BTreeMap<String, String>) -> usize {
 }
 
 impl Contents {
-    fn note_header(&mut self, profile: String, library: String) {
+    fn note_header(&mut self, header: Header) {
         if self.library.is_empty() && self.profile.is_empty() {
-            self.profile = profile;
-            self.library = library;
+            self.profile = header.profile;
+            self.library = header.library;
         }
     }
 
@@ -453,15 +448,16 @@ impl Contents {
     /// The topic of a channel; one and the same for channels that say the same.
     fn topic_of(
         &mut self,
-        channel: ChannelRecord,
-        schema: Option<&SchemaRecord>,
+        channel: Channel,
+        schema: Option<&(SchemaHeader, Vec<u8>)>,
     ) -> Result<usize, String> {
-        let (type_name, encoding, text) =
-            schema.map_or(("", "", &[][..]), |it| (&it.name, &it.encoding, &it.data));
+        let (type_name, encoding, text) = schema.map_or(("", "", &[][..]), |(it, data)| {
+            (&it.name, &it.encoding, data)
+        });
         let same = |it: &RecordedTopic| {
             *it.name == *channel.topic
                 && *it.type_name == *type_name
-                && it.encoding == channel.encoding
+                && it.encoding == channel.message_encoding
                 && it.schema_encoding == encoding
                 && *it.schema == *text
         };
@@ -475,7 +471,7 @@ impl Contents {
         self.topics.push(RecordedTopic {
             name: channel.topic.into(),
             type_name: type_name.into(),
-            encoding: channel.encoding,
+            encoding: channel.message_encoding,
             schema_encoding: encoding.to_owned(),
             schema: text.into(),
             qos: channel
@@ -556,7 +552,7 @@ impl Messages<'_> {
             self.pass = Some(Pass::open(file)?);
             return Ok(());
         };
-        let Some((topic_index, record)) = pass.next(&mut self.scratch)? else {
+        let Some((topic_index, header, data)) = pass.next(&mut self.scratch)? else {
             self.pass = None;
             return Ok(());
         };
@@ -569,12 +565,12 @@ impl Messages<'_> {
             topic: Arc::clone(&topic.name),
             type_name: Arc::clone(&topic.type_name),
             topic_index,
-            log_time: nanos(record.log_time),
-            publish_time: nanos(record.publish_time),
-            data: record.data.to_vec(),
+            log_time: nanos(header.log_time),
+            publish_time: nanos(header.publish_time),
+            data,
         };
         self.reordering
-            .push(record.log_time, record.data.len(), message);
+            .push(header.log_time, message.data.len(), message);
         if self.reordering.held_bytes() > MAX_OUT_OF_ORDER {
             return Err(RecordingError::OutOfOrder {
                 path: self.reader.path.clone(),

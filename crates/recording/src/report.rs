@@ -3,9 +3,19 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::repair::Repaired;
-use super::writer::Finished;
-use crate::twin::Severity;
+use crate::repair::Repaired;
+use crate::writer::Finished;
+
+/// How important a report is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReportLevel {
+    /// Normal operation.
+    Info,
+    /// Something went wrong, and nothing more was lost by it.
+    Warning,
+    /// Messages are lost, or could be.
+    Error,
+}
 
 /// Something that happened to a recorder. Displayed, it is a line for a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,16 +61,16 @@ pub enum RecorderReport {
 }
 
 impl RecorderReport {
-    /// How bad it is: whatever is lost is an error.
+    /// How important it is: every loss is an error.
     #[must_use]
-    pub fn severity(&self) -> Severity {
+    pub fn level(&self) -> ReportLevel {
         match self {
-            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => Severity::Info,
-            Self::Repaired(_) => Severity::Warning,
+            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => ReportLevel::Info,
+            Self::Repaired(_) => ReportLevel::Warning,
             Self::NotRepaired { .. }
             | Self::Failing { .. }
             | Self::Resumed { .. }
-            | Self::Lost { .. } => Severity::Error,
+            | Self::Lost { .. } => ReportLevel::Error,
         }
     }
 }
@@ -85,7 +95,7 @@ impl fmt::Display for RecorderReport {
             Self::Deleted { directory } => {
                 write!(
                     f,
-                    "deleted the old recording {}, as record.max_* say",
+                    "deleted the old recording {} to keep within the limits",
                     directory.display()
                 )
             }

@@ -4,16 +4,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use super::error::RecordingError;
-use super::storage::Storage;
-use super::writer::sync_directory;
-
-/// Name of the thread.
-const SYNC_THREAD: &str = "column_twin/sync";
+use crate::error::RecordingError;
+use crate::storage::Storage;
+use crate::writer::sync_directory;
 
 /// What was handed to the system and is to reach the disk.
 #[derive(Debug, Clone)]
-pub(super) struct Unsynced {
+pub(crate) struct Unsynced {
     pub storage: Storage,
     pub path: PathBuf,
     /// The directory, whose entry of the file is new.
@@ -32,7 +29,7 @@ impl Unsynced {
 
 /// The thread, and what it is to do next: only the newest matters, for it holds what was before.
 #[derive(Debug)]
-pub(super) struct Syncing {
+pub(crate) struct Syncing {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -51,12 +48,12 @@ struct State {
 }
 
 impl Syncing {
-    /// Starts the thread.
-    pub fn start() -> Result<Self, RecordingError> {
+    /// Starts the thread `{application}/sync`.
+    pub fn start(application: &str) -> Result<Self, RecordingError> {
         let shared = Arc::new(Shared::default());
         let work = Arc::clone(&shared);
         let thread = thread::Builder::new()
-            .name(SYNC_THREAD.to_owned())
+            .name(format!("{application}/sync"))
             .spawn(move || work.run())
             .map_err(RecordingError::Thread)?;
         Ok(Self {

@@ -1,4 +1,4 @@
-//! Names of recordings: `column_twin_2026_11_21-07_40_00`, UTC, as rosbag2 puts time into names.
+//! Names of recordings: `recording_2026_11_21-07_40_00`, UTC, with the time format of rosbag2.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -6,25 +6,24 @@ use jiff::Timestamp;
 use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 
-/// What the names of our recordings begin with.
-const PREFIX: &str = "column_twin_";
-
-/// How the time stands behind it, and how long that is.
+/// Format and length of the time in a name.
 const TIME: &str = "%Y_%m_%d-%H_%M_%S";
 const TIME_LENGTH: usize = "2026_11_21-07_40_00".len();
 
-/// The name of a recording that begins at `time`.
+/// The name of a recording that `application` begins at `time`.
 #[must_use]
-pub fn directory_name(time: SystemTime) -> String {
-    // No clock is beyond the year 9999.
+pub fn directory_name(application: &str, time: SystemTime) -> String {
+    // No clock shows a year after 9999.
     let time = Timestamp::try_from(time).unwrap_or_default();
-    format!("{PREFIX}{}", time.strftime(TIME))
+    format!("{application}_{}", time.strftime(TIME))
 }
 
-/// When a recording of that name began; `None` where the name is none of ours. What follows the time is not looked at.
+/// When the recording with this name began; `None` if `application` does not name recordings like this.
+/// Whatever follows the time is ignored.
 #[must_use]
-pub fn directory_time(name: &str) -> Option<SystemTime> {
-    let time = name.strip_prefix(PREFIX)?.get(..TIME_LENGTH)?;
+pub fn directory_time(application: &str, name: &str) -> Option<SystemTime> {
+    let time = name.strip_prefix(application)?.strip_prefix('_')?;
+    let time = time.get(..TIME_LENGTH)?;
     let time = DateTime::strptime(TIME, time).ok()?;
     let time = time.to_zoned(TimeZone::UTC).ok()?.timestamp();
     let seconds = u64::try_from(time.as_second()).ok()?;
@@ -49,14 +48,14 @@ mod tests {
             (4_107_542_399, "column_twin_2100_02_28-23_59_59"),
             (4_107_542_400, "column_twin_2100_03_01-00_00_00"),
         ] {
-            assert_eq!(directory_name(at(seconds)), name);
-            assert_eq!(directory_time(name), Some(at(seconds)));
+            assert_eq!(directory_name("column_twin", at(seconds)), name);
+            assert_eq!(directory_time("column_twin", name), Some(at(seconds)));
         }
     }
 
     #[test]
-    fn what_follows_the_time_does_not_matter() {
-        let time = directory_time("column_twin_2026_11_21-07_40_00_2_repaired");
+    fn the_rest_of_a_name_is_ignored() {
+        let time = directory_time("column_twin", "column_twin_2026_11_21-07_40_00_2_repaired");
         assert_eq!(time, Some(at(1_795_246_800)));
         for other in [
             "rosbag2_2026_11_21-07_40_00",
@@ -65,7 +64,7 @@ mod tests {
             "column_twin_äöü",
             "",
         ] {
-            assert_eq!(directory_time(other), None, "{other}");
+            assert_eq!(directory_time("column_twin", other), None, "{other}");
         }
     }
 }

@@ -5,10 +5,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_yaml_ng::Value;
 
-use super::error::RecordingError;
+use crate::error::RecordingError;
 
 /// The file's name.
-pub(super) const METADATA_FILE: &str = "metadata.yaml";
+pub(crate) const METADATA_FILE: &str = "metadata.yaml";
 
 /// Longest `metadata.yaml` that is read \[bytes\].
 const LONGEST: u64 = 16 << 20;
@@ -18,7 +18,7 @@ const VERSION: u32 = 9;
 
 /// What stands in `metadata.yaml` under `rosbag2_bagfile_information`.
 #[derive(Debug, Serialize)]
-pub(super) struct BagMetadata {
+pub(crate) struct BagMetadata {
     version: u32,
     storage_identifier: &'static str,
     duration: Nanoseconds,
@@ -30,11 +30,13 @@ pub(super) struct BagMetadata {
     relative_file_paths: [String; 1],
     files: [BagFile; 1],
     custom_data: Option<()>,
-    ros_distro: &'static str,
+    ros_distro: String,
 }
 
-/// What is to be said of a recording.
-pub(super) struct BagSummary {
+/// What `metadata.yaml` says about a recording.
+pub(crate) struct BagSummary {
+    /// Name of the program that recorded it.
+    pub application: String,
     /// The file's name.
     pub file: String,
     /// First and last time; `None` without messages.
@@ -42,7 +44,7 @@ pub(super) struct BagSummary {
     pub topics: Vec<TopicSummary>,
 }
 
-pub(super) struct TopicSummary {
+pub(crate) struct TopicSummary {
     pub name: String,
     pub type_name: String,
     /// Encoding of the messages.
@@ -129,7 +131,7 @@ impl From<BagSummary> for BagMetadata {
                 message_count,
             }],
             custom_data: None,
-            ros_distro: "column_twin",
+            ros_distro: summary.application,
         }
     }
 }
@@ -163,7 +165,7 @@ struct ReadMetadata {
 }
 
 /// The names of the files of the recording whose `metadata.yaml` is at `path`, in their order; plain names, no paths.
-pub(super) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError> {
+pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError> {
     let bad = |reason: String| RecordingError::BadMetadata {
         path: path.to_path_buf(),
         reason,

@@ -5,16 +5,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use super::bag_metadata::METADATA_FILE;
-use super::names::directory_time;
-use super::storage::is_being_written;
+use crate::bag_metadata::METADATA_FILE;
+use crate::names::directory_time;
+use crate::storage::is_being_written;
 
 /// Most recordings that are looked at.
 const MOST: usize = 1_000_000;
 
 /// What may be kept; `None`: without limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Kept {
+pub(crate) struct Kept {
     /// Recordings.
     pub files: Option<u64>,
     /// Bytes of all together.
@@ -25,14 +25,14 @@ pub(super) struct Kept {
 
 /// A recording of ours on the disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub directory: PathBuf,
     pub began: SystemTime,
     pub bytes: u64,
 }
 
 /// Our recordings in a directory, the oldest first; others are not looked at.
-pub(super) fn find_recordings(parent: &Path) -> Vec<Found> {
+pub(crate) fn find_recordings(application: &str, parent: &Path) -> Vec<Found> {
     let Ok(entries) = fs::read_dir(parent) else {
         return Vec::new();
     };
@@ -40,7 +40,7 @@ pub(super) fn find_recordings(parent: &Path) -> Vec<Found> {
         .take(MOST)
         .filter_map(Result::ok)
         .filter_map(|entry| {
-            let began = directory_time(&entry.file_name().to_string_lossy())?;
+            let began = directory_time(application, &entry.file_name().to_string_lossy())?;
             let directory = entry.path();
             let files = files_of(&directory)?;
             let bytes = files
@@ -80,7 +80,7 @@ fn files_of(directory: &Path) -> Option<Vec<PathBuf>> {
 }
 
 /// The MCAP files of a recording, by name.
-pub(super) fn mcap_files(directory: &Path) -> io::Result<Vec<PathBuf>> {
+pub(crate) fn mcap_files(directory: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(directory)? {
         let path = entry?.path();
@@ -98,7 +98,8 @@ pub(super) fn mcap_files(directory: &Path) -> io::Result<Vec<PathBuf>> {
 
 /// Deletes the oldest recordings until no more is kept than may be, but never `current` nor one that another program
 /// writes. Says which.
-pub(super) fn delete_what_is_too_much(
+pub(crate) fn delete_what_is_too_much(
+    application: &str,
     parent: &Path,
     current: &Path,
     now: SystemTime,
@@ -113,7 +114,7 @@ pub(super) fn delete_what_is_too_much(
     {
         return Vec::new();
     }
-    let found = find_recordings(parent);
+    let found = find_recordings(application, parent);
     let superfluous = superfluous(&found, now, kept);
     let is_idle = |directory: &Path| {
         let files = mcap_files(directory).unwrap_or_default();
@@ -231,7 +232,13 @@ mod tests {
             files: Some(0),
             ..NONE
         };
-        let deleted = delete_what_is_too_much(parent.path(), &current, SystemTime::now(), kept);
+        let deleted = delete_what_is_too_much(
+            "column_twin",
+            parent.path(),
+            &current,
+            SystemTime::now(),
+            kept,
+        );
         assert_eq!(deleted, std::slice::from_ref(&old));
         assert!(!old.exists());
         assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 4);

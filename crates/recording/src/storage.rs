@@ -7,14 +7,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use super::error::is_no_room;
+use crate::error::is_no_room;
 
 /// How much room is set aside at a time \[bytes\].
 const STEP: u64 = 4 << 20;
 
 /// A file that is written from its beginning to its end. Clones write to the same file.
 #[derive(Debug, Clone)]
-pub(super) struct Storage(Arc<Shared>);
+pub(crate) struct Storage(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
@@ -125,7 +125,7 @@ fn lock(file: &File) {
 }
 
 /// Whether another program writes this file.
-pub(super) fn is_being_written(path: &Path) -> bool {
+pub(crate) fn is_being_written(path: &Path) -> bool {
     // A lock for reading, which two programs that look at the same time do not refuse each other.
     let Ok(file) = File::open(path) else {
         return false;

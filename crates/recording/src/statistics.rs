@@ -3,13 +3,24 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::live::QueueStats;
+/// The queue in front of the recorder's thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QueueStatistics {
+    /// Maximum number of messages.
+    pub capacity: usize,
+    /// Messages that wait now.
+    pub len: usize,
+    /// Messages that were offered since the start.
+    pub pushed: u64,
+    /// Messages that were dropped since the start, because the queue was full.
+    pub dropped: u64,
+}
 
 /// A recorder as it is now.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecorderStatistics {
     /// The queue in front of its thread.
-    pub queue: QueueStats,
+    pub queue: QueueStatistics,
     /// Bytes of messages that wait in the queue.
     pub waiting_bytes: usize,
     /// Most bytes that may wait.

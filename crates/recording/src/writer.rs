@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,28 +10,36 @@ use std::time::Duration;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{WriteOptions, Writer as McapWriter};
 
-use super::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
-use super::error::RecordingError;
-use super::storage::Storage;
-use super::syncing::Unsynced;
-use super::topic::TopicInfo;
-use crate::messages::type_hash::TypeHash;
-use crate::messages::{self, Interface};
-use crate::parameters::Compression;
-use crate::whole_file;
+use crate::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
+use crate::compression::ChunkCompression;
+use crate::error::RecordingError;
+use crate::storage::Storage;
+use crate::syncing::Unsynced;
+use crate::topic::TopicInfo;
 
 /// Most that a program that is killed loses: what it recorded within this time before.
 pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 
-/// Name of the metadata record at the beginning: which program, which version, and what else its user wants to be known.
-pub const START_RECORD: &str = "column_twin_start";
+/// Name of the recording program where none is given.
+pub(crate) const APPLICATION: &str = "recording";
 
-/// Name of the metadata records that count what is missing, the last of which holds: `lost_messages`, and in the end
-/// `ended`, the reason.
-pub const LOSSES_RECORD: &str = "column_twin_losses";
+/// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
+pub(crate) const START: &str = "_start";
+
+/// End of the name of the metadata records that count lost messages, the last of which is valid: `lost_messages`, and
+/// at the end of a recording `ended`, the reason.
+pub(crate) const LOSSES: &str = "_losses";
+
+/// End of the name of the metadata record that says from what a recording was repaired, and why.
+pub(crate) const REPAIR: &str = "_repair";
+
+/// Name of a metadata record.
+pub(crate) fn record_name(application: &str, kind: &str) -> String {
+    format!("{application}{kind}")
+}
 
 /// Key of the metadata of a channel that holds the offered quality of service.
-pub(super) const QOS_KEY: &str = "offered_qos_profiles";
+pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
 
 /// Key of the metadata of a channel that holds the hash of its type.
 const TYPE_HASH_KEY: &str = "topic_type_hash";
@@ -75,19 +83,22 @@ pub struct Entry {
 /// How a recording is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WriterOptions {
-    /// Compression of the chunks.
-    pub compression: Compression,
+    /// ChunkCompression of the chunks.
+    pub compression: ChunkCompression,
     /// Whether [`Writer::flush`] waits until the data would survive a loss of power.
     pub sync: bool,
-    /// What is to stand in the [`START_RECORD`] besides program and version.
+    /// Name of the recording program; the names of its metadata records begin with it.
+    pub application: String,
+    /// Notes of the recording program, written at the beginning: its version, for example.
     pub notes: BTreeMap<String, String>,
 }
 
 impl Default for WriterOptions {
     fn default() -> Self {
         Self {
-            compression: Compression::None,
+            compression: ChunkCompression::None,
             sync: true,
+            application: APPLICATION.to_owned(),
             notes: BTreeMap::new(),
         }
     }
@@ -108,7 +119,7 @@ pub struct Finished {
 
 /// What was taken and is in memory only: when the file ends here, it is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Unsaved {
+pub(crate) struct Unsaved {
     /// Messages.
     pub messages: u64,
     /// Their bytes.
@@ -117,7 +128,7 @@ pub(super) struct Unsaved {
 
 /// Why a recording ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ended {
+pub(crate) enum Ended {
     /// Its writer had no more to write.
     Stopped,
     /// It was long enough.
@@ -147,6 +158,7 @@ pub struct Writer {
     directory: PathBuf,
     path: PathBuf,
     topics: Vec<Topic>,
+    application: String,
     sync: bool,
     span: Option<(u64, u64)>,
     messages: u64,
@@ -171,7 +183,7 @@ struct Topic {
 }
 
 /// A topic with the texts that the file holds of it.
-pub(super) struct Described {
+pub(crate) struct Described {
     pub name: String,
     pub type_name: String,
     pub schema_encoding: String,
@@ -181,10 +193,7 @@ pub(super) struct Described {
 }
 
 impl Described {
-    /// One of ours.
     fn new(topic: &TopicInfo) -> Result<Self, RecordingError> {
-        let interface = find(topic)?;
-        let hash = TypeHash::of(interface)?.to_string();
         let qos = topic
             .qos
             .to_yaml()
@@ -192,12 +201,12 @@ impl Described {
                 path: PathBuf::from(&topic.name),
                 reason: error.to_string(),
             })?;
-        let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, hash)];
+        let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, topic.type_hash.clone())];
         Ok(Self {
             name: topic.name.clone(),
-            type_name: topic.type_name.to_owned(),
+            type_name: topic.type_name.clone(),
             schema_encoding: "ros2msg".to_owned(),
-            schema: interface.schema_text()?.into_bytes(),
+            schema: topic.schema.clone().into_bytes(),
             message_encoding: "cdr".to_owned(),
             metadata: metadata.map(|(key, value)| (key.to_owned(), value)).into(),
         })
@@ -213,10 +222,9 @@ impl Described {
     }
 }
 
-/// Whether these topics can be recorded: known types, every name once.
-pub(super) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
+/// Whether these topics can be recorded: every name once.
+pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
     for (index, topic) in topics.iter().enumerate() {
-        find(topic)?;
         if topics[..index].iter().any(|other| other.name == topic.name) {
             return Err(RecordingError::DuplicateTopic {
                 topic: topic.name.clone(),
@@ -224,13 +232,6 @@ pub(super) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
         }
     }
     Ok(())
-}
-
-fn find(topic: &TopicInfo) -> Result<&'static Interface, RecordingError> {
-    messages::find(topic.type_name).ok_or_else(|| RecordingError::UnknownType {
-        topic: topic.name.clone(),
-        type_name: topic.type_name.to_owned(),
-    })
 }
 
 impl Writer {
@@ -247,7 +248,7 @@ impl Writer {
     }
 
     /// As [`create`](Self::create), where at least so much room \[bytes\] is left.
-    pub(super) fn create_with_room(
+    pub(crate) fn create_with_room(
         directory: &Path,
         options: &WriterOptions,
         topics: &[TopicInfo],
@@ -258,12 +259,15 @@ impl Writer {
             .iter()
             .map(Described::new)
             .collect::<Result<_, _>>()?;
-        let start = start_record(&options.notes);
+        let start = Metadata {
+            name: record_name(&options.application, START),
+            metadata: options.notes.clone(),
+        };
         Self::create_with(directory, options, described, &[start], room)
     }
 
     /// As [`create`](Self::create), with topics that need not be ours.
-    pub(super) fn create_with(
+    pub(crate) fn create_with(
         directory: &Path,
         options: &WriterOptions,
         topics: Vec<Described>,
@@ -312,6 +316,7 @@ impl Writer {
             directory: directory.to_path_buf(),
             path: path.clone(),
             topics: channels,
+            application: options.application.clone(),
             sync: options.sync,
             span: None,
             messages: 0,
@@ -343,7 +348,7 @@ impl Writer {
         )
     }
 
-    pub(super) fn write_message(
+    pub(crate) fn write_message(
         &mut self,
         topic: usize,
         log_time: u64,
@@ -404,7 +409,7 @@ impl Writer {
     }
 
     /// Hands everything to the system; what is to be synced then, if anything, is for the caller.
-    pub(super) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
+    pub(crate) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
         self.end_chunk()?;
         Ok(self.unsynced())
     }
@@ -444,9 +449,17 @@ impl Writer {
     /// Writing fails.
     pub fn note_lost(&mut self) -> Result<(), RecordingError> {
         self.reserve(self.open_chunk + CHUNK_OVERHEAD)?;
-        self.write_record(&losses_record(self.lost, None))?;
+        self.write_record(&self.losses_record(None))?;
         self.end += CHUNK_OVERHEAD;
         self.end_chunk()
+    }
+
+    fn losses_record(&self, ended: Option<Ended>) -> Metadata {
+        let name = record_name(&self.application, LOSSES);
+        let mut losses = record(name, [("lost_messages", self.lost.to_string())]);
+        let ended = ended.map(|reason| ("ended".to_owned(), reason.word().to_owned()));
+        losses.metadata.extend(ended);
+        losses
     }
 
     fn write_record(&mut self, record: &Metadata) -> Result<(), RecordingError> {
@@ -474,21 +487,21 @@ impl Writer {
     }
 
     /// Chunks so far; each needs memory until the end of the recording.
-    pub(super) fn chunks(&self) -> u64 {
+    pub(crate) fn chunks(&self) -> u64 {
         self.chunks
     }
 
     /// Ends the file and writes `metadata.yaml`.
     ///
     /// # Errors
-    /// Writing fails. The file then ends with the last whole record; [`repair`](fn@super::repair) writes it anew.
+    /// Writing fails. The file then ends with the last whole record; [`repair`](fn@crate::repair) writes it anew.
     pub fn finish(self) -> Result<Finished, RecordingError> {
         self.finish_because(Ended::Stopped)
             .map_err(|(error, _)| error)
     }
 
     /// As [`finish`](Self::finish); with an error comes what was not yet in the file.
-    pub(super) fn finish_because(
+    pub(crate) fn finish_because(
         mut self,
         reason: Ended,
     ) -> Result<Finished, (RecordingError, Unsaved)> {
@@ -498,7 +511,7 @@ impl Writer {
     }
 
     /// Cuts the file off behind its last whole record, and writes nothing any more. Gives what is lost by that.
-    pub(super) fn abandon(self) -> Unsaved {
+    pub(crate) fn abandon(self) -> Unsaved {
         // The file may be gone; then there is nothing to cut off.
         let _ = self.storage.close_at(self.whole);
         self.unsaved
@@ -506,7 +519,7 @@ impl Writer {
 
     /// From now on every write fails.
     #[cfg(test)]
-    pub(super) fn break_disk(&self) {
+    pub(crate) fn break_disk(&self) {
         self.storage.close_at(self.whole).unwrap();
     }
 
@@ -519,8 +532,11 @@ impl Writer {
         let metadata = self.metadata();
         let document = metadata.document().map_err(unwritable)?;
         let serialized = metadata.record().map_err(unwritable)?;
-        self.write_record(&losses_record(self.lost, Some(reason)))?;
-        self.write_record(&record("rosbag2", [("serialized_metadata", serialized)]))?;
+        self.write_record(&self.losses_record(Some(reason)))?;
+        self.write_record(&record(
+            "rosbag2".to_owned(),
+            [("serialized_metadata", serialized)],
+        ))?;
         self.inner
             .finish()
             .map_err(|error| RecordingError::write(&self.path, error))?;
@@ -533,7 +549,7 @@ impl Writer {
             self.storage.sync_all().map_err(told)?;
         }
         let yaml = self.directory.join(METADATA_FILE);
-        whole_file::write(&yaml, document.as_bytes())
+        write_whole(&yaml, document.as_bytes())
             .map_err(|source| RecordingError::io("write", &yaml, source))?;
         if self.sync {
             sync_directory(&self.directory)?;
@@ -566,6 +582,7 @@ impl Writer {
             messages: topic.messages,
         });
         BagMetadata::from(BagSummary {
+            application: self.application.clone(),
             file: file_name(&self.directory),
             span: self.span,
             topics: topics.collect(),
@@ -583,7 +600,7 @@ impl std::fmt::Debug for Writer {
 }
 
 /// The name of the MCAP file of a recording, after its directory.
-pub(super) fn file_name(directory: &Path) -> String {
+pub(crate) fn file_name(directory: &Path) -> String {
     let name = directory
         .file_name()
         .map_or_else(|| "recording".into(), |name| name.to_string_lossy());
@@ -591,16 +608,11 @@ pub(super) fn file_name(directory: &Path) -> String {
 }
 
 /// Every option that matters, written out.
-fn write_options(compression: Compression) -> WriteOptions {
-    let compression = match compression {
-        Compression::None => None,
-        Compression::Lz4 => Some(mcap::Compression::Lz4),
-        Compression::Zstd => Some(mcap::Compression::Zstd),
-    };
+fn write_options(compression: ChunkCompression) -> WriteOptions {
     WriteOptions::new()
         .profile("ros2")
-        .library(concat!("column_twin ", env!("CARGO_PKG_VERSION")))
-        .compression(compression)
+        .library(concat!("rosbag2_mcap ", env!("CARGO_PKG_VERSION")))
+        .compression(compression.into())
         // Its default is the number of cores.
         .compression_threads(0)
         .compression_level(0)
@@ -631,7 +643,7 @@ fn make_directory(directory: &Path) -> Result<(), RecordingError> {
 }
 
 /// A new name survives a loss of power when its directory does.
-pub(super) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
+pub(crate) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
     for folder in [Some(directory), directory.parent()].into_iter().flatten() {
         let folder = if folder.as_os_str().is_empty() {
             Path::new(".")
@@ -645,31 +657,20 @@ pub(super) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
     Ok(())
 }
 
-pub(super) fn record<const N: usize>(name: &str, entries: [(&str, String); N]) -> Metadata {
+pub(crate) fn record<const N: usize>(name: String, entries: [(&str, String); N]) -> Metadata {
     Metadata {
-        name: name.to_owned(),
+        name,
         metadata: entries.map(|(key, value)| (key.to_owned(), value)).into(),
     }
 }
 
-fn start_record(notes: &BTreeMap<String, String>) -> Metadata {
-    let mut start = record(
-        START_RECORD,
-        [
-            ("program", "column-twin".to_owned()),
-            ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ],
-    );
-    start.metadata.extend(notes.clone());
-    start
-}
-
-fn losses_record(lost: u64, ended: Option<Ended>) -> Metadata {
-    let mut losses = record(LOSSES_RECORD, [("lost_messages", lost.to_string())]);
-    if let Some(reason) = ended {
-        losses
-            .metadata
-            .insert("ended".to_owned(), reason.word().to_owned());
-    }
-    losses
+/// Writes a file that has its name only once it is complete, with the permissions of any new file.
+fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(content)?;
+    file.persist(path)?;
+    Ok(())
 }

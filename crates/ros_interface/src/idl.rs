@@ -1,46 +1,53 @@
-//! The messages as OMG IDL, for a monitor in plain DDS: names, order and types are those of the wire, comments those of
-//! the definitions.
+//! Messages as OMG IDL, for a monitor that uses plain DDS: names, order and types are those on the wire, the comments are
+//! those of the definitions.
 
 use std::fmt::Write as _;
 
 use re_ros_msg::message_spec::{ArraySize, BuiltInType, Literal, Type};
 
-use super::interface::{DefinitionError, Interface};
+use crate::interface::{DefinitionError, Definitions, Interface};
 
-/// The definitions of `interfaces` and of all that they are made of, each once, what is used before what uses it.
+/// The definitions of `interfaces` and of all their dependencies, each once; a definition precedes those that use it.
 ///
 /// # Errors
-/// When a definition is wrong, or has a type that IDL cannot name.
-pub fn idl(interfaces: &[&'static Interface]) -> Result<String, DefinitionError> {
+/// A definition is wrong, or names a type that is not among `definitions`.
+pub fn idl(
+    interfaces: &[&'static Interface],
+    definitions: Definitions<'_>,
+) -> Result<String, DefinitionError> {
     let mut ordered = Vec::new();
     for interface in interfaces {
-        collect(interface, &mut ordered)?;
+        collect(interface, definitions, &mut ordered)?;
     }
     let mut text = String::new();
     for (index, interface) in ordered.iter().enumerate() {
         if index > 0 {
             text.push('\n');
         }
-        text += &definition(interface)?;
+        text += &definition(interface, definitions)?;
     }
     Ok(text)
 }
 
 fn collect(
     interface: &'static Interface,
+    definitions: Definitions<'_>,
     ordered: &mut Vec<&'static Interface>,
 ) -> Result<(), DefinitionError> {
     if ordered.contains(&interface) {
         return Ok(());
     }
-    for used in interface.field_types()? {
-        collect(used, ordered)?;
+    for used in interface.field_types(definitions)? {
+        collect(used, definitions, ordered)?;
     }
     ordered.push(interface);
     Ok(())
 }
 
-fn definition(interface: &Interface) -> Result<String, DefinitionError> {
+fn definition(
+    interface: &Interface,
+    definitions: Definitions<'_>,
+) -> Result<String, DefinitionError> {
     let specification = interface.specification()?;
     let name = interface.type_name();
     let comments = Comments::of(interface.text());
@@ -50,7 +57,7 @@ fn definition(interface: &Interface) -> Result<String, DefinitionError> {
         let _ = writeln!(text, "module {name}_Constants {{");
         for constant in &specification.constants {
             text += &comments.above(&constant.name, 2);
-            let ty = type_name(interface, &constant.ty)?;
+            let ty = type_name(interface, &constant.ty, definitions)?;
             let value = literal(&constant.value);
             let _ = writeln!(text, "  const {ty} {} = {value};", constant.name);
         }
@@ -66,19 +73,23 @@ fn definition(interface: &Interface) -> Result<String, DefinitionError> {
             } => (&**ty, format!("[{length}]")),
             other => (other, String::new()),
         };
-        let ty = type_name(interface, element)?;
+        let ty = type_name(interface, element, definitions)?;
         let _ = writeln!(text, "  {ty} {}{length};", field.name);
     }
     text += "};\n}; }; };\n";
     Ok(text)
 }
 
-fn type_name(interface: &Interface, ty: &Type) -> Result<String, DefinitionError> {
+fn type_name(
+    interface: &Interface,
+    ty: &Type,
+    definitions: Definitions<'_>,
+) -> Result<String, DefinitionError> {
     Ok(match ty {
         Type::BuiltIn(built_in) => built_in_name(built_in),
-        Type::Complex(nested) => interface.resolve(nested)?.dds_name(),
+        Type::Complex(nested) => interface.resolve(nested, definitions)?.dds_name(),
         Type::Array { ty, size } => {
-            let element = type_name(interface, ty)?;
+            let element = type_name(interface, ty, definitions)?;
             match size {
                 ArraySize::Bounded(length) | ArraySize::Fixed(length) => {
                     format!("sequence<{element}, {length}>")
@@ -89,7 +100,7 @@ fn type_name(interface: &Interface, ty: &Type) -> Result<String, DefinitionError
     })
 }
 
-/// The old names, which every vendor's compiler knows.
+/// The names of the classic IDL types, which every vendor's compiler knows.
 fn built_in_name(built_in: &BuiltInType) -> String {
     let bounded = |name: &str, length: &Option<usize>| match length {
         Some(length) => format!("{name}<{length}>"),
@@ -127,7 +138,7 @@ fn literal(value: &Literal) -> String {
     }
 }
 
-/// The comments of a definition. Each stands above what it is about, or behind it.
+/// The comments of a definition. A comment belongs to the entry below it, or to the entry on the same line.
 struct Comments {
     head: Vec<String>,
     above: Vec<(String, Vec<String>)>,
@@ -144,7 +155,7 @@ impl Comments {
             if let Some(comment) = line.strip_prefix('#') {
                 pending.push(comment.trim().to_owned());
             } else if line.is_empty() {
-                // Set apart from every entry: about the whole.
+                // A comment followed by an empty line describes the whole definition.
                 comments.head.append(&mut pending);
             } else {
                 let (entry, comment) = line.split_once('#').unwrap_or((line, ""));
@@ -169,35 +180,5 @@ impl Comments {
         lines.fold(String::new(), |text, line| {
             text + &format!("{:indent$}// {line}\n", "")
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Message, column_twin::HingeForces, visualization_msgs::MarkerArray};
-    use super::*;
-
-    #[test]
-    fn names_arrays_constants_and_units_are_those_of_the_definition() {
-        let text = idl(&[HingeForces::INTERFACE]).expect("a definition");
-        for expected in [
-            "module column_twin { module msg {",
-            "  const octet HINGE_2 = 2;",
-            "struct HingeForces_ {",
-            "  std_msgs::msg::dds_::Header_ header;",
-            "  // Bending moment [N m].\n  double moment[4];",
-            "  octet state[4];",
-        ] {
-            assert!(text.contains(expected), "{expected} is not in\n{text}");
-        }
-        let (time, header) = (text.find("struct Time_"), text.find("struct Header_"));
-        assert!(time < header, "what is used stands first");
-    }
-
-    #[test]
-    fn a_type_that_several_use_stands_once() {
-        let text = idl(&[MarkerArray::INTERFACE, HingeForces::INTERFACE]).expect("definitions");
-        assert_eq!(text.matches("struct Header_ ").count(), 1);
-        assert!(text.contains("  sequence<visualization_msgs::msg::dds_::Marker_> markers;"));
     }
 }

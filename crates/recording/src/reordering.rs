@@ -35,7 +35,7 @@ impl BlockEnds {
 
 /// The smallest time of every block; after the first reading that of all blocks from there on.
 #[derive(Debug, Default)]
-pub(super) struct Blocks {
+pub(crate) struct Blocks {
     ends: BlockEnds,
     minima: Vec<u64>,
     open: bool,
@@ -66,7 +66,7 @@ impl Blocks {
 
 /// Puts the messages of the second reading into order; those of equal time stay as they are.
 #[derive(Debug)]
-pub(super) struct Reordering<T> {
+pub(crate) struct Reordering<T> {
     ends: BlockEnds,
     block: usize,
     /// Smallest time from each block on.

@@ -1,7 +1,7 @@
-//! Type hashes after REP-2016 (RIHS01), as rosidl writes them to `share/<package>/msg/<Type>.json`.
+//! Type hashes as REP-2016 defines them (RIHS01) and as rosidl writes them to `share/<package>/msg/<Type>.json`.
 //!
-//! The hash is the SHA-256 of a description of the type and of all that it is made of, in JSON as Python's
-//! `json.dumps` writes it. Comments, constants and default values are no part of it.
+//! The hash is the SHA-256 of a description of the type and of all its dependencies, in JSON as Python's
+//! `json.dumps` writes it. Comments, constants and default values are not part of the description.
 
 use std::fmt;
 use std::io;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::ser::Formatter;
 use sha2::{Digest, Sha256};
 
-use super::interface::{DefinitionError, Interface};
+use crate::interface::{DefinitionError, Definitions, Interface};
 
 /// The type hash of a message; displayed as `RIHS01_` and 64 hexadecimal digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -21,16 +21,19 @@ impl TypeHash {
     /// The hash of `interface`.
     ///
     /// # Errors
-    /// When a definition is wrong, or names a type that is not in the table.
-    pub fn of(interface: &Interface) -> Result<Self, DefinitionError> {
+    /// A definition is wrong, or names a type that is not among `definitions`.
+    pub fn of(
+        interface: &Interface,
+        definitions: Definitions<'_>,
+    ) -> Result<Self, DefinitionError> {
         let mut referenced: Vec<TypeDescription> = interface
-            .dependencies()?
+            .dependencies(definitions)?
             .into_iter()
-            .map(TypeDescription::of)
+            .map(|dependency| TypeDescription::of(dependency, definitions))
             .collect::<Result<_, _>>()?;
         referenced.sort_by(|a, b| a.type_name.cmp(&b.type_name));
         let description = FullDescription {
-            type_description: TypeDescription::of(interface)?,
+            type_description: TypeDescription::of(interface, definitions)?,
             referenced_type_descriptions: referenced,
         };
         let mut json = Vec::new();
@@ -54,7 +57,7 @@ impl fmt::Display for TypeHash {
     }
 }
 
-/// `type_description_interfaces/msg/TypeDescription`, as far as it is hashed.
+/// The hashed part of `type_description_interfaces/msg/TypeDescription`.
 #[derive(Serialize)]
 struct FullDescription {
     type_description: TypeDescription,
@@ -85,14 +88,14 @@ struct FieldType {
 }
 
 impl TypeDescription {
-    fn of(interface: &Interface) -> Result<Self, DefinitionError> {
+    fn of(interface: &Interface, definitions: Definitions<'_>) -> Result<Self, DefinitionError> {
         let fields = interface
             .specification()?
             .fields
             .into_iter()
             .map(|field| {
                 Ok(Field {
-                    r#type: FieldType::of(interface, &field.ty)?,
+                    r#type: FieldType::of(interface, &field.ty, definitions)?,
                     name: field.name,
                 })
             })
@@ -106,7 +109,11 @@ impl TypeDescription {
 
 impl FieldType {
     /// The type of a field of `interface`.
-    fn of(interface: &Interface, ty: &Type) -> Result<Self, DefinitionError> {
+    fn of(
+        interface: &Interface,
+        ty: &Type,
+        definitions: Definitions<'_>,
+    ) -> Result<Self, DefinitionError> {
         match ty {
             Type::BuiltIn(built_in) => Ok(Self {
                 type_id: type_id(built_in),
@@ -118,7 +125,7 @@ impl FieldType {
                 type_id: NESTED_TYPE,
                 capacity: 0,
                 string_capacity: 0,
-                nested_type_name: interface.resolve(nested)?.ros_name(),
+                nested_type_name: interface.resolve(nested, definitions)?.ros_name(),
             }),
             Type::Array { ty, size } => {
                 let (offset, capacity) = match *size {
@@ -126,7 +133,7 @@ impl FieldType {
                     ArraySize::Bounded(length) => (BOUNDED_SEQUENCE, length),
                     ArraySize::Unbounded => (UNBOUNDED_SEQUENCE, 0),
                 };
-                let element = Self::of(interface, ty)?;
+                let element = Self::of(interface, ty, definitions)?;
                 Ok(Self {
                     type_id: element.type_id + offset,
                     capacity,
@@ -137,7 +144,7 @@ impl FieldType {
     }
 }
 
-/// Type ids of `type_description_interfaces/msg/FieldType`; those of arrays are that of the element plus an offset.
+/// Type ids of `type_description_interfaces/msg/FieldType`; the id of an array is that of its element plus an offset.
 const NESTED_TYPE: u8 = 1;
 const ARRAY: u8 = 48;
 const BOUNDED_SEQUENCE: u8 = 96;
@@ -146,7 +153,7 @@ const UNBOUNDED_SEQUENCE: u8 = 144;
 fn type_id(built_in: &BuiltInType) -> u8 {
     match built_in {
         BuiltInType::Int8 => 2,
-        // rosidl takes char for uint8.
+        // rosidl treats char as uint8.
         BuiltInType::UInt8 | BuiltInType::Char => 3,
         BuiltInType::Int16 => 4,
         BuiltInType::UInt16 => 5,

@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::decode::{Decoded, Decoder};
-use super::error::RecordingError;
-use super::reader::Reader;
+use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
+
 use crate::messages::column_twin::ImpactReport;
 
 /// Most events of a summary.

@@ -1,6 +1,6 @@
 //! Messages as rows of a table: fixed arrays become columns, sequences a cell.
 
-use super::decode::{Decoded, Shape, not_finite};
+use crate::decode::{Decoded, Shape, not_finite};
 
 /// Most columns of a table; an array that would make more becomes a cell.
 const MAX_COLUMNS: usize = 4096;
@@ -9,7 +9,7 @@ const MAX_COLUMNS: usize = 4096;
 const MAX_SHAPES: usize = 4 * MAX_COLUMNS;
 
 /// Names of the columns below `shape`, `header.stamp.sec`, `moment[0]`.
-pub(super) fn columns(shape: &Shape) -> Vec<String> {
+pub(crate) fn columns(shape: &Shape) -> Vec<String> {
     let mut names = Vec::new();
     add_columns(shape, String::new(), &mut names);
     names
@@ -38,7 +38,7 @@ fn is_spread(length: usize) -> bool {
 }
 
 /// Whether a table of that shape has few enough columns.
-pub(super) fn fits(shape: &Shape) -> bool {
+pub(crate) fn fits(shape: &Shape) -> bool {
     let mut left = Left {
         columns: MAX_COLUMNS,
         shapes: MAX_SHAPES,
@@ -71,7 +71,7 @@ impl Left {
 }
 
 /// The cells of a message under [`columns`] of its shape.
-pub(super) fn cells(shape: &Shape, value: &Decoded) -> Vec<String> {
+pub(crate) fn cells(shape: &Shape, value: &Decoded) -> Vec<String> {
     let mut cells = Vec::new();
     add_cells(shape, value, &mut cells);
     cells

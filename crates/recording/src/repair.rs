@@ -7,23 +7,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use mcap::records::Metadata;
 
-use super::bag_metadata::METADATA_FILE;
-use super::error::RecordingError;
-use super::reader::{Reader, RecordedTopic};
-use super::report::RecorderReport;
-use super::retention::{find_recordings, mcap_files};
-use super::session::RecorderOptions;
-use super::storage::is_being_written;
-use super::writer::{Described, Ended, LOSSES_RECORD, Writer, WriterOptions, record};
-
-/// Name of the metadata record that says from what a recording was written anew, and what was wrong with it.
-pub const REPAIR_RECORD: &str = "column_twin_repair";
+use crate::bag_metadata::METADATA_FILE;
+use crate::error::RecordingError;
+use crate::reader::{Reader, RecordedTopic};
+use crate::report::RecorderReport;
+use crate::retention::{find_recordings, mcap_files};
+use crate::session::RecorderOptions;
+use crate::storage::is_being_written;
+use crate::writer::{
+    APPLICATION, Described, Ended, LOSSES, REPAIR, Writer, WriterOptions, record, record_name,
+};
 
 /// What the name of a recording that was written anew ends with.
 const SUFFIX: &str = "_repaired";
 
 /// What the names of directories begin with in which a recording is written anew.
-const WORKSHOP: &str = ".column-twin-repair-";
+const WORKSHOP: &str = ".rosbag2-repair-";
 
 /// Most recordings that are repaired at a start, the newest first.
 const MAX_AT_START: usize = 16;
@@ -165,6 +164,7 @@ fn write_anew(
     let topics = reader.topics().iter().map(Described::from).collect();
     let options = WriterOptions {
         compression: reader.compression(),
+        application: application(reader).to_owned(),
         ..WriterOptions::default()
     };
     let mut writer = Writer::create_with(&unnamed, &options, topics, &records(reader, fault), 0)?;
@@ -198,12 +198,17 @@ fn write_anew(
     Ok(finished.messages)
 }
 
+/// The program that recorded it.
+fn application(reader: &Reader) -> &str {
+    reader.application().unwrap_or(APPLICATION)
+}
+
 /// The metadata that is kept, and that of the repair.
 fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
     let kept = reader
         .metadata()
         .iter()
-        .filter(|(name, _)| name != "rosbag2" && name != LOSSES_RECORD);
+        .filter(|(name, _)| name != "rosbag2" && !name.ends_with(LOSSES));
     let mut records: Vec<Metadata> = kept
         .map(|(name, entries)| Metadata {
             name: name.clone(),
@@ -218,7 +223,7 @@ fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
         .into_owned();
     let damaged = reader.wholeness().damaged.to_string();
     records.push(record(
-        REPAIR_RECORD,
+        record_name(application(reader), REPAIR),
         [
             ("source", source),
             ("fault", fault.to_owned()),
@@ -243,9 +248,9 @@ impl From<&RecordedTopic> for Described {
 }
 
 /// Repairs what crashes have left in the directory of the recordings.
-pub(super) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
+pub(crate) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
     remove_workshops(&options.directory);
-    let unfinished: Vec<PathBuf> = find_recordings(&options.directory)
+    let unfinished: Vec<PathBuf> = find_recordings(&options.application, &options.directory)
         .into_iter()
         .map(|found| found.directory)
         .filter(|directory| is_unfinished(directory))
