@@ -11,7 +11,6 @@
 mod about;
 mod comparison;
 mod entries;
-pub mod event_summary;
 mod journal_line;
 #[cfg(feature = "ros")]
 mod node_recording;

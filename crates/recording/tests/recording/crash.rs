@@ -6,16 +6,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use column_twin::parameters::Compression;
-use column_twin::recording::{FLUSH_WITHIN, Reader, Recorder, RecorderOptions, repair};
+use rosbag2_mcap::{ChunkCompression, FLUSH_WITHIN, Reader, Recorder, RecorderOptions, repair};
 
 use super::sample::{COMPRESSIONS, text_entry, text_topics};
 
 /// Tells the other process where to record.
-const FOLDER: &str = "COLUMN_TWIN_TEST_FOLDER";
+const FOLDER: &str = "RECORDING_TEST_FOLDER";
 
 /// Tells it how.
-const COMPRESSION: &str = "COLUMN_TWIN_TEST_COMPRESSION";
+const COMPRESSION: &str = "RECORDING_TEST_COMPRESSION";
 
 /// Messages per second.
 const RATE: u64 = 10_000;
@@ -37,7 +36,7 @@ fn records_until_it_is_killed() {
     options.compression = COMPRESSIONS
         .into_iter()
         .find(|it| format!("{it:?}") == wanted)
-        .unwrap_or(Compression::None);
+        .unwrap_or(ChunkCompression::None);
     let recorder = Recorder::start(options, text_topics()).unwrap();
     let sent = File::create(folder.join("sent")).unwrap();
     let text = "x".repeat(500);
@@ -56,7 +55,7 @@ fn records_until_it_is_killed() {
     }
 }
 
-fn start(folder: &Path, compression: Compression) -> Child {
+fn start(folder: &Path, compression: ChunkCompression) -> Child {
     Command::new(std::env::current_exe().unwrap())
         .args([
             "--exact",
@@ -82,7 +81,11 @@ fn last_sent(folder: &Path) -> Option<(u64, i64)> {
 }
 
 /// Kills a recording process after so many messages; says what is missing then.
-pub fn missing_after_a_kill(folder: &Path, compression: Compression, messages: u64) -> Duration {
+pub fn missing_after_a_kill(
+    folder: &Path,
+    compression: ChunkCompression,
+    messages: u64,
+) -> Duration {
     let mut child = start(folder, compression);
     let begin = Instant::now();
     while last_sent(folder).is_none_or(|(index, _)| index < messages) {
@@ -124,7 +127,7 @@ pub fn missing_after_a_kill(folder: &Path, compression: Compression, messages: u
 #[test]
 fn what_was_recorded_before_a_kill_is_there() {
     let folder = tempfile::tempdir().unwrap();
-    let missing = missing_after_a_kill(folder.path(), Compression::None, 3000);
+    let missing = missing_after_a_kill(folder.path(), ChunkCompression::None, 3000);
     println!("missing after a kill: {missing:?}");
 }
 

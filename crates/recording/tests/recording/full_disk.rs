@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-use column_twin::parameters::Compression;
-use column_twin::recording::{
-    Reader, Recorder, RecorderOptions, RecorderReport, RecorderStatistics,
+use rosbag2_mcap::{
+    ChunkCompression, Reader, Recorder, RecorderOptions, RecorderReport, RecorderStatistics,
+    ReportLevel,
 };
-use column_twin::twin::Severity;
 
 use super::recorder::{Told, recordings};
 use super::sample::{text_entry, text_topics};
@@ -38,7 +37,7 @@ fn until(what: &str, mut condition: impl FnMut() -> bool) {
 
 #[test]
 fn a_full_disk_ends_a_recording_well_and_room_begins_a_new_one() {
-    for compression in [Compression::None, Compression::Zstd] {
+    for compression in [ChunkCompression::None, ChunkCompression::Zstd] {
         let Some(disk) = SmallDisk::mount() else {
             return;
         };
@@ -138,6 +137,6 @@ fn check_what_was_told(told: &[RecorderReport]) {
                 | RecorderReport::Resumed { .. }
                 | RecorderReport::Lost { .. }
         );
-        assert_eq!(report.severity() == Severity::Error, is_error, "{report}");
+        assert_eq!(report.level() == ReportLevel::Error, is_error, "{report}");
     }
 }

@@ -1,13 +1,15 @@
 //! Recordings: the crate `rosbag2_mcap`, with the names, definitions and parameters of this program.
 
+mod event_summary;
+
 use std::time::{Duration, SystemTime};
 
 pub use rosbag2_mcap::*;
 
 use crate::endpoints::JOURNAL;
-pub use crate::evidence::event_summary::{EventSummary, summarise_events};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, Record};
+pub use event_summary::{EventSummary, summarise_events};
 
 /// The names of our recordings, and of the metadata records in them, begin with this.
 pub const APPLICATION: &str = "column_twin";

@@ -5,12 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use column_twin::parameters::Parameters;
-use column_twin::recording::{
-    Entry, Reader, Recorder, RecorderOptions, RecorderReport, RecordingError, Writer,
+use rosbag2_mcap::{
+    Entry, Reader, Recorder, RecorderOptions, RecorderReport, RecordingError, ReportLevel, Writer,
     WriterOptions, directory_name, repair,
 };
-use column_twin::twin::Severity;
 
 use super::sample::{text_entry, text_topics};
 
@@ -36,9 +34,8 @@ pub fn texts(path: &Path) -> Vec<String> {
         .messages()
         .map(|message| {
             let data = message.unwrap().data;
-            column_twin::messages::cdr::decode::<column_twin::messages::std_msgs::String>(&data)
-                .unwrap()
-                .data
+            // Behind the encapsulation header and the length; in front of the final zero.
+            String::from_utf8(data[8..data.len() - 1].to_vec()).unwrap()
         })
         .collect()
 }
@@ -94,7 +91,7 @@ fn all_that_is_recorded_before_the_stop_is_there() {
     let found = recordings(folder.path());
     assert_eq!(found.len(), 1);
     let name = found[0].file_name().unwrap().to_str().unwrap();
-    assert!(name.starts_with("column_twin_2026_11_21-07_40_0"), "{name}");
+    assert!(name.starts_with("recording_2026_11_21-07_40_0"), "{name}");
     assert_eq!(
         texts(&found[0]),
         (0..20_000)
@@ -174,6 +171,7 @@ fn only_so_many_recordings_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     for hour in 0..4 {
         let directory = folder.path().join(directory_name(
+            "recording",
             started() - Duration::from_secs(3600 * (hour + 1)),
         ));
         let mut writer =
@@ -235,7 +233,7 @@ fn what_cannot_work_is_said_at_the_start() {
     fs::write(&file, "").unwrap();
     let error = Recorder::start(RecorderOptions::new(&file, started()), text_topics()).unwrap_err();
     assert!(matches!(error, RecordingError::Directory { .. }));
-    assert!(error.to_string().contains("record.directory"), "{error}");
+    assert!(error.to_string().contains("choose another"), "{error}");
     let twice = [text_topics(), text_topics()].concat();
     let error = Recorder::start(RecorderOptions::new(folder.path(), started()), twice).unwrap_err();
     assert!(matches!(error, RecordingError::DuplicateTopic { .. }));
@@ -245,9 +243,10 @@ fn what_cannot_work_is_said_at_the_start() {
 #[test]
 fn what_a_crash_left_is_repaired_at_the_next_start() {
     let folder = tempfile::tempdir().unwrap();
-    let crashed = folder
-        .path()
-        .join(directory_name(started() - Duration::from_secs(60)));
+    let crashed = folder.path().join(directory_name(
+        "recording",
+        started() - Duration::from_secs(60),
+    ));
     let mut writer = Writer::create(&crashed, &WriterOptions::default(), &text_topics()).unwrap();
     (0..100).for_each(|index| writer.write(&plain(index)).unwrap());
     writer.finish().unwrap();
@@ -276,7 +275,7 @@ fn what_a_crash_left_is_repaired_at_the_next_start() {
             .collect();
         assert_eq!(repairs.len(), usize::from(round == 0));
         if let Some(report) = repairs.first() {
-            assert_eq!(report.severity(), Severity::Warning);
+            assert_eq!(report.level(), ReportLevel::Warning);
             assert!(
                 report.to_string().contains("100 messages are written anew"),
                 "{report}"
@@ -290,9 +289,10 @@ fn what_a_crash_left_is_repaired_at_the_next_start() {
 #[test]
 fn a_recording_that_is_being_written_is_not_taken_for_a_crashed_one() {
     let folder = tempfile::tempdir().unwrap();
-    let running = folder
-        .path()
-        .join(directory_name(started() - Duration::from_secs(60)));
+    let running = folder.path().join(directory_name(
+        "recording",
+        started() - Duration::from_secs(60),
+    ));
     let mut writer = Writer::create(&running, &WriterOptions::default(), &text_topics()).unwrap();
     writer.write(&plain(0)).unwrap();
     let recorder = Recorder::start(
@@ -318,20 +318,4 @@ fn a_recording_that_is_being_written_is_not_taken_for_a_crashed_one() {
         );
     }
     writer.finish().unwrap();
-}
-
-#[test]
-fn the_parameters_are_its_options() {
-    let parameters = Parameters::default();
-    let options = RecorderOptions::from_parameters(&parameters.settings().record, started());
-    assert_eq!(options.directory, Path::new("recordings"));
-    assert_eq!(
-        (options.max_file_size, options.max_files),
-        (1_000_000_000, Some(100))
-    );
-    assert_eq!(
-        (options.max_duration, options.max_age),
-        (Some(Duration::from_secs(3600)), None)
-    );
-    assert_eq!((options.max_total_size, options.sync), (None, true));
 }
