@@ -11,10 +11,10 @@ use std::time::{Duration, Instant, SystemTime};
 
 use column_twin::live::{RealTime, ask_for_sender};
 use column_twin::messages::column_twin::ColumnState;
-use column_twin::messages::{Message, cdr};
-use column_twin::parameters::Compression;
+use column_twin::messages::{INTERFACES, Message, cdr};
 use column_twin::recording::{
-    Entry, OfferedQos, Recorder, RecorderOptions, TopicInfo, Writer, WriterOptions,
+    self, ChunkCompression, Entry, OfferedQos, Recorder, RecorderOptions, TopicInfo, Writer,
+    WriterOptions,
 };
 
 /// Messages of one measurement of the throughput.
@@ -32,11 +32,7 @@ fn topic() -> TopicInfo {
         transient_local: false,
         depth: 1000,
     };
-    TopicInfo {
-        name: "/column_state".to_owned(),
-        type_name: "column_twin/msg/ColumnState",
-        qos,
-    }
+    recording::topic("/column_state", "column_twin/msg/ColumnState", qos).expect("a definition")
 }
 
 /// A state as it may be, padded to 500 bytes by its identity.
@@ -87,7 +83,11 @@ fn throughput(folder: &Path) {
         "{:<6} {:>16} {:>16} {:>8} {:>14}",
         "", "ours [1/s]", "mcap [1/s]", "ratio", "ours [MB/s]"
     );
-    for compression in [Compression::None, Compression::Lz4, Compression::Zstd] {
+    for compression in [
+        ChunkCompression::None,
+        ChunkCompression::Lz4,
+        ChunkCompression::Zstd,
+    ] {
         let mut rates: Vec<(f64, f64)> = (0..ROUNDS)
             .map(|round| {
                 let directory = folder.join(format!("{compression:?}{round}"));
@@ -111,7 +111,7 @@ fn throughput(folder: &Path) {
     }
 }
 
-fn ours(directory: &Path, compression: Compression, entries: &[Entry]) -> Duration {
+fn ours(directory: &Path, compression: ChunkCompression, entries: &[Entry]) -> Duration {
     let options = WriterOptions {
         compression,
         sync: false,
@@ -127,15 +127,10 @@ fn ours(directory: &Path, compression: Compression, entries: &[Entry]) -> Durati
     begin.elapsed()
 }
 
-fn bare(path: &Path, compression: Compression, entries: &[Entry]) -> Duration {
-    let compression = match compression {
-        Compression::None => None,
-        Compression::Lz4 => Some(mcap::Compression::Lz4),
-        Compression::Zstd => Some(mcap::Compression::Zstd),
-    };
+fn bare(path: &Path, compression: ChunkCompression, entries: &[Entry]) -> Duration {
     let options = mcap::WriteOptions::new()
         .profile("ros2")
-        .compression(compression)
+        .compression(compression.into())
         .compression_threads(0)
         .chunk_size(Some(1 << 20))
         .disable_seeking(true);
@@ -143,7 +138,7 @@ fn bare(path: &Path, compression: Compression, entries: &[Entry]) -> Duration {
     let file = BufWriter::new(File::create(path).expect("a file"));
     let mut writer = options.create(file).expect("a recording");
     let interface = ColumnState::INTERFACE;
-    let text = interface.schema_text().expect("a definition");
+    let text = interface.schema_text(INTERFACES).expect("a definition");
     let schema = writer
         .add_schema(&interface.ros_name(), "ros2msg", text.as_bytes())
         .expect("room");

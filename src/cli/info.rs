@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
 use crate::recording::{
-    self, EventSummary, FLUSH_WITHIN, REPAIR_RECORD, Reader, RecordedTopic, RecordingError,
+    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError,
 };
 
 /// Arguments of `column-twin info`.
@@ -139,11 +139,7 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
             reader.wholeness().to_string()
         },
     )?;
-    if let Some((_, repair)) = reader
-        .metadata()
-        .iter()
-        .find(|(name, _)| name == REPAIR_RECORD)
-    {
+    if let Some(repair) = reader.repair_notes() {
         let noted = |key: &str| repair.get(key).map_or("?", String::as_str);
         line(
             "Repaired",
@@ -181,8 +177,7 @@ fn note(topic: &RecordedTopic) -> Option<String> {
     if !topic.type_name.starts_with("column_twin/") {
         return None;
     }
-    topic
-        .check_definition()
+    recording::check_definition(topic)
         .err()
         .map(|error| error.to_string())
 }

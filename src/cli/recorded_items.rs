@@ -12,7 +12,7 @@ use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::messages::{Message, cdr};
 use crate::parameters::Parameters;
-use crate::recording::{self, Reader, RecordedTopic};
+use crate::recording::{self, Reader};
 use crate::twin::Journal;
 use crate::viewer::{self, RecordedMessage, ViewerItem};
 
@@ -34,7 +34,7 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
     for message in reader.messages() {
         let message = message?;
         let topic = reader.topics().get(message.topic_index);
-        if config.is_none() && topic.is_some_and(RecordedTopic::is_journal) {
+        if config.is_none() && topic.is_some_and(recording::is_journal) {
             if let Some(column) = checkpoint_parameters(&message.data) {
                 parameters.get_or_insert_with(|| Arc::clone(&column));
                 gathered.messages.push(RecordedMessage::Column(column));

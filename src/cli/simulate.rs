@@ -303,10 +303,8 @@ impl Case {
         let Some(directory) = &arguments.record else {
             return Ok(None);
         };
-        let options = crate::recording::WriterOptions {
-            compression: self.parameters.settings().record.compression,
-            ..crate::recording::WriterOptions::default()
-        };
+        let compression = self.parameters.settings().record.compression;
+        let options = crate::recording::writer_options(compression);
         // `as` saturates; a time out of range is rejected below.
         let origin = (arguments.record_stamp * 1e9).round() as i64;
         crate::evidence::record_impact(&self.parameters, origin, directory, &options)

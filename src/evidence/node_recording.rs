@@ -15,7 +15,7 @@ use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::outgoing::{RecordingHealth, RecordingTap};
 use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
-    Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
+    self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
 use crate::twin::Journal;
 
@@ -53,8 +53,8 @@ impl NodeRecording {
             RecordMode::Events => true,
             RecordMode::Always => false,
         };
-        let options = options(RecorderOptions::from_parameters(record, SystemTime::now()));
-        let recorder = Recorder::start(options, topics.declared())?;
+        let options = options(recording::recorder_options(record, SystemTime::now()));
+        let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
             recorder: RwLock::new(Some(recorder)),
             entries: Entries::new(topics),
@@ -214,7 +214,14 @@ impl RecordingTap for NodeRecording {
             ("recordings finished", finished.to_string()),
         ];
         RecordingHealth {
-            queue,
+            queue: QueueStats {
+                name: "recording".to_owned(),
+                capacity: queue.capacity,
+                len: queue.len,
+                when_full: WhenFull::DropNewest,
+                pushed: queue.pushed,
+                dropped: queue.dropped,
+            },
             lost: lost + self.unencoded.load(Ordering::Relaxed),
             problem: failing.map(|reason| reason.to_string()),
             values: values

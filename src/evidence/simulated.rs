@@ -89,7 +89,7 @@ pub fn record_impact(
     let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
     let topics = Topics::of_default_node();
     let mut script = Script {
-        writer: Writer::create(directory, options, &topics.declared())?,
+        writer: Writer::create(directory, options, &topics.declared()?)?,
         entries: Entries::new(&topics),
         outgoing: Outgoing::new(parameters),
         report: None,

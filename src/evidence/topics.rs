@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::endpoints::{self, Endpoint, Qos};
-use crate::recording::{OfferedQos, TopicInfo};
+use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// What is recorded.
 pub const RECORDED: [&Endpoint; 13] = [
@@ -53,15 +53,15 @@ impl Topics {
         }
     }
 
-    /// As the recorder wants them.
-    #[must_use]
-    pub fn declared(&self) -> Vec<TopicInfo> {
+    /// As the recorder needs them.
+    ///
+    /// # Errors
+    /// A message definition of this program is wrong.
+    pub fn declared(&self) -> Result<Vec<TopicInfo>, RecordingError> {
         let pairs = RECORDED.iter().zip(&self.names);
         pairs
-            .map(|(endpoint, name)| TopicInfo {
-                name: name.clone(),
-                type_name: endpoint.type_name,
-                qos: offered(&endpoint.qos),
+            .map(|(endpoint, name)| {
+                recording::topic(name, endpoint.type_name, offered(&endpoint.qos))
             })
             .collect()
     }
@@ -97,7 +97,12 @@ mod tests {
     #[test]
     fn topics_have_their_usual_names() {
         let topics = Topics::of_default_node();
-        let names: Vec<_> = topics.declared().into_iter().map(|it| it.name).collect();
+        let names: Vec<_> = topics
+            .declared()
+            .expect("definitions")
+            .into_iter()
+            .map(|it| it.name)
+            .collect();
         for name in ["/column_twin/journal", "/column_state", "/diagnostics"] {
             assert!(names.iter().any(|it| it == name), "{names:?}");
         }

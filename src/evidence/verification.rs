@@ -9,7 +9,7 @@ use super::journal_line::{JournalError, Line};
 use super::replayer::{Recorded, Replayer};
 use crate::endpoints;
 use crate::outgoing::{Message, Topic};
-use crate::recording::{Reader, RecordingError};
+use crate::recording::{self, Reader, RecordingError};
 
 /// Most reasons why something was not checked that are kept; all are counted.
 const MAX_REASONS: usize = 20;
@@ -184,7 +184,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     let journal = reader
         .topics()
         .iter()
-        .find(|it| it.is_journal())
+        .find(|it| recording::is_journal(it))
         .map(|it| std::sync::Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut replayer = Replayer::default();

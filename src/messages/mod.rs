@@ -1,8 +1,8 @@
-//! What travels between the twin and the world: the types of `msg/` and `srv/`, their bytes, names and hashes.
+//! The messages between the twin and other programs: the types in `msg/` and `srv/`, their bytes, names and hashes.
 //!
 //! The `.msg` and `.srv` files are the single source of fields, order, constants, units and meaning. The structs
-//! here repeat fields and constants only, and tests hold them to the files; names, type hashes and the text that
-//! recordings embed are computed from the files. A module bears the name of its ROS package.
+//! here repeat only fields and constants, and tests compare them with the files; names, type hashes and the schema text in
+//! recordings are computed from the files. Each module has the name of its ROS package.
 //!
 //! ```
 //! use column_twin::messages::{Message, cdr, column_twin::ImpactEvent};
@@ -14,14 +14,10 @@
 //! # Ok::<(), cdr::CdrError>(())
 //! ```
 //!
-//! Deliberately absent: the type hash of a service as a whole (nothing announces or records it) and `wstring`
-//! (2 against 4 bytes per character between vendors).
+//! Absent by design: the type hash of a service as a whole (nothing announces or records it) and `wstring`
+//! (its characters have 2 or 4 bytes, depending on the vendor).
 
-pub mod cdr;
-pub mod idl;
-pub mod interface;
 mod table;
-pub mod type_hash;
 
 pub mod builtin_interfaces;
 pub mod column_twin;
@@ -35,5 +31,5 @@ pub mod std_msgs;
 pub mod std_srvs;
 pub mod visualization_msgs;
 
-pub use interface::{Interface, Message};
+pub use ros_interface::{Interface, Message, cdr, idl, interface, type_hash};
 pub use table::{INTERFACES, find};

@@ -1,12 +1,13 @@
-//! The one table of types: every struct with its ROS name and the file that defines it.
+//! The single table of types: every struct with its ROS name and the file that defines it.
 
-use super::interface::{Interface, Message, Part};
+use ros_interface::{Interface, Message, Part};
+
 use super::{
     builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rcl_interfaces, rosgraph_msgs,
     sensor_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
-/// Ties each struct to its file and lists all of them, so that no type can be in one place only.
+/// Connects each struct with its file and lists all of them, so that no type can be in only one of the two places.
 macro_rules! interfaces {
     ($($package:ident $part:ident $name:ident = $type:ident in $file:literal;)*) => {
         $(impl Message for $package::$type {
@@ -15,7 +16,7 @@ macro_rules! interfaces {
             );
         })*
 
-        /// Every type that the twin reads or writes, and every type that these are made of.
+        /// Every type that the twin reads or writes, and all their dependencies.
         pub const INTERFACES: &[&Interface] = &[$(<$package::$type as Message>::INTERFACE),*];
     };
 }
@@ -57,10 +58,7 @@ interfaces! {
     visualization_msgs Message UVCoordinate = UVCoordinate in "msg/deps/visualization_msgs/UVCoordinate.msg";
 }
 
-/// The type of that ROS name, for example `column_twin/msg/ColumnState`.
+/// The type with this ROS name, for example `column_twin/msg/ColumnState`.
 pub fn find(ros_name: &str) -> Option<&'static Interface> {
-    INTERFACES
-        .iter()
-        .copied()
-        .find(|interface| interface.ros_name() == ros_name)
+    ros_interface::find(ros_name, INTERFACES)
 }

@@ -1,51 +1,135 @@
-//! Recordings: MCAP files in the layout of rosbag2, which every ROS tool reads, which survive a crash, and which replay.
-//!
-//! A recording is a directory: `metadata.yaml` and one MCAP file. [`Writer`] writes one, [`Recorder`] writes them one after
-//! the other in a thread of its own, [`Reader`] reads ours and those of others, [`repair`](fn@repair) writes one anew that
-//! was cut off. Times are nanoseconds since 1970, or of the simulated clock. Message bytes are those on the wire:
-//! encapsulation header, then CDR.
-//!
-//! What holds for a recording of ours:
-//! - Whatever ends the program, all but the last [`FLUSH_WITHIN`] are in the file, and the file ends with a whole record.
-//! - `metadata.yaml` is there if, and only if, the recording was finished.
-//! - It begins with a [checkpoint](Entry::checkpoint) wherever one was recorded, so that it needs no other.
-//! - What is missing is counted, and the count stands in the file.
-//!
-//! Reading trusts nothing: no length, no index, no order. Its memory is bounded by [`MAX_CHUNK`] and the size of what is
-//! out of order, [`MAX_OUT_OF_ORDER`].
+//! Recordings: the crate `rosbag2_mcap`, with the names, definitions and parameters of this program.
 
-mod bag_metadata;
-mod decode;
-mod error;
-mod events;
-mod names;
-mod reader;
-mod recorder;
-mod records;
-mod reordering;
-mod repair;
-mod report;
-mod retention;
-mod session;
-mod statistics;
-mod storage;
-mod syncing;
-mod table;
-mod topic;
-mod writer;
+mod event_summary;
 
-pub use decode::{Decoded, Decoder};
-pub use error::RecordingError;
-pub use events::{EventSummary, summarise_events};
-pub use names::{directory_name, directory_time};
-pub use reader::{MAX_OUT_OF_ORDER, Message, Messages, Reader, RecordedTopic, Wholeness};
-pub use recorder::{RECORDER_THREAD, Recorder, RecorderHandle};
-pub use records::MAX_CHUNK;
-pub use repair::{REPAIR_RECORD, Repaired, repair};
-pub use report::RecorderReport;
-pub use session::RecorderOptions;
-pub use statistics::RecorderStatistics;
-pub use topic::{OfferedQos, TopicInfo};
-pub use writer::{
-    Entry, FLUSH_WITHIN, Finished, LOSSES_RECORD, START_RECORD, Writer, WriterOptions,
-};
+use std::time::{Duration, SystemTime};
+
+pub use rosbag2_mcap::*;
+
+use crate::endpoints::JOURNAL;
+use crate::messages::{self, INTERFACES, type_hash::TypeHash};
+use crate::parameters::{Compression, Record};
+pub use event_summary::{EventSummary, summarise_events};
+
+/// The names of our recordings, and of the metadata records in them, begin with this.
+pub const APPLICATION: &str = "column_twin";
+
+/// The topic `name` whose messages are of one of our [types](INTERFACES).
+///
+/// # Errors
+/// The type is unknown.
+pub fn topic(name: &str, type_name: &str, qos: OfferedQos) -> Result<TopicInfo, RecordingError> {
+    let schema_error = |reason: String| RecordingError::Schema {
+        topic: name.to_owned(),
+        type_name: type_name.to_owned(),
+        reason,
+    };
+    let interface = messages::find(type_name).ok_or_else(|| {
+        schema_error("this program has no such type; add it to src/messages/table.rs".to_owned())
+    })?;
+    let schema = interface.schema_text(INTERFACES);
+    let hash = TypeHash::of(interface, INTERFACES);
+    Ok(TopicInfo {
+        name: name.to_owned(),
+        type_name: type_name.to_owned(),
+        schema: schema.map_err(|error| schema_error(error.to_string()))?,
+        type_hash: hash
+            .map_err(|error| schema_error(error.to_string()))?
+            .to_string(),
+        qos,
+    })
+}
+
+/// Whether the recording defines the type of `topic` as this program does, so that
+/// [`cdr::decode`](messages::cdr::decode) reads its messages as they were meant.
+///
+/// # Errors
+/// The type is not one of ours, or its fields, their types or its constants differ; the error names the first difference.
+pub fn check_definition(of: &RecordedTopic) -> Result<(), RecordingError> {
+    let unused = OfferedQos {
+        reliable: true,
+        transient_local: false,
+        depth: 1,
+    };
+    of.check_definition(&topic(&of.name, &of.type_name, unused)?.schema)
+}
+
+/// Whether a topic is the journal of a twin, whatever the name of its node.
+#[must_use]
+pub fn is_journal(topic: &RecordedTopic) -> bool {
+    let name = JOURNAL.name.trim_start_matches('~');
+    *topic.type_name == *JOURNAL.type_name && topic.name.ends_with(name)
+}
+
+/// How this program writes a recording.
+#[must_use]
+pub fn writer_options(compression: Compression) -> WriterOptions {
+    let notes = [
+        ("program", "column-twin"),
+        ("version", env!("CARGO_PKG_VERSION")),
+    ];
+    WriterOptions {
+        application: APPLICATION.to_owned(),
+        compression: compression.into(),
+        notes: notes
+            .map(|(name, note)| (name.to_owned(), note.to_owned()))
+            .into(),
+        ..WriterOptions::default()
+    }
+}
+
+/// How the parameters `record.*` want to record, from the time of day `started` on.
+#[must_use]
+pub fn recorder_options(record: &Record, started: SystemTime) -> RecorderOptions {
+    let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
+    let number = |value: u64| (value > 0).then_some(value);
+    let WriterOptions {
+        application, notes, ..
+    } = writer_options(record.compression);
+    RecorderOptions {
+        application,
+        notes,
+        compression: record.compression.into(),
+        sync: record.sync,
+        max_file_size: record.max_file_size,
+        max_duration: seconds(record.max_duration),
+        max_files: number(record.max_files),
+        max_total_size: number(record.max_total_size),
+        max_age: seconds(record.max_age),
+        ..RecorderOptions::new(&record.directory, started)
+    }
+}
+
+impl From<Compression> for ChunkCompression {
+    fn from(compression: Compression) -> Self {
+        match compression {
+            Compression::None => Self::None,
+            Compression::Lz4 => Self::Lz4,
+            Compression::Zstd => Self::Zstd,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::parameters::Parameters;
+
+    #[test]
+    fn the_parameters_are_its_options() {
+        let parameters = Parameters::default();
+        let options = recorder_options(&parameters.settings().record, SystemTime::UNIX_EPOCH);
+        assert_eq!(options.directory, Path::new("recordings"));
+        assert_eq!(
+            (options.max_file_size, options.max_files),
+            (1_000_000_000, Some(100))
+        );
+        assert_eq!(
+            (options.max_duration, options.max_age),
+            (Some(Duration::from_secs(3600)), None)
+        );
+        assert_eq!((options.max_total_size, options.sync), (None, true));
+    }
+}

@@ -114,13 +114,12 @@ struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 impl RunRecording {
     fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
-        use crate::recording::{RecorderOptions, RecorderReport};
-        use crate::twin::Severity;
+        use crate::recording::{RecorderOptions, RecorderReport, ReportLevel};
         let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
-        let say = |report: &RecorderReport| match report.severity() {
-            Severity::Info => tracing::info!("{report}"),
-            Severity::Warning => tracing::warn!("{report}"),
-            Severity::Error => tracing::error!("{report}"),
+        let say = |report: &RecorderReport| match report.level() {
+            ReportLevel::Info => tracing::info!("{report}"),
+            ReportLevel::Warning => tracing::warn!("{report}"),
+            ReportLevel::Error => tracing::error!("{report}"),
         };
         let told = |options| RecorderOptions {
             tell: Some(Arc::new(say)),

@@ -31,7 +31,7 @@ fn forged(
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("forged");
     let topics = Topics::of_default_node();
-    let declared = topics.declared();
+    let declared = topics.declared().unwrap();
     let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
     for message in Reader::open(original).unwrap().messages() {
         let message = message.unwrap();
@@ -212,7 +212,7 @@ fn messages_that_were_put_in_are_found() {
     let mut twice = false;
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared();
+    let declared = Topics::of_default_node().declared().unwrap();
     let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
     for message in Reader::open(&original.path()).unwrap().messages() {
         let message = message.unwrap();

@@ -18,5 +18,5 @@ mod killed;
 mod node;
 mod recorded_twin;
 mod replayed;
-#[path = "../recording/small_disk.rs"]
+#[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;

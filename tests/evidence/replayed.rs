@@ -204,7 +204,7 @@ fn a_wrong_topic_is_said_with_those_that_there_are() {
 /// A state each millisecond, recorded at whole milliseconds.
 fn written(directory: &Path, count: i64) -> (PathBuf, Vec<i64>) {
     let path = directory.join(format!("states_{count}"));
-    let declared = Topics::of_default_node().declared();
+    let declared = Topics::of_default_node().declared().unwrap();
     let topic = declared
         .iter()
         .position(|it| it.name == "/column_state")

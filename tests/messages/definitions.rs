@@ -263,9 +263,9 @@ fn schema_text_embeds_every_dependency_once() {
         "=".repeat(80),
         time.text()
     );
-    assert_eq!(header.schema_text().unwrap(), expected);
+    assert_eq!(header.schema_text(INTERFACES).unwrap(), expected);
 
-    let text = MarkerArray::INTERFACE.schema_text().unwrap();
+    let text = MarkerArray::INTERFACE.schema_text(INTERFACES).unwrap();
     assert!(text.ends_with('\n'));
     let read = MessageSchema::parse("visualization_msgs/MarkerArray", &text).unwrap();
     let mut names: Vec<_> = read

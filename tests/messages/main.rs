@@ -4,6 +4,7 @@ mod bounded_reading;
 mod conversions;
 mod definitions;
 mod golden_bytes;
+mod idl;
 mod ros2_itself;
 
 use column_twin::messages::{

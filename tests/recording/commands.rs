@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use column_twin::parameters::Compression;
+use column_twin::recording::ChunkCompression;
 
+use super::random_damage::{Random, mutate};
 use super::sample::{self, sample};
 
 fn run(arguments: &[&str], bag: &Path) -> Output {
@@ -30,7 +31,7 @@ fn err(output: &Output) -> String {
 
 fn bag(folder: &tempfile::TempDir) -> PathBuf {
     let directory = folder.path().join("bag");
-    sample::write(&directory, Compression::Lz4, &sample(100));
+    sample::write(&directory, ChunkCompression::Lz4, &sample(100));
     directory
 }
 
@@ -223,4 +224,45 @@ fn export_says_what_it_cannot_do() {
         err(&cut_off)
     );
     assert!(!folder.path().join("bag_csv").exists());
+}
+
+/// The commands say what is wrong with damaged files and end with the code for bad input or for losses.
+#[test]
+fn the_commands_end_well_on_mutated_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mcap");
+    let originals = sample::COMPRESSIONS.map(|compression| {
+        let directory = folder.path().join(format!("{compression:?}"));
+        sample::write(&directory, compression, &sample(3));
+        fs::read(directory.join(format!("{compression:?}_0.mcap"))).unwrap()
+    });
+    for number in 0..60 {
+        let mut random = Random(number);
+        let original = &originals[random.below(originals.len())];
+        fs::write(&path, mutate(original, &mut random)).unwrap();
+        let tables = folder.path().join(format!("tables_{number}"));
+        let tables = tables.to_str().unwrap();
+        for arguments in [
+            &["info"][..],
+            &["export", "--json", "--output", "-"],
+            &["export", "--csv", "--output", tables],
+        ] {
+            let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+                .args(arguments)
+                .arg(&path)
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            let code = output.status.code().unwrap();
+            assert!(
+                [0, 2, 3].contains(&code),
+                "mutation {number}: {code} {said}"
+            );
+            assert_eq!(
+                code == 0,
+                said.trim().is_empty(),
+                "mutation {number}: {said}"
+            );
+        }
+    }
 }

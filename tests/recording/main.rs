@@ -1,15 +1,13 @@
-//! Recordings as files: written, cut off, repaired, damaged, exported; read by us and by others.
+//! Recordings of this program: layout, commands, and programs of others that read them.
 #![cfg(feature = "record")]
 // A test may wait for another thread as it likes: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
-mod bad_input;
 mod commands;
+#[path = "../../crates/recording/tests/recording/crash.rs"]
 mod crash;
-mod full_disk;
 mod layout;
-mod mutations;
 mod other_readers;
-mod recorder;
+#[path = "../../crates/recording/tests/recording/random_damage.rs"]
+mod random_damage;
 mod sample;
-mod small_disk;

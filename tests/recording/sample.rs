@@ -15,7 +15,8 @@ use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
 use column_twin::messages::{Message, cdr};
 use column_twin::parameters::Compression;
 use column_twin::recording::{
-    Entry, Finished, OfferedQos, Reader, TopicInfo, Writer, WriterOptions,
+    ChunkCompression, Entry, Finished, OfferedQos, Reader, TopicInfo, Writer, WriterOptions, topic,
+    writer_options,
 };
 use serde_json::{Value, json};
 
@@ -23,7 +24,11 @@ use serde_json::{Value, json};
 pub const START: i64 = 1_795_246_800_000_000_000;
 
 /// Every compression.
-pub const COMPRESSIONS: [Compression; 3] = [Compression::None, Compression::Lz4, Compression::Zstd];
+pub const COMPRESSIONS: [ChunkCompression; 3] = [
+    ChunkCompression::None,
+    ChunkCompression::Lz4,
+    ChunkCompression::Zstd,
+];
 
 const RELIABLE: OfferedQos = OfferedQos {
     reliable: true,
@@ -96,11 +101,7 @@ pub fn topics() -> Vec<TopicInfo> {
             RELIABLE,
         ),
     ]
-    .map(|(name, type_name, qos)| TopicInfo {
-        name: name.to_owned(),
-        type_name,
-        qos,
-    })
+    .map(|(name, type_name, qos)| topic(name, type_name, qos).unwrap())
     .into()
 }
 
@@ -291,10 +292,10 @@ fn diagnostics(nanos: i64) -> DiagnosticArray {
 }
 
 /// Writes the messages to `directory`.
-pub fn write(directory: &Path, compression: Compression, messages: &[Expected]) -> Finished {
+pub fn write(directory: &Path, compression: ChunkCompression, messages: &[Expected]) -> Finished {
     let options = WriterOptions {
         compression,
-        ..WriterOptions::default()
+        ..writer_options(Compression::None)
     };
     let mut writer = Writer::create(directory, &options, &topics()).unwrap();
     for (index, message) in messages.iter().enumerate() {
@@ -323,7 +324,7 @@ pub fn assert_reads_back(reader: &Reader, messages: &[Expected]) {
         let topic = &topics[entry.topic];
         assert_eq!(
             (&*found.topic, &*found.type_name),
-            (&*topic.name, topic.type_name)
+            (&*topic.name, &*topic.type_name)
         );
         assert_eq!(
             (found.log_time, found.publish_time),
@@ -376,9 +377,5 @@ pub fn text_entry(topic: usize, log_time: i64, text: &str, checkpoint: bool) -> 
 
 /// One topic of texts.
 pub fn text_topics() -> Vec<TopicInfo> {
-    vec![TopicInfo {
-        name: "/text".to_owned(),
-        type_name: "std_msgs/msg/String",
-        qos: RELIABLE,
-    }]
+    vec![topic("/text", "std_msgs/msg/String", RELIABLE).unwrap()]
 }

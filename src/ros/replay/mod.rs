@@ -26,7 +26,7 @@ use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::rosgraph_msgs::Clock;
-use crate::recording::{OfferedQos, Reader, RecordedTopic, RecordingError};
+use crate::recording::{self, OfferedQos, Reader, RecordedTopic, RecordingError};
 use pace::Pace;
 
 /// Name of the node.
@@ -240,7 +240,7 @@ fn channels(
     let chosen = |topic: &&RecordedTopic| match options.topics.is_empty() {
         true => {
             let own_clock = options.clock.is_some() && *topic.name == *endpoints::CLOCK.name;
-            !topic.is_journal() && !own_clock
+            !recording::is_journal(topic) && !own_clock
         }
         false => options
             .topics

@@ -1,0 +1,126 @@
+//! What happens to a recorder, for those who listen.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::repair::Repaired;
+use crate::writer::Finished;
+
+/// How important a report is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReportLevel {
+    /// Normal operation.
+    Info,
+    /// Something went wrong, and nothing more was lost by it.
+    Warning,
+    /// Messages are lost, or could be.
+    Error,
+}
+
+/// Something that happened to a recorder. Displayed, it is a line for a log.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecorderReport {
+    /// A recording began.
+    Began {
+        /// Its directory.
+        directory: PathBuf,
+    },
+    /// A recording was finished.
+    Finished(Finished),
+    /// An old recording was deleted, because of the limits.
+    Deleted {
+        /// Its directory.
+        directory: PathBuf,
+    },
+    /// A recording that a crash had cut off was written anew.
+    Repaired(Repaired),
+    /// A recording that a crash had cut off could not be written anew.
+    NotRepaired {
+        /// Its directory.
+        directory: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Nothing can be recorded now.
+    Failing {
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// It is recorded again.
+    Resumed {
+        /// Where.
+        directory: PathBuf,
+        /// Messages that are in no file and of which no report has said so.
+        lost: u64,
+    },
+    /// The queue was full, or writing failed.
+    Lost {
+        /// Messages that are in no file and of which no report has said so.
+        messages: u64,
+    },
+}
+
+impl RecorderReport {
+    /// How important it is: every loss is an error.
+    #[must_use]
+    pub fn level(&self) -> ReportLevel {
+        match self {
+            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => ReportLevel::Info,
+            Self::Repaired(_) => ReportLevel::Warning,
+            Self::NotRepaired { .. }
+            | Self::Failing { .. }
+            | Self::Resumed { .. }
+            | Self::Lost { .. } => ReportLevel::Error,
+        }
+    }
+}
+
+impl fmt::Display for RecorderReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Began { directory } => write!(f, "recording to {}", directory.display()),
+            Self::Finished(it) => {
+                write!(
+                    f,
+                    "recorded {} messages, {} bytes in {}",
+                    it.messages,
+                    it.bytes,
+                    it.directory.display()
+                )?;
+                if it.lost > 0 {
+                    write!(f, "; {} messages are missing", it.lost)?;
+                }
+                Ok(())
+            }
+            Self::Deleted { directory } => {
+                write!(
+                    f,
+                    "deleted the old recording {} to keep within the limits",
+                    directory.display()
+                )
+            }
+            Self::Repaired(it) => write!(f, "{it}"),
+            Self::NotRepaired { directory, reason } => {
+                write!(
+                    f,
+                    "the recording {} was cut off and is not repaired: {reason}",
+                    directory.display()
+                )
+            }
+            Self::Failing { reason } => write!(f, "nothing is recorded: {reason}"),
+            Self::Resumed { directory, lost } => {
+                write!(
+                    f,
+                    "recording again, to {}; {lost} messages are in no recording",
+                    directory.display()
+                )
+            }
+            Self::Lost { messages } => {
+                write!(
+                    f,
+                    "{messages} messages are in no recording: the queue was full, or they could not be written"
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,607 @@
+//! What a recorder does with each message, driven by the time it is given: begins recordings at checkpoints, ends them
+//! at their limits, goes on after a full disk, keeps to what may be kept.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use crate::compression::ChunkCompression;
+use crate::error::RecordingError;
+use crate::names::directory_name;
+use crate::report::RecorderReport;
+use crate::retention::{Kept, delete_what_is_too_much};
+use crate::syncing::Syncing;
+use crate::topic::TopicInfo;
+use crate::writer::{APPLICATION, Ended, Entry, Unsaved, Writer, WriterOptions};
+
+/// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
+/// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).
+const FLUSH_PERIOD: Duration = Duration::from_millis(25);
+
+/// Shortest time between two notes of losses in the file.
+const NOTE_PERIOD: Duration = Duration::from_secs(1);
+
+/// Where no checkpoint comes, a recording ends at this multiple of its limits.
+const HARD_LIMIT: u32 = 2;
+
+/// Most chunks of one recording: each takes some 300 bytes of memory until its end.
+const MAX_CHUNKS: u64 = 250_000;
+
+/// Room that must be there before recording goes on after a full disk \[bytes\].
+const ROOM_TO_RESUME: u64 = 2 << 20;
+
+/// Most recordings that begin in one second.
+const MAX_PER_SECOND: u32 = 100;
+
+/// Is told what happens to a recorder.
+pub type Telling = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
+
+/// How to record.
+#[derive(Clone)]
+pub struct RecorderOptions {
+    /// Directory of the recordings; it is made where it is missing.
+    pub directory: PathBuf,
+    /// ChunkCompression of the chunks.
+    pub compression: ChunkCompression,
+    /// Whether every [`FLUSH_WITHIN`](crate::FLUSH_WITHIN) what was written is made to survive a loss of power.
+    pub sync: bool,
+    /// Name of the recording program; the names of recordings and threads begin with it.
+    pub application: String,
+    /// Notes of the recording program, which each recording begins with: its version, for example.
+    pub notes: BTreeMap<String, String>,
+    /// Size at which a recording goes on in a new one \[bytes\].
+    pub max_file_size: u64,
+    /// Age at which a recording goes on in a new one.
+    pub max_duration: Option<Duration>,
+    /// Most recordings that are kept, this one included.
+    pub max_files: Option<u64>,
+    /// Most bytes of recordings that are kept, this one included.
+    pub max_total_size: Option<u64>,
+    /// Age at which recordings are deleted.
+    pub max_age: Option<Duration>,
+    /// The time of day now; from here on the recorder counts by itself.
+    pub started: SystemTime,
+    /// How long after a failure it is tried again.
+    pub retry_after: Duration,
+    /// Most messages that wait for the recorder.
+    pub queue_messages: usize,
+    /// Most bytes of messages that wait for the recorder.
+    pub queue_bytes: usize,
+    /// Is called in the recorder's thread with what happens; must not take long.
+    pub tell: Option<Telling>,
+}
+
+impl RecorderOptions {
+    /// Records to `directory` without limits but those of the queue.
+    #[must_use]
+    pub fn new(directory: impl Into<PathBuf>, started: SystemTime) -> Self {
+        Self {
+            directory: directory.into(),
+            compression: ChunkCompression::None,
+            sync: true,
+            application: APPLICATION.to_owned(),
+            notes: BTreeMap::new(),
+            max_file_size: u64::MAX,
+            max_duration: None,
+            max_files: None,
+            max_total_size: None,
+            max_age: None,
+            started,
+            retry_after: Duration::from_secs(5),
+            queue_messages: 65_536,
+            queue_bytes: 64 << 20,
+            tell: None,
+        }
+    }
+
+    fn writer_options(&self) -> WriterOptions {
+        WriterOptions {
+            compression: self.compression,
+            sync: self.sync,
+            application: self.application.clone(),
+            notes: self.notes.clone(),
+        }
+    }
+
+    pub(crate) fn say(&self, report: &RecorderReport) {
+        if let Some(tell) = &self.tell {
+            tell(report);
+        }
+    }
+}
+
+impl fmt::Debug for RecorderOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RecorderOptions")
+            .field("directory", &self.directory)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What others may look at while the recorder works.
+#[derive(Debug, Default)]
+pub(crate) struct Counters {
+    pub written: AtomicU64,
+    pub written_bytes: AtomicU64,
+    /// Messages that did not get into the queue.
+    pub refused: AtomicU64,
+    /// Messages that were taken from the queue and could not be written.
+    pub unwritten: AtomicU64,
+    pub write_errors: AtomicU64,
+    pub finished: AtomicU64,
+    pub failing: Mutex<Option<Arc<str>>>,
+    pub current: Mutex<Option<PathBuf>>,
+}
+
+fn set<T>(place: &Mutex<Option<T>>, value: Option<T>) {
+    *place.lock().unwrap_or_else(PoisonError::into_inner) = value;
+}
+
+/// One recording after the other.
+pub(crate) struct Session {
+    options: RecorderOptions,
+    topics: Vec<TopicInfo>,
+    counters: Arc<Counters>,
+    syncing: Syncing,
+    writer: Option<Current>,
+    /// The newest checkpoint, with which a recording begins that could not wait for one.
+    checkpoint: Option<Entry>,
+    retry_at: Option<Duration>,
+    /// Losses that stand in a file.
+    noted: u64,
+    /// Losses that were told.
+    told: u64,
+    last_note: Option<Duration>,
+}
+
+struct Current {
+    writer: Writer,
+    began: Duration,
+    last_flush: Duration,
+    /// Whether there is something to flush.
+    unflushed: bool,
+}
+
+impl Session {
+    pub fn start(
+        options: RecorderOptions,
+        topics: Vec<TopicInfo>,
+        counters: Arc<Counters>,
+    ) -> Result<Self, RecordingError> {
+        Ok(Self {
+            syncing: Syncing::start(&options.application)?,
+            options,
+            topics,
+            counters,
+            writer: None,
+            checkpoint: None,
+            retry_at: None,
+            noted: 0,
+            told: 0,
+            last_note: None,
+        })
+    }
+
+    /// Records a message at `now`, counted from the start.
+    pub fn take(&mut self, entry: Entry, now: Duration) {
+        if entry.checkpoint {
+            self.checkpoint = Some(entry.clone());
+        }
+        let times = if entry.checkpoint { 1 } else { HARD_LIMIT };
+        if self
+            .writer
+            .as_ref()
+            .is_some_and(|current| self.is_past_limits(current, now, times))
+        {
+            self.end(Ended::Rotated);
+        }
+        if self.writer.is_none() && !self.begin(&entry, now) {
+            self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
+            return;
+        }
+        self.write(&entry, now);
+    }
+
+    fn is_past_limits(&self, current: &Current, now: Duration, times: u32) -> bool {
+        let options = &self.options;
+        let size = options.max_file_size.saturating_mul(u64::from(times));
+        let age = options
+            .max_duration
+            .map(|limit| limit.saturating_mul(times));
+        current.writer.bytes() >= size
+            || age.is_some_and(|age| now.saturating_sub(current.began) >= age)
+            || current.writer.chunks() >= MAX_CHUNKS * u64::from(times)
+    }
+
+    /// Begins a recording, if it is time to try; `first` is what it is begun for.
+    fn begin(&mut self, first: &Entry, now: Duration) -> bool {
+        if self.retry_at.is_some_and(|at| now < at) {
+            return false;
+        }
+        let room = if self.retry_at.is_some() {
+            ROOM_TO_RESUME
+        } else {
+            0
+        };
+        match self.create(now, room) {
+            Ok(writer) => {
+                self.begun(writer, now);
+                if let Some(point) = self.checkpoint.clone().filter(|_| !first.checkpoint) {
+                    self.write(&point, now);
+                }
+                self.writer.is_some()
+            }
+            Err(error) => {
+                self.fail(&error, now);
+                false
+            }
+        }
+    }
+
+    fn begun(&mut self, writer: Writer, now: Duration) {
+        let directory = writer.directory().to_path_buf();
+        set(&self.counters.current, Some(directory.clone()));
+        set(&self.counters.failing, None);
+        let report = match self.retry_at.take() {
+            None => RecorderReport::Began {
+                directory: directory.clone(),
+            },
+            Some(_) => RecorderReport::Resumed {
+                directory: directory.clone(),
+                lost: self.losses_to_tell(),
+            },
+        };
+        self.options.say(&report);
+        self.writer = Some(Current {
+            writer,
+            began: now,
+            last_flush: now,
+            unflushed: false,
+        });
+        self.delete_old(&directory, now);
+    }
+
+    fn create(&self, now: Duration, room: u64) -> Result<Writer, RecordingError> {
+        let directory = self.claim_directory(now)?;
+        let created = Writer::create_with_room(
+            &directory,
+            &self.options.writer_options(),
+            &self.topics,
+            room,
+        );
+        if created.is_err() {
+            // It was made a moment ago; what is not there need not be removed.
+            let _ = fs::remove_dir_all(&directory);
+        }
+        created
+    }
+
+    /// Makes a directory that nobody else has.
+    fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
+        let parent = &self.options.directory;
+        let name = directory_name(&self.options.application, self.options.started + now);
+        for attempt in 0..MAX_PER_SECOND {
+            let directory = match attempt {
+                0 => parent.join(&name),
+                attempt => parent.join(format!("{name}_{attempt}")),
+            };
+            match fs::create_dir(&directory) {
+                Ok(()) => return Ok(directory),
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(source) => {
+                    return Err(RecordingError::io(
+                        "create the directory",
+                        &directory,
+                        source,
+                    ));
+                }
+            }
+        }
+        Err(RecordingError::Exists {
+            path: parent.join(name),
+        })
+    }
+
+    fn delete_old(&self, current: &Path, now: Duration) {
+        let kept = Kept {
+            files: self.options.max_files,
+            total_size: self.options.max_total_size,
+            age: self.options.max_age,
+        };
+        for directory in delete_what_is_too_much(
+            &self.options.application,
+            &self.options.directory,
+            current,
+            self.options.started + now,
+            kept,
+        ) {
+            self.options.say(&RecorderReport::Deleted { directory });
+        }
+    }
+
+    fn write(&mut self, entry: &Entry, now: Duration) {
+        let Some(current) = &mut self.writer else {
+            return;
+        };
+        match current.writer.write(entry) {
+            Ok(()) => {
+                current.unflushed = true;
+                self.counters.written.fetch_add(1, Ordering::Relaxed);
+                self.counters
+                    .written_bytes
+                    .fetch_add(entry.data.len() as u64, Ordering::Relaxed);
+            }
+            Err(error) => {
+                self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
+                self.fail(&error, now);
+            }
+        }
+    }
+
+    /// Ends what is being written, as well as it goes, and waits before it tries again.
+    fn fail(&mut self, error: &RecordingError, now: Duration) {
+        self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
+        let reason: Arc<str> = error.to_string().into();
+        let first = self.retry_at.is_none();
+        self.retry_at = Some(now + self.options.retry_after);
+        if matches!(error, RecordingError::NoRoom { .. }) {
+            self.end(Ended::NoRoom);
+        } else if let Some(current) = self.writer.take() {
+            let unsaved = current.writer.abandon();
+            self.cut_off(unsaved);
+        }
+        set(&self.counters.current, None);
+        set(&self.counters.failing, Some(Arc::clone(&reason)));
+        if first {
+            self.options.say(&RecorderReport::Failing {
+                reason: reason.to_string(),
+            });
+        }
+    }
+
+    /// Finishes the recording, if there is one.
+    fn end(&mut self, reason: Ended) {
+        let losses = self.new_losses();
+        let Some(mut current) = self.writer.take() else {
+            return;
+        };
+        current.writer.add_lost(losses);
+        set(&self.counters.current, None);
+        match current.writer.finish_because(reason) {
+            Ok(finished) => {
+                self.noted += losses;
+                // What is lost is an error, also where it is only now that a file says so.
+                let messages = self.losses_to_tell();
+                if messages > 0 {
+                    self.options.say(&RecorderReport::Lost { messages });
+                }
+                self.counters.finished.fetch_add(1, Ordering::Relaxed);
+                self.options.say(&RecorderReport::Finished(finished));
+            }
+            Err((error, unsaved)) => {
+                self.cut_off(unsaved);
+                self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
+                self.options.say(&RecorderReport::Failing {
+                    reason: error.to_string(),
+                });
+            }
+        }
+    }
+
+    /// Counts what was taken for written when it came, and has not reached the file.
+    fn cut_off(&self, unsaved: Unsaved) {
+        let counters = &self.counters;
+        counters
+            .unwritten
+            .fetch_add(unsaved.messages, Ordering::Relaxed);
+        counters
+            .written
+            .fetch_sub(unsaved.messages, Ordering::Relaxed);
+        counters
+            .written_bytes
+            .fetch_sub(unsaved.bytes, Ordering::Relaxed);
+    }
+
+    /// Losses of which no report has said anything; from now on one has.
+    fn losses_to_tell(&mut self) -> u64 {
+        let lost = self.lost();
+        lost - std::mem::replace(&mut self.told, lost)
+    }
+
+    /// Messages that are lost and of which no file says so.
+    fn new_losses(&self) -> u64 {
+        self.lost().saturating_sub(self.noted)
+    }
+
+    /// Messages that are in no file.
+    fn lost(&self) -> u64 {
+        self.counters.refused.load(Ordering::Relaxed)
+            + self.counters.unwritten.load(Ordering::Relaxed)
+    }
+
+    /// Does what is due: hands data to the system, notes losses. To be called again and again.
+    pub fn tick(&mut self, now: Duration) {
+        if let Some(error) = self.syncing.take_failure() {
+            self.fail(&error, now);
+        }
+        self.note_losses(now);
+        let Some(current) = &mut self.writer else {
+            return;
+        };
+        if !current.unflushed || now.saturating_sub(current.last_flush) < FLUSH_PERIOD {
+            return;
+        }
+        current.last_flush = now;
+        current.unflushed = false;
+        match current.writer.hand_over() {
+            Ok(Some(unsynced)) => self.syncing.request(unsynced),
+            Ok(None) => {}
+            Err(error) => self.fail(&error, now),
+        }
+    }
+
+    fn note_losses(&mut self, now: Duration) {
+        let losses = self.new_losses();
+        let recently = self
+            .last_note
+            .is_some_and(|last| now.saturating_sub(last) < NOTE_PERIOD);
+        let Some(current) = self.writer.as_mut().filter(|_| losses > 0 && !recently) else {
+            return;
+        };
+        self.last_note = Some(now);
+        current.writer.add_lost(losses);
+        let noted = current.writer.note_lost();
+        let messages = self.losses_to_tell();
+        if messages > 0 {
+            self.options.say(&RecorderReport::Lost { messages });
+        }
+        match noted {
+            Ok(()) => self.noted += losses,
+            Err(error) => self.fail(&error, now),
+        }
+    }
+
+    /// Finishes everything.
+    pub fn finish(&mut self) {
+        self.end(Ended::Stopped);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reader::Reader;
+    use crate::topic::OfferedQos;
+
+    fn entry(checkpoint: bool) -> Entry {
+        Entry {
+            topic: 0,
+            log_time: 0,
+            publish_time: 0,
+            data: [0, 1, 0, 0, 1, 0, 0, 0, 0].as_slice().into(),
+            checkpoint,
+        }
+    }
+
+    fn session(options: RecorderOptions) -> (Session, Arc<Counters>) {
+        let topic = TopicInfo {
+            name: "/text".to_owned(),
+            type_name: "std_msgs/msg/String".to_owned(),
+            schema: "string data\n".to_owned(),
+            type_hash: String::new(),
+            qos: OfferedQos {
+                reliable: true,
+                transient_local: false,
+                depth: 1,
+            },
+        };
+        let counters = Arc::<Counters>::default();
+        let session = Session::start(options, vec![topic], Arc::clone(&counters)).unwrap();
+        (session, counters)
+    }
+
+    /// Messages of the recordings in `folder`, and those that are missing as they say, by name.
+    fn contents(folder: &Path) -> Vec<(u64, Option<u64>)> {
+        let mut directories: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|it| it.unwrap().path())
+            .collect();
+        directories.sort();
+        let file = |it: &PathBuf| it.join(crate::writer::file_name(it));
+        directories
+            .iter()
+            .map(|it| Reader::open(&file(it)).unwrap())
+            .map(|it| (it.message_count(), it.lost_messages()))
+            .collect()
+    }
+
+    #[test]
+    fn what_a_failed_write_cuts_off_is_lost_and_said_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let telling = Arc::clone(&told);
+        options.tell = Some(Arc::new(move |it| {
+            telling.lock().unwrap().push(it.clone());
+        }));
+        let (mut session, counters) = session(options);
+        let counted = || {
+            let count = |it: &AtomicU64| it.load(Ordering::Relaxed);
+            (count(&counters.written), count(&counters.unwritten))
+        };
+        let at = Duration::from_millis;
+        (0..4).for_each(|index| session.take(entry(index == 0), at(0)));
+        session.tick(at(100));
+        (0..3).for_each(|_| session.take(entry(false), at(110)));
+        assert_eq!(counted(), (7, 0));
+        session.writer.as_ref().unwrap().writer.break_disk();
+        session.tick(at(200));
+        assert_eq!(counted(), (4, 3));
+        // Before it is tried again.
+        session.take(entry(false), at(300));
+        assert_eq!(counted(), (4, 4));
+        session.take(entry(false), at(6000));
+        (0..30).for_each(|index| session.tick(at(6100 + 100 * index)));
+        session.take(entry(false), at(9200));
+        session.writer.as_ref().unwrap().writer.break_disk();
+        session.finish();
+        assert_eq!(counted(), (4 + 2, 4 + 1));
+        assert_eq!(contents(folder.path()), [(4, None), (2, Some(4))]);
+        let told = told.lock().unwrap();
+        let resumed = RecorderReport::Resumed {
+            directory: folder.path().join("recording_1970_01_01-00_00_06"),
+            lost: 4,
+        };
+        assert!(
+            matches!(
+                &told[..],
+                [
+                    RecorderReport::Began { .. },
+                    RecorderReport::Failing { .. },
+                    second,
+                    RecorderReport::Failing { .. },
+                ] if *second == resumed
+            ),
+            "{told:?}"
+        );
+    }
+
+    #[test]
+    fn an_old_recording_goes_on_at_a_starting_point_or_at_its_hard_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
+        options.max_duration = Some(Duration::from_secs(10));
+        let (mut session, counters) = session(options);
+        let names = || {
+            let mut names: Vec<_> = fs::read_dir(folder.path())
+                .unwrap()
+                .map(|it| it.unwrap().file_name().into_string().unwrap())
+                .collect();
+            names.sort();
+            names
+        };
+        for (second, checkpoint, recordings) in [
+            (0, true, 1),
+            (9, true, 1),
+            (15, false, 1),
+            (16, true, 2),
+            (35, false, 2),
+            (36, false, 3),
+        ] {
+            session.take(entry(checkpoint), Duration::from_secs(second));
+            assert_eq!(names().len(), recordings, "second {second}");
+        }
+        session.finish();
+        assert_eq!(
+            names(),
+            ["00", "16", "36"].map(|second| format!("recording_1970_01_01-00_00_{second}"))
+        );
+        // The last began with the checkpoint of second 16.
+        assert_eq!(counters.written.load(Ordering::Relaxed), 6 + 1);
+        assert_eq!(counters.finished.load(Ordering::Relaxed), 3);
+    }
+}

@@ -1,0 +1,147 @@
+//! Messages as rows of a table: fixed arrays become columns, sequences a cell.
+
+use crate::decode::{Decoded, Shape, not_finite};
+
+/// Most columns of a table; an array that would make more becomes a cell.
+const MAX_COLUMNS: usize = 4096;
+
+/// Most shapes inside each other that are looked at for these columns.
+const MAX_SHAPES: usize = 4 * MAX_COLUMNS;
+
+/// Names of the columns below `shape`, `header.stamp.sec`, `moment[0]`.
+pub(crate) fn columns(shape: &Shape) -> Vec<String> {
+    let mut names = Vec::new();
+    add_columns(shape, String::new(), &mut names);
+    names
+}
+
+fn add_columns(shape: &Shape, name: String, names: &mut Vec<String>) {
+    match shape {
+        Shape::Fields(fields) => {
+            for (field, shape) in fields.iter() {
+                let separator = if name.is_empty() { "" } else { "." };
+                add_columns(shape, format!("{name}{separator}{field}"), names);
+            }
+        }
+        Shape::Array(element, length) if is_spread(*length) => {
+            for index in 0..*length {
+                add_columns(element, format!("{name}[{index}]"), names);
+            }
+        }
+        Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => names.push(name),
+    }
+}
+
+/// Whether an array of that length is spread over columns. A matrix is; what is longer is no table any more.
+fn is_spread(length: usize) -> bool {
+    length <= 36
+}
+
+/// Whether a table of that shape has few enough columns.
+pub(crate) fn fits(shape: &Shape) -> bool {
+    let mut left = Left {
+        columns: MAX_COLUMNS,
+        shapes: MAX_SHAPES,
+    };
+    left.spend(shape).is_some()
+}
+
+/// What a shape may still have. Types inside each other are shared: followed to its end a small definition would be a
+/// tree of any size, also one without a single column.
+struct Left {
+    columns: usize,
+    shapes: usize,
+}
+
+impl Left {
+    /// `None` as soon as there is too much.
+    fn spend(&mut self, shape: &Shape) -> Option<()> {
+        self.shapes = self.shapes.checked_sub(1)?;
+        match shape {
+            Shape::Fields(fields) => fields.iter().try_for_each(|(_, shape)| self.spend(shape)),
+            Shape::Array(element, length) if is_spread(*length) => {
+                (0..*length).try_for_each(|_| self.spend(element))
+            }
+            Shape::One(_) | Shape::Array(..) | Shape::Sequence(_) => {
+                self.columns = self.columns.checked_sub(1)?;
+                Some(())
+            }
+        }
+    }
+}
+
+/// The cells of a message under [`columns`] of its shape.
+pub(crate) fn cells(shape: &Shape, value: &Decoded) -> Vec<String> {
+    let mut cells = Vec::new();
+    add_cells(shape, value, &mut cells);
+    cells
+}
+
+fn add_cells(shape: &Shape, value: &Decoded, cells: &mut Vec<String>) {
+    match (shape, value) {
+        (Shape::Fields(shapes), Decoded::Fields(values)) => {
+            for ((_, shape), (_, value)) in shapes.iter().zip(values) {
+                add_cells(shape, value, cells);
+            }
+        }
+        (Shape::Array(element, length), Decoded::List(values)) if is_spread(*length) => {
+            for value in values {
+                add_cells(element, value, cells);
+            }
+        }
+        (_, value) => cells.push(cell(value)),
+    }
+}
+
+/// Numbers read back to the last bit.
+fn cell(value: &Decoded) -> String {
+    match value {
+        Decoded::Bool(value) => value.to_string(),
+        Decoded::Integer(value) => value.to_string(),
+        Decoded::Unsigned(value) => value.to_string(),
+        Decoded::Float32(value) if value.is_finite() => format!("{value:?}"),
+        Decoded::Float64(value) if value.is_finite() => format!("{value:?}"),
+        Decoded::Float32(value) => not_finite(f64::from(*value)).to_owned(),
+        Decoded::Float64(value) => not_finite(*value).to_owned(),
+        Decoded::Text(text) => text.clone(),
+        // Written by serde from plain values, which does not fail.
+        list => serde_json::to_string(list).unwrap_or_default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use re_ros_msg::message_spec::BuiltInType;
+
+    use super::*;
+
+    fn fields(shape: &Shape, count: usize) -> Shape {
+        let field = |index| (Arc::from(format!("f{index}")), shape.clone());
+        Shape::Fields((0..count).map(field).collect())
+    }
+
+    #[test]
+    fn as_many_columns_as_are_allowed_fit() {
+        let number = Shape::One(BuiltInType::Int32);
+        let matrix = Shape::Array(Box::new(number.clone()), 16);
+        assert!(fits(&fields(&matrix, MAX_COLUMNS / 16)));
+        assert!(!fits(&fields(&matrix, MAX_COLUMNS / 16 + 1)));
+        assert_eq!(columns(&fields(&matrix, 2)).len(), 32);
+        let long = Shape::Array(Box::new(number), 37);
+        assert_eq!(columns(&fields(&long, 2)), ["f0", "f1"]);
+    }
+
+    /// 10^30 columns, and as many times nothing, in definitions of a kilobyte.
+    #[test]
+    fn types_that_are_nested_without_end_do_not_fit() {
+        let number = Shape::One(BuiltInType::Int32);
+        let nothing = Shape::Array(Box::new(number.clone()), 0);
+        for innermost in [number, nothing] {
+            let nested = (0..30).fold(innermost, |shape, _| fields(&shape, 10));
+            assert!(!fits(&nested));
+            assert!(!fits(&Shape::Array(Box::new(nested), 3)));
+        }
+    }
+}

@@ -1,0 +1,676 @@
+//! Writes one recording.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{WriteOptions, Writer as McapWriter};
+
+use crate::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
+use crate::compression::ChunkCompression;
+use crate::error::RecordingError;
+use crate::storage::Storage;
+use crate::syncing::Unsynced;
+use crate::topic::TopicInfo;
+
+/// Most that a program that is killed loses: what it recorded within this time before.
+pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
+
+/// Name of the recording program where none is given.
+pub(crate) const APPLICATION: &str = "recording";
+
+/// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
+pub(crate) const START: &str = "_start";
+
+/// End of the name of the metadata records that count lost messages, the last of which is valid: `lost_messages`, and
+/// at the end of a recording `ended`, the reason.
+pub(crate) const LOSSES: &str = "_losses";
+
+/// End of the name of the metadata record that says from what a recording was repaired, and why.
+pub(crate) const REPAIR: &str = "_repair";
+
+/// Name of a metadata record.
+pub(crate) fn record_name(application: &str, kind: &str) -> String {
+    format!("{application}{kind}")
+}
+
+/// Key of the metadata of a channel that holds the offered quality of service.
+pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
+
+/// Key of the metadata of a channel that holds the hash of its type.
+const TYPE_HASH_KEY: &str = "topic_type_hash";
+
+/// Size at which a chunk ends, before compression \[bytes\].
+const CHUNK_SIZE: u64 = 1 << 20;
+
+/// Small records are gathered before they go to the system \[bytes\].
+const WRITE_BUFFER: usize = 256 << 10;
+
+/// What a message needs in the file beside its bytes: its record's head and its place in the index \[bytes\].
+const MESSAGE_OVERHEAD: u64 = 31 + 16;
+
+/// What a chunk needs at the end of the file, and around itself, beside what each topic needs \[bytes\].
+const CHUNK_OVERHEAD: u64 = 512;
+
+/// What each topic needs for each chunk: its index record, its place in the chunk's index \[bytes\].
+const TOPIC_IN_CHUNK: u64 = 32;
+
+/// What each topic needs at the end of the file besides its schema: twice its metadata \[bytes\].
+const TOPIC_AT_END: u64 = 4096;
+
+/// What the end of the file and `metadata.yaml` need besides \[bytes\].
+const END: u64 = 64 << 10;
+
+/// One message to be recorded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Which of the declared topics, counted from 0.
+    pub topic: usize,
+    /// When it was received or sent \[ns since 1970\]; not before.
+    pub log_time: i64,
+    /// When its publisher sent it \[ns since 1970\]; not before.
+    pub publish_time: i64,
+    /// Its bytes on the wire: encapsulation header, then CDR.
+    pub data: Arc<[u8]>,
+    /// Whether a recording may begin with it: it says all that is needed to understand what follows.
+    pub checkpoint: bool,
+}
+
+/// How a recording is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WriterOptions {
+    /// ChunkCompression of the chunks.
+    pub compression: ChunkCompression,
+    /// Whether [`Writer::flush`] waits until the data would survive a loss of power.
+    pub sync: bool,
+    /// Name of the recording program; the names of its metadata records begin with it.
+    pub application: String,
+    /// Notes of the recording program, written at the beginning: its version, for example.
+    pub notes: BTreeMap<String, String>,
+}
+
+impl Default for WriterOptions {
+    fn default() -> Self {
+        Self {
+            compression: ChunkCompression::None,
+            sync: true,
+            application: APPLICATION.to_owned(),
+            notes: BTreeMap::new(),
+        }
+    }
+}
+
+/// A recording that was finished.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// Its directory.
+    pub directory: PathBuf,
+    /// Its messages.
+    pub messages: u64,
+    /// Bytes of its file.
+    pub bytes: u64,
+    /// Messages that are missing.
+    pub lost: u64,
+}
+
+/// What was taken and is in memory only: when the file ends here, it is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Unsaved {
+    /// Messages.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+}
+
+/// Why a recording ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ended {
+    /// Its writer had no more to write.
+    Stopped,
+    /// It was long enough.
+    Rotated,
+    /// No room.
+    NoRoom,
+    /// It was cut off, and written anew.
+    Repaired,
+}
+
+impl Ended {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Stopped => "stopped",
+            Self::Rotated => "rotated",
+            Self::NoRoom => "no_room",
+            Self::Repaired => "repaired",
+        }
+    }
+}
+
+/// Writes one recording: a directory with `metadata.yaml` and one MCAP file. To be [finished](Self::finish); dropped
+/// before, it ends the file if it can, says nothing of errors, and leaves no `metadata.yaml`.
+pub struct Writer {
+    inner: McapWriter<BufWriter<Storage>>,
+    storage: Storage,
+    directory: PathBuf,
+    path: PathBuf,
+    topics: Vec<Topic>,
+    application: String,
+    sync: bool,
+    span: Option<(u64, u64)>,
+    messages: u64,
+    lost: u64,
+    /// Bytes of the open chunk and of its index, at the most.
+    open_chunk: u64,
+    /// Its messages.
+    unsaved: Unsaved,
+    chunks: u64,
+    /// What the end of the file needs, beside what each chunk needs.
+    end: u64,
+    /// Length of the file up to which it consists of whole records.
+    whole: u64,
+    /// Length of the file that was synced, or given to somebody who does.
+    synced: u64,
+}
+
+struct Topic {
+    info: Described,
+    channel: u16,
+    messages: u64,
+}
+
+/// A topic with the texts that the file holds of it.
+pub(crate) struct Described {
+    pub name: String,
+    pub type_name: String,
+    pub schema_encoding: String,
+    pub schema: Vec<u8>,
+    pub message_encoding: String,
+    pub metadata: BTreeMap<String, String>,
+}
+
+impl Described {
+    fn new(topic: &TopicInfo) -> Result<Self, RecordingError> {
+        let qos = topic
+            .qos
+            .to_yaml()
+            .map_err(|error| RecordingError::WriteMetadata {
+                path: PathBuf::from(&topic.name),
+                reason: error.to_string(),
+            })?;
+        let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, topic.type_hash.clone())];
+        Ok(Self {
+            name: topic.name.clone(),
+            type_name: topic.type_name.clone(),
+            schema_encoding: "ros2msg".to_owned(),
+            schema: topic.schema.clone().into_bytes(),
+            message_encoding: "cdr".to_owned(),
+            metadata: metadata.map(|(key, value)| (key.to_owned(), value)).into(),
+        })
+    }
+
+    fn length(&self) -> u64 {
+        let metadata: usize = self
+            .metadata
+            .iter()
+            .map(|(key, value)| key.len() + value.len())
+            .sum();
+        (self.schema.len() + self.name.len() + self.type_name.len() + metadata) as u64
+    }
+}
+
+/// Whether these topics can be recorded: every name once.
+pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
+    for (index, topic) in topics.iter().enumerate() {
+        if topics[..index].iter().any(|other| other.name == topic.name) {
+            return Err(RecordingError::DuplicateTopic {
+                topic: topic.name.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
+impl Writer {
+    /// Begins the recording `directory`, which must not exist, or be empty.
+    ///
+    /// # Errors
+    /// The directory holds something or cannot be made, a type is unknown, a topic stands twice, or there is no room.
+    pub fn create(
+        directory: &Path,
+        options: &WriterOptions,
+        topics: &[TopicInfo],
+    ) -> Result<Self, RecordingError> {
+        Self::create_with_room(directory, options, topics, 0)
+    }
+
+    /// As [`create`](Self::create), where at least so much room \[bytes\] is left.
+    pub(crate) fn create_with_room(
+        directory: &Path,
+        options: &WriterOptions,
+        topics: &[TopicInfo],
+        room: u64,
+    ) -> Result<Self, RecordingError> {
+        check_topics(topics)?;
+        let described = topics
+            .iter()
+            .map(Described::new)
+            .collect::<Result<_, _>>()?;
+        let start = Metadata {
+            name: record_name(&options.application, START),
+            metadata: options.notes.clone(),
+        };
+        Self::create_with(directory, options, described, &[start], room)
+    }
+
+    /// As [`create`](Self::create), with topics that need not be ours.
+    pub(crate) fn create_with(
+        directory: &Path,
+        options: &WriterOptions,
+        topics: Vec<Described>,
+        records: &[Metadata],
+        room: u64,
+    ) -> Result<Self, RecordingError> {
+        make_directory(directory)?;
+        let path = directory.join(file_name(directory));
+        let storage =
+            Storage::create(&path).map_err(|source| RecordingError::io("create", &path, source))?;
+        let texts: u64 = topics.iter().map(Described::length).sum();
+        let end = END + 2 * texts + topics.len() as u64 * TOPIC_AT_END;
+        storage
+            .reserve(end + texts + END + room)
+            .map_err(|source| RecordingError::io("write", &path, source))?;
+        let write = |error| RecordingError::write(&path, error);
+        let mut inner = McapWriter::with_options(
+            BufWriter::with_capacity(WRITE_BUFFER, storage.clone()),
+            write_options(options.compression),
+        )
+        .map_err(write)?;
+        let mut channels = Vec::with_capacity(topics.len());
+        for info in topics {
+            let schema = if info.schema_encoding.is_empty() && info.schema.is_empty() {
+                0
+            } else {
+                inner
+                    .add_schema(&info.type_name, &info.schema_encoding, &info.schema)
+                    .map_err(write)?
+            };
+            let channel = inner
+                .add_channel(schema, &info.name, &info.message_encoding, &info.metadata)
+                .map_err(write)?;
+            channels.push(Topic {
+                info,
+                channel,
+                messages: 0,
+            });
+        }
+        for record in records {
+            inner.write_metadata(record).map_err(write)?;
+        }
+        let mut writer = Self {
+            inner,
+            storage,
+            directory: directory.to_path_buf(),
+            path: path.clone(),
+            topics: channels,
+            application: options.application.clone(),
+            sync: options.sync,
+            span: None,
+            messages: 0,
+            lost: 0,
+            open_chunk: 0,
+            unsaved: Unsaved::default(),
+            chunks: 1,
+            end,
+            whole: 0,
+            synced: 0,
+        };
+        // From now on the file says what it is.
+        writer.end_chunk()?;
+        Ok(writer)
+    }
+
+    /// Adds a message.
+    ///
+    /// # Errors
+    /// The topic was not declared; there is no room, and then the message is not in the file, which can still be
+    /// [finished](Self::finish); or writing fails.
+    pub fn write(&mut self, entry: &Entry) -> Result<(), RecordingError> {
+        let time = |nanos: i64| u64::try_from(nanos).unwrap_or(0);
+        self.write_message(
+            entry.topic,
+            time(entry.log_time),
+            time(entry.publish_time),
+            &entry.data,
+        )
+    }
+
+    pub(crate) fn write_message(
+        &mut self,
+        topic: usize,
+        log_time: u64,
+        publish_time: u64,
+        data: &[u8],
+    ) -> Result<(), RecordingError> {
+        let topics = self.topics.len();
+        let room = self.open_chunk + data.len() as u64 + MESSAGE_OVERHEAD;
+        self.reserve(room)?;
+        let Some(topic) = self.topics.get_mut(topic) else {
+            return Err(RecordingError::UndeclaredTopic {
+                index: topic,
+                topics,
+            });
+        };
+        let header = MessageHeader {
+            channel_id: topic.channel,
+            sequence: u32::try_from(topic.messages & u64::from(u32::MAX)).unwrap_or(0),
+            log_time,
+            publish_time,
+        };
+        self.inner
+            .write_to_known_channel(&header, data)
+            .map_err(|error| RecordingError::write(&self.path, error))?;
+        topic.messages += 1;
+        self.messages += 1;
+        self.open_chunk = room;
+        self.span = Some(self.span.map_or((log_time, log_time), |(first, last)| {
+            (first.min(log_time), last.max(log_time))
+        }));
+        if self.open_chunk > CHUNK_SIZE {
+            return self.end_chunk();
+        }
+        self.unsaved.messages += 1;
+        self.unsaved.bytes += data.len() as u64;
+        Ok(())
+    }
+
+    /// Sets room aside for a chunk of so many bytes and the end of the file.
+    fn reserve(&self, chunk: u64) -> Result<(), RecordingError> {
+        // What cannot be compressed becomes a little longer.
+        let chunk = chunk + chunk / 128 + CHUNK_OVERHEAD;
+        let per_chunk = CHUNK_OVERHEAD + TOPIC_IN_CHUNK * self.topics.len() as u64;
+        let end = self.whole + chunk + self.end + (self.chunks + 1) * per_chunk;
+        self.storage
+            .reserve(end)
+            .map_err(|source| RecordingError::io("write", &self.path, source))
+    }
+
+    /// Hands everything to the system, and waits for the disk if that is wanted: what was written so far survives the end
+    /// of this program, or also a loss of power.
+    ///
+    /// # Errors
+    /// Writing fails.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
+        self.end_chunk()?;
+        self.unsynced().map_or(Ok(()), |unsynced| unsynced.sync())
+    }
+
+    /// Hands everything to the system; what is to be synced then, if anything, is for the caller.
+    pub(crate) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
+        self.end_chunk()?;
+        Ok(self.unsynced())
+    }
+
+    fn unsynced(&mut self) -> Option<Unsynced> {
+        if !self.sync || self.synced >= self.whole {
+            return None;
+        }
+        let is_new = self.synced == 0;
+        self.synced = self.whole;
+        Some(Unsynced {
+            storage: self.storage.clone(),
+            path: self.path.clone(),
+            directory: is_new.then(|| self.directory.clone()),
+        })
+    }
+
+    fn end_chunk(&mut self) -> Result<(), RecordingError> {
+        self.inner
+            .flush()
+            .map_err(|error| RecordingError::write(&self.path, error))?;
+        self.chunks += u64::from(self.open_chunk > 0);
+        self.open_chunk = 0;
+        self.unsaved = Unsaved::default();
+        self.whole = self.storage.position();
+        Ok(())
+    }
+
+    /// Counts messages that should be here and are not.
+    pub fn add_lost(&mut self, messages: u64) {
+        self.lost += messages;
+    }
+
+    /// Writes the count of what is missing down, before the end does.
+    ///
+    /// # Errors
+    /// Writing fails.
+    pub fn note_lost(&mut self) -> Result<(), RecordingError> {
+        self.reserve(self.open_chunk + CHUNK_OVERHEAD)?;
+        self.write_record(&self.losses_record(None))?;
+        self.end += CHUNK_OVERHEAD;
+        self.end_chunk()
+    }
+
+    fn losses_record(&self, ended: Option<Ended>) -> Metadata {
+        let name = record_name(&self.application, LOSSES);
+        let mut losses = record(name, [("lost_messages", self.lost.to_string())]);
+        let ended = ended.map(|reason| ("ended".to_owned(), reason.word().to_owned()));
+        losses.metadata.extend(ended);
+        losses
+    }
+
+    fn write_record(&mut self, record: &Metadata) -> Result<(), RecordingError> {
+        self.inner
+            .write_metadata(record)
+            .map_err(|error| RecordingError::write(&self.path, error))
+    }
+
+    /// Directory of the recording.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Messages so far.
+    #[must_use]
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Bytes of the file so far, those of the open chunk before their compression.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.whole + self.open_chunk
+    }
+
+    /// Chunks so far; each needs memory until the end of the recording.
+    pub(crate) fn chunks(&self) -> u64 {
+        self.chunks
+    }
+
+    /// Ends the file and writes `metadata.yaml`.
+    ///
+    /// # Errors
+    /// Writing fails. The file then ends with the last whole record; [`repair`](fn@crate::repair) writes it anew.
+    pub fn finish(self) -> Result<Finished, RecordingError> {
+        self.finish_because(Ended::Stopped)
+            .map_err(|(error, _)| error)
+    }
+
+    /// As [`finish`](Self::finish); with an error comes what was not yet in the file.
+    pub(crate) fn finish_because(
+        mut self,
+        reason: Ended,
+    ) -> Result<Finished, (RecordingError, Unsaved)> {
+        let done = self.end_file(reason);
+        // What stands behind the last whole record would only confuse.
+        done.map_err(|error| (error, self.abandon()))
+    }
+
+    /// Cuts the file off behind its last whole record, and writes nothing any more. Gives what is lost by that.
+    pub(crate) fn abandon(self) -> Unsaved {
+        // The file may be gone; then there is nothing to cut off.
+        let _ = self.storage.close_at(self.whole);
+        self.unsaved
+    }
+
+    /// From now on every write fails.
+    #[cfg(test)]
+    pub(crate) fn break_disk(&self) {
+        self.storage.close_at(self.whole).unwrap();
+    }
+
+    fn end_file(&mut self, reason: Ended) -> Result<Finished, RecordingError> {
+        let path = &self.path;
+        let unwritable = |error: serde_yaml_ng::Error| RecordingError::WriteMetadata {
+            path: path.clone(),
+            reason: error.to_string(),
+        };
+        let metadata = self.metadata();
+        let document = metadata.document().map_err(unwritable)?;
+        let serialized = metadata.record().map_err(unwritable)?;
+        self.write_record(&self.losses_record(Some(reason)))?;
+        self.write_record(&record(
+            "rosbag2".to_owned(),
+            [("serialized_metadata", serialized)],
+        ))?;
+        self.inner
+            .finish()
+            .map_err(|error| RecordingError::write(&self.path, error))?;
+        self.unsaved = Unsaved::default();
+        self.whole = self.storage.position();
+        let told = |source| RecordingError::io("end", &self.path, source);
+        // The room that was left is room for metadata.yaml.
+        self.storage.release().map_err(told)?;
+        if self.sync {
+            self.storage.sync_all().map_err(told)?;
+        }
+        let yaml = self.directory.join(METADATA_FILE);
+        write_whole(&yaml, document.as_bytes())
+            .map_err(|source| RecordingError::io("write", &yaml, source))?;
+        if self.sync {
+            sync_directory(&self.directory)?;
+        }
+        Ok(Finished {
+            directory: self.directory.clone(),
+            messages: self.messages,
+            bytes: self.whole,
+            lost: self.lost,
+        })
+    }
+
+    fn metadata(&self) -> BagMetadata {
+        let topics = self.topics.iter().map(|topic| TopicSummary {
+            name: topic.info.name.clone(),
+            type_name: topic.info.type_name.clone(),
+            encoding: topic.info.message_encoding.clone(),
+            qos: topic
+                .info
+                .metadata
+                .get(QOS_KEY)
+                .cloned()
+                .unwrap_or_default(),
+            type_hash: topic
+                .info
+                .metadata
+                .get(TYPE_HASH_KEY)
+                .cloned()
+                .unwrap_or_default(),
+            messages: topic.messages,
+        });
+        BagMetadata::from(BagSummary {
+            application: self.application.clone(),
+            file: file_name(&self.directory),
+            span: self.span,
+            topics: topics.collect(),
+        })
+    }
+}
+
+impl std::fmt::Debug for Writer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Writer")
+            .field("directory", &self.directory)
+            .field("messages", &self.messages)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The name of the MCAP file of a recording, after its directory.
+pub(crate) fn file_name(directory: &Path) -> String {
+    let name = directory
+        .file_name()
+        .map_or_else(|| "recording".into(), |name| name.to_string_lossy());
+    format!("{name}_0.mcap")
+}
+
+/// Every option that matters, written out.
+fn write_options(compression: ChunkCompression) -> WriteOptions {
+    WriteOptions::new()
+        .profile("ros2")
+        .library(concat!("rosbag2_mcap ", env!("CARGO_PKG_VERSION")))
+        .compression(compression.into())
+        // Its default is the number of cores.
+        .compression_threads(0)
+        .compression_level(0)
+        // Chunks are ended here, after room was set aside for them.
+        .chunk_size(None)
+        .use_chunks(true)
+        // A chunk is written in one piece when it is complete: a kill loses what is open, and no more.
+        .disable_seeking(true)
+        .emit_summary_records(true)
+        .emit_summary_offsets(true)
+        .emit_message_indexes(true)
+        .calculate_chunk_crcs(true)
+        .calculate_data_section_crc(true)
+        .calculate_summary_section_crc(true)
+}
+
+fn make_directory(directory: &Path) -> Result<(), RecordingError> {
+    let made = fs::create_dir_all(directory);
+    made.map_err(|source| RecordingError::io("create the directory", directory, source))?;
+    let mut entries =
+        fs::read_dir(directory).map_err(|source| RecordingError::io("read", directory, source))?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) => Err(RecordingError::Exists {
+            path: directory.to_path_buf(),
+        }),
+    }
+}
+
+/// A new name survives a loss of power when its directory does.
+pub(crate) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
+    for folder in [Some(directory), directory.parent()].into_iter().flatten() {
+        let folder = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        };
+        File::open(folder)
+            .and_then(|opened| opened.sync_all())
+            .map_err(|source| RecordingError::io("sync", folder, source))?;
+    }
+    Ok(())
+}
+
+pub(crate) fn record<const N: usize>(name: String, entries: [(&str, String); N]) -> Metadata {
+    Metadata {
+        name,
+        metadata: entries.map(|(key, value)| (key.to_owned(), value)).into(),
+    }
+}
+
+/// Writes a file that has its name only once it is complete, with the permissions of any new file.
+fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(content)?;
+    file.persist(path)?;
+    Ok(())
+}

@@ -1,0 +1,152 @@
+//! A program that is killed while it records loses next to nothing, and what it wrote is repaired.
+
+use std::fs::{self, File};
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant, SystemTime};
+
+use rosbag2_mcap::{ChunkCompression, FLUSH_WITHIN, Reader, Recorder, RecorderOptions, repair};
+
+use super::sample::{COMPRESSIONS, text_entry, text_topics};
+
+/// Tells the other process where to record.
+const FOLDER: &str = "RECORDING_TEST_FOLDER";
+
+/// Tells it how.
+const COMPRESSION: &str = "RECORDING_TEST_COMPRESSION";
+
+/// Messages per second.
+const RATE: u64 = 10_000;
+
+/// How many kills.
+const KILLS: usize = 20;
+
+/// Records at full rate until it is killed, and writes down beside it what it has given to the recorder: memory of the
+/// system, which survives the kill.
+#[test]
+#[ignore = "is started by others of these tests, in a process of its own, to be killed"]
+fn records_until_it_is_killed() {
+    let Ok(folder) = std::env::var(FOLDER) else {
+        return;
+    };
+    let folder = PathBuf::from(folder);
+    let mut options = RecorderOptions::new(folder.join("recordings"), SystemTime::now());
+    let wanted = std::env::var(COMPRESSION).unwrap_or_default();
+    options.compression = COMPRESSIONS
+        .into_iter()
+        .find(|it| format!("{it:?}") == wanted)
+        .unwrap_or(ChunkCompression::None);
+    let recorder = Recorder::start(options, text_topics()).unwrap();
+    let sent = File::create(folder.join("sent")).unwrap();
+    let text = "x".repeat(500);
+    let begin = Instant::now();
+    // Somebody who forgets to kill it need not wait for ever.
+    for index in 0..RATE * 60 {
+        let due = Duration::from_nanos(index * 1_000_000_000 / RATE);
+        while let Some(early) = due.checked_sub(begin.elapsed()) {
+            std::thread::sleep(early);
+        }
+        let nanos = i64::try_from(begin.elapsed().as_nanos()).unwrap();
+        // The number stands in the text, the time in the message.
+        assert!(recorder.record(text_entry(0, nanos, &format!("{index} {text}"), index == 0)));
+        sent.write_all_at(&[index.to_le_bytes(), nanos.to_le_bytes()].concat(), 0)
+            .unwrap();
+    }
+}
+
+fn start(folder: &Path, compression: ChunkCompression) -> Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args([
+            "--exact",
+            "crash::records_until_it_is_killed",
+            "--ignored",
+            "--nocapture",
+        ])
+        .env(FOLDER, folder)
+        .env(COMPRESSION, format!("{compression:?}"))
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// The last message that was given to the recorder: its number and its time.
+fn last_sent(folder: &Path) -> Option<(u64, i64)> {
+    let bytes = fs::read(folder.join("sent")).ok()?;
+    let (index, nanos) = bytes.get(..16)?.split_at(8);
+    Some((
+        u64::from_le_bytes(index.try_into().ok()?),
+        i64::from_le_bytes(nanos.try_into().ok()?),
+    ))
+}
+
+/// Kills a recording process after so many messages; says what is missing then.
+pub fn missing_after_a_kill(
+    folder: &Path,
+    compression: ChunkCompression,
+    messages: u64,
+) -> Duration {
+    let mut child = start(folder, compression);
+    let begin = Instant::now();
+    while last_sent(folder).is_none_or(|(index, _)| index < messages) {
+        assert!(
+            begin.elapsed() < Duration::from_secs(60),
+            "the other process does not record"
+        );
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let (sent, sent_at) = last_sent(folder).unwrap();
+    let bag = fs::read_dir(folder.join("recordings"))
+        .unwrap()
+        .next()
+        .unwrap()
+        .unwrap()
+        .path();
+    let repaired = repair(&bag, Some(&folder.join("repaired")))
+        .unwrap()
+        .unwrap();
+    assert_eq!(repaired.left_out, 0);
+    let reader = Reader::open(&repaired.directory).unwrap();
+    assert!(reader.wholeness().is_whole());
+    let mut last = 0;
+    for (index, message) in reader.messages().enumerate() {
+        let message = message.unwrap();
+        // From the first to the last without a gap.
+        assert!(
+            message.data[8..].starts_with(format!("{index} ").as_bytes()),
+            "message {index}"
+        );
+        last = message.log_time;
+    }
+    assert!(reader.message_count() <= sent + 2);
+    Duration::from_nanos(u64::try_from(sent_at - last).unwrap_or(0))
+}
+
+#[test]
+fn what_was_recorded_before_a_kill_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = missing_after_a_kill(folder.path(), ChunkCompression::None, 3000);
+    println!("missing after a kill: {missing:?}");
+}
+
+#[test]
+#[ignore = "slow: 20 kills; takes a quarter of a minute, and a machine that is not overloaded"]
+fn twenty_kills_at_any_instant_lose_less_than_is_promised() {
+    let mut all = Vec::new();
+    for kill in 0..KILLS {
+        let folder = tempfile::tempdir().unwrap();
+        let compression = COMPRESSIONS[kill % COMPRESSIONS.len()];
+        // From 0.1 s to 0.9 s, at no multiple of anything.
+        let messages = 1000 + (kill as u64 * 7919) % 8000;
+        all.push(missing_after_a_kill(folder.path(), compression, messages));
+    }
+    all.sort();
+    println!(
+        "missing after {KILLS} kills at {RATE} messages/s: median {:?}, most {:?}",
+        all[KILLS / 2],
+        all[KILLS - 1]
+    );
+    assert!(all[KILLS - 1] <= FLUSH_WITHIN, "{all:?}");
+}

@@ -1,0 +1,13 @@
+//! Recordings as files: written, cut off, damaged, read and repaired.
+// A test may wait for another thread as it likes: it ends with the test.
+#![allow(clippy::disallowed_methods)]
+
+mod bad_input;
+mod crash;
+mod full_disk;
+mod layout;
+mod mutations;
+mod random_damage;
+mod recorder;
+mod sample;
+mod small_disk;

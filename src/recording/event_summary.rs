@@ -1,0 +1,235 @@
+//! What a recording says of each impact.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
+
+use crate::messages::column_twin::ImpactReport;
+
+/// Most events of a summary.
+const MAX_EVENTS: usize = 100_000;
+
+/// One impact event: what was announced, and what came of it. What the recording does not say is `None`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct EventSummary {
+    /// Its name.
+    pub event_id: String,
+    /// The column that was hit.
+    pub column_id: String,
+    /// Instant of the contact, as the event says \[ns\].
+    pub stamp: Option<i64>,
+    /// Mass of the impactor \[kg\].
+    pub mass: Option<f64>,
+    /// Speed over the ground \[m/s\].
+    pub velocity: Option<f64>,
+    /// Why the twin refused it.
+    pub refused: Option<String>,
+    /// Largest displacement of the impact point that was forecast \[m\].
+    pub forecast_max_v1: Option<f64>,
+    /// Largest displacement of the impact point \[m\].
+    pub max_v1: Option<f64>,
+    /// When, after the contact \[s\].
+    pub max_v1_time: Option<f64>,
+    /// Displacement that stays \[m\].
+    pub residual_v1: Option<f64>,
+    /// Largest contact force \[N\].
+    pub peak_contact_force: Option<f64>,
+    /// `elastic`, `plastic` or `collapsed`.
+    pub outcome: Option<&'static str>,
+}
+
+/// The impacts of a recording in the order in which it first names them, and how many more there are.
+///
+/// # Errors
+/// The recording cannot be read, or the definition of one of our types in it is wrong. Messages that do not fit their
+/// definition are passed over; damaged records, too.
+pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), RecordingError> {
+    let mut decoders = Vec::with_capacity(reader.topics().len());
+    for topic in reader.topics() {
+        let teller = teller(&topic.type_name);
+        decoders.push(match teller {
+            Some(tell) => Some((Decoder::new(topic)?, tell)),
+            None => None,
+        });
+    }
+    let mut events = Events::default();
+    for message in reader.messages() {
+        let message = match message {
+            Ok(message) => message,
+            Err(RecordingError::Damaged { .. }) => continue,
+            Err(error) => return Err(error),
+        };
+        if let Some(Some((decoder, tell))) = decoders.get(message.topic_index)
+            && let Ok(content) = decoder.decode(&message)
+        {
+            tell(&mut events, &content);
+        }
+    }
+    Ok((events.list, events.beyond))
+}
+
+/// Takes down what a message says.
+type Tell = fn(&mut Events, &Decoded);
+
+fn teller(type_name: &str) -> Option<Tell> {
+    match type_name {
+        "column_twin/msg/ImpactEvent" => Some(Events::announced),
+        "column_twin/msg/ImpactReport" => Some(Events::reported),
+        "column_twin/msg/TwinStatus" => Some(Events::status),
+        _ => None,
+    }
+}
+
+#[derive(Default)]
+struct Events {
+    list: Vec<EventSummary>,
+    places: HashMap<(String, String), usize>,
+    beyond: u64,
+}
+
+impl Events {
+    fn of(&mut self, column_id: &str, event_id: &str) -> Option<&mut EventSummary> {
+        let key = (column_id.to_owned(), event_id.to_owned());
+        let place = match self.places.get(&key) {
+            Some(place) => *place,
+            None if self.list.len() >= MAX_EVENTS => {
+                self.beyond += 1;
+                return None;
+            }
+            None => {
+                self.list.push(EventSummary {
+                    event_id: event_id.to_owned(),
+                    column_id: column_id.to_owned(),
+                    ..EventSummary::default()
+                });
+                self.places.insert(key, self.list.len() - 1);
+                self.list.len() - 1
+            }
+        };
+        self.list.get_mut(place)
+    }
+
+    fn announced(&mut self, message: &Decoded) {
+        let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
+            return;
+        };
+        event.stamp = stamp(message);
+        event.mass = number(message, "mass");
+        event.velocity = number(message, "velocity");
+    }
+
+    fn reported(&mut self, message: &Decoded) {
+        let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
+            return;
+        };
+        // It was accepted. What was refused then is a repeat of it.
+        event.refused = None;
+        let kind = number(message, "kind");
+        if kind == Some(f64::from(ImpactReport::FORECAST)) {
+            event.forecast_max_v1 = number(message, "max_v1");
+        } else if kind == Some(f64::from(ImpactReport::RESULT)) {
+            event.max_v1 = number(message, "max_v1");
+            event.max_v1_time = number(message, "max_v1_time");
+            event.residual_v1 = number(message, "residual_v1");
+            event.peak_contact_force = number(message, "peak_contact_force");
+            event.outcome = number(message, "outcome").and_then(outcome);
+        }
+    }
+
+    fn status(&mut self, message: &Decoded) {
+        let refused = text(message, "last_refusal_event_id");
+        if refused.is_empty() {
+            return;
+        }
+        let reason = text(message, "last_refusal_reason").to_owned();
+        if let Some(event) = self.of(text(message, "column_id"), refused) {
+            let accepted = event.forecast_max_v1.is_some() || event.outcome.is_some();
+            event.refused = (!accepted).then_some(reason);
+        }
+    }
+}
+
+fn text<'a>(message: &'a Decoded, field: &str) -> &'a str {
+    message
+        .field(field)
+        .and_then(Decoded::as_text)
+        .unwrap_or_default()
+}
+
+/// The number in a field; NaN says that there is none.
+fn number(message: &Decoded, field: &str) -> Option<f64> {
+    message
+        .field(field)
+        .and_then(Decoded::as_f64)
+        .filter(|number| !number.is_nan())
+}
+
+fn stamp(message: &Decoded) -> Option<i64> {
+    let part = |name: &str| number(message, name).map(|it| it as i64);
+    let seconds = part("header.stamp.sec")?;
+    seconds
+        .checked_mul(1_000_000_000)?
+        .checked_add(part("header.stamp.nanosec")?)
+}
+
+fn outcome(code: f64) -> Option<&'static str> {
+    let codes = [
+        (ImpactReport::ELASTIC, "elastic"),
+        (ImpactReport::PLASTIC, "plastic"),
+        (ImpactReport::COLLAPSED, "collapsed"),
+    ];
+    codes
+        .into_iter()
+        .find(|(it, _)| f64::from(*it) == code)
+        .map(|(_, word)| word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(numbers: &[(&str, f64)], texts: &[(&str, &str)]) -> Decoded {
+        let numbers = numbers
+            .iter()
+            .map(|(name, it)| ((*name).into(), Decoded::Float64(*it)));
+        let texts = texts
+            .iter()
+            .map(|(name, it)| ((*name).into(), Decoded::Text((*it).to_owned())));
+        Decoded::Fields(numbers.chain(texts).collect())
+    }
+
+    fn refusal(id: &str) -> Decoded {
+        let reason = ("last_refusal_reason", "it was there before");
+        message(
+            &[],
+            &[("column_id", "c"), ("last_refusal_event_id", id), reason],
+        )
+    }
+
+    /// A repeat is refused, and the impact stays what it was, whichever is read first.
+    #[test]
+    fn a_repeat_that_is_refused_does_not_make_its_impact_refused() {
+        let report = |id, kind, value| {
+            let names = [("column_id", "c"), ("event_id", id)];
+            message(&[("kind", f64::from(kind)), value], &names)
+        };
+        let mut events = Events::default();
+        events.status(&refusal("refused"));
+        events.status(&refusal("first"));
+        events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
+        let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
+        events.reported(&report("then", ImpactReport::RESULT, outcome));
+        events.status(&refusal("then"));
+        let refused: Vec<_> = events
+            .list
+            .iter()
+            .map(|it| (it.event_id.as_str(), it.refused.is_some()))
+            .collect();
+        assert_eq!(
+            refused,
+            [("refused", true), ("first", false), ("then", false)]
+        );
+    }
+}
