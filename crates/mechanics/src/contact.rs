@@ -5,85 +5,13 @@
 //! `v_c' > v_1'`.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use super::impact::Impact;
 use super::model::Model;
 
 /// A closing speed whose rebound is below this fraction of the impactor's first speed does not rebound: contact is
 /// taken as persistent from there, since rebounds with restitution pile up infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
-
-/// What an impact event says: a rigid mass `m_c` that flies towards the impact point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Impact {
-    /// `m_c` \[kg\], > 0.
-    pub mass: f64,
-    /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
-    /// \[m/s\], > 0.
-    pub velocity: f64,
-    /// Distance to the impact point at time 0 \[m\], >= 0.
-    pub gap: f64,
-    /// `epsilon` of Newton's law (Eq 36), 0 perfectly inelastic to 1 elastic.
-    pub restitution: f64,
-}
-
-/// Why an impact is refused.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("the impact's {name} is {found}; expected {expected}")]
-pub struct ImpactError {
-    /// Which number.
-    pub name: &'static str,
-    /// Its value.
-    pub found: f64,
-    /// What would be right.
-    pub expected: &'static str,
-}
-
-impl Impact {
-    /// Checks the four numbers.
-    ///
-    /// # Errors
-    /// The first that is NaN, infinite or out of range.
-    pub fn check(&self) -> Result<(), ImpactError> {
-        let checks = [
-            (
-                "mass [kg]",
-                self.mass,
-                self.mass > 0.0,
-                "a finite number > 0",
-            ),
-            (
-                "velocity [m/s]",
-                self.velocity,
-                self.velocity > 0.0,
-                "a finite number > 0: towards the column",
-            ),
-            ("gap [m]", self.gap, self.gap >= 0.0, "a finite number >= 0"),
-            (
-                "restitution",
-                self.restitution,
-                (0.0..=1.0).contains(&self.restitution),
-                "a number from 0 to 1",
-            ),
-        ];
-        for (name, found, right, expected) in checks {
-            if !(found.is_finite() && right) {
-                return Err(ImpactError {
-                    name,
-                    found,
-                    expected,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// Kinetic energy \[J\].
-    pub fn energy(&self) -> f64 {
-        0.5 * self.mass * self.velocity * self.velocity
-    }
-}
 
 /// The impactor under way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

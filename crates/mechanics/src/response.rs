@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::assembly::PerBar;
 use super::bar::{Bar, BarForces, PlasticFlow};
-use super::contact::{Impact, ImpactError};
+use super::impact::{Impact, ImpactError};
 use super::ledger;
 use super::model::{Model, ModelError};
 use super::modes;

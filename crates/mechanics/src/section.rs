@@ -10,7 +10,7 @@ pub const STEEL_DENSITY: f64 = 7850.0;
 /// Dimensions of a doubly symmetric I or H profile with parallel flanges and circular root fillets.
 ///
 /// ```
-/// use column_twin::column::RolledSection;
+/// use column_mechanics::RolledSection;
 ///
 /// let heb220 = RolledSection {
 ///     depth: 0.220,

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::assembly::{self, PerBar};
 use super::bar::{Bar, BarForces, BarStrain, PlasticFlow};
-use super::contact::{Impact, ImpactError, Impactor, percussion};
+use super::contact::{Impactor, percussion};
 use super::energy;
 use super::geometry::Displacement;
+use super::impact::{Impact, ImpactError};
 use super::ledger::{self, Ledger};
 use super::model::Model;
 use super::properties::Scheme;

@@ -1,0 +1,170 @@
+//! What strikes the column: the specification of an impact, with its open values and completed.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// The specification of an impact, as an event, a command line or a what-if gives it.
+///
+/// Mass and velocity are always given. [`ImpactSpecification::complete`] takes the gap and the restitution that are
+/// left open from the defaults of the column. The height belongs to the column model, because it divides the column into
+/// the two bars; `None` keeps the height of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactSpecification {
+    /// `m_c`: mass of the vehicle \[kg\], > 0.
+    pub mass: f64,
+    /// Speed of the vehicle towards the column, over the ground \[m/s\], > 0.
+    pub velocity: f64,
+    /// Distance to the impact point at time 0 \[m\], >= 0.
+    #[serde(default)]
+    pub gap: Option<f64>,
+    /// Newton's coefficient of restitution (Eq 36), from 0 (perfectly inelastic) to 1 (elastic).
+    #[serde(default)]
+    pub restitution: Option<f64>,
+    /// Height of the impact point above the base \[m\].
+    #[serde(default)]
+    pub height: Option<f64>,
+}
+
+impl ImpactSpecification {
+    /// The impact with the open gap and restitution taken from `defaults`, whose mass and velocity do not count.
+    /// The height does not enter: it belongs to the column model.
+    #[must_use]
+    pub fn complete(&self, defaults: &Impact) -> Impact {
+        Impact {
+            mass: self.mass,
+            velocity: self.velocity,
+            gap: self.gap.unwrap_or(defaults.gap),
+            restitution: self.restitution.unwrap_or(defaults.restitution),
+        }
+    }
+}
+
+impl From<Impact> for ImpactSpecification {
+    /// A specification that leaves nothing open but the height.
+    fn from(impact: Impact) -> Self {
+        Self {
+            mass: impact.mass,
+            velocity: impact.velocity,
+            gap: Some(impact.gap),
+            restitution: Some(impact.restitution),
+            height: None,
+        }
+    }
+}
+
+/// A completed impact: a rigid mass `m_c` that moves towards the impact point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Impact {
+    /// `m_c`: mass of the vehicle \[kg\], > 0.
+    pub mass: f64,
+    /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
+    /// \[m/s\], > 0.
+    pub velocity: f64,
+    /// Distance to the impact point at time 0 \[m\], >= 0.
+    pub gap: f64,
+    /// `epsilon` of Newton's law (Eq 36), from 0 (perfectly inelastic) to 1 (elastic).
+    pub restitution: f64,
+}
+
+/// Why an impact is rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("the impact's {name} is {found}; expected {expected}")]
+pub struct ImpactError {
+    /// Which number.
+    pub name: &'static str,
+    /// Its value.
+    pub found: f64,
+    /// What is expected instead.
+    pub expected: &'static str,
+}
+
+impl Impact {
+    /// Checks the four numbers.
+    ///
+    /// # Errors
+    /// The first number that is NaN, infinite or out of range.
+    pub fn check(&self) -> Result<(), ImpactError> {
+        let checks = [
+            (
+                "mass [kg]",
+                self.mass,
+                self.mass > 0.0,
+                "a finite number > 0",
+            ),
+            (
+                "velocity [m/s]",
+                self.velocity,
+                self.velocity > 0.0,
+                "a finite number > 0: towards the column",
+            ),
+            ("gap [m]", self.gap, self.gap >= 0.0, "a finite number >= 0"),
+            (
+                "restitution",
+                self.restitution,
+                (0.0..=1.0).contains(&self.restitution),
+                "a number from 0 to 1",
+            ),
+        ];
+        for (name, found, right, expected) in checks {
+            if !(found.is_finite() && right) {
+                return Err(ImpactError {
+                    name,
+                    found,
+                    expected,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Kinetic energy \[J\].
+    pub fn energy(&self) -> f64 {
+        0.5 * self.mass * self.velocity * self.velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn open_values_come_from_the_defaults_and_given_ones_stay() {
+        let defaults = Impact {
+            mass: 1.0,
+            velocity: 2.0,
+            gap: 0.3,
+            restitution: 0.4,
+        };
+        let open = ImpactSpecification {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: None,
+            restitution: None,
+            height: Some(1.2),
+        };
+        let completed = open.complete(&defaults);
+        let expected = Impact {
+            mass: 1500.0,
+            velocity: 10.0,
+            ..defaults
+        };
+        assert_eq!(completed, expected);
+        let given = ImpactSpecification {
+            gap: Some(0.0),
+            restitution: Some(0.0),
+            ..open
+        };
+        let expected = Impact {
+            gap: 0.0,
+            restitution: 0.0,
+            ..expected
+        };
+        assert_eq!(given.complete(&defaults), expected);
+        assert_eq!(
+            ImpactSpecification::from(expected).complete(&defaults),
+            expected
+        );
+    }
+}
