@@ -1,32 +1,40 @@
-//! One bar: two hinges that share one normal force. Trial, return to the yield surface, tangent (Eqs 18-25).
+//! One bar: two hinges that share one normal force. Trial stress, return to the yield surface, tangent (Eqs 18-25).
 //!
-//! The paper gives a bar one `N` (Eq 12), so the factors `alpha_a`, `alpha_b` that split its elongation between its
-//! two hinges (Eqs 18-21) are a result, and the return mapping is done per bar: the admissible stress closest to the
+//! The paper gives a bar one `N` (Eq 12). The factors `alpha_a`, `alpha_b` that split its elongation between its two
+//! hinges (Eqs 18-21) are therefore a result, and the stress is returned per bar. The admissible stress closest to the
 //! trial stress, in the norm of the elastic complementary energy, minimises
 //!
 //! `(N - N*)^2 / (2 K) + G(m(N))` over `|N| <= N^p`,
 //!
 //! where `m(N)` is the moment that the surface leaves both hinges and `G` the least complementary energy of moments
-//! within `[-m, m]`. `G` is convex and falls with `m`, `m` is concave: the problem is convex in one scalar, its
-//! derivative is monotone, and a bracketed root never fails, corners and tips included.
+//! within `[-m, m]`. `G` is convex and decreases with `m`, and `m` is concave, so the problem is convex in one scalar and
+//! its derivative is monotone: a bracketed root search never fails, corners and tips included.
 //!
-//! Index 0 is the hinge at the impact point (1a, 1b), index 1 the one at the bar's other end (3, 2).
+//! Index 0 is the hinge at the impact point (1a, 1b), index 1 the one at the other end of the bar (3, 2).
 
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::yield_surface::{Branch, YieldSurface};
 
-/// Bound of the scalar root search: bisection alone needs 105 down to the square of the machine's epsilon.
+/// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
 const MAX_RETURN_ITERATIONS: usize = 120;
 
 /// The root search stops at a Newton step of this size, relative to the trial stress: the error after it is of the order
 /// of its square. (The stress lies on the surface and the energy balance holds whatever the error is.) A bisection step
-/// tells nothing of the kind and goes on to the last bit.
+/// gives no such bound and goes on to the last bit.
 const RETURN_TOLERANCE: f64 = 1e-9;
 
-/// Flow below this, in stress relative to the resistances, is round-off.
+/// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
+
+/// One value for each of the two bars.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PerBar<T> {
+    /// Bar a, below the impact point.
+    pub below: T,
+    /// Bar b, above it.
+    pub above: T,
+}
 
 /// Forces of one bar.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -39,7 +47,7 @@ pub struct BarForces {
 
 impl BarForces {
     /// The mean of `self` and `other`.
-    pub(crate) fn mean(self, other: Self) -> Self {
+    pub(crate) fn mean(&self, other: &Self) -> Self {
         Self {
             normal: 0.5 * (self.normal + other.normal),
             moment: [
@@ -50,7 +58,7 @@ impl BarForces {
     }
 
     /// Work on a plastic flow \[J\].
-    pub(crate) fn work(self, flow: &PlasticFlow) -> f64 {
+    pub(crate) fn work(&self, flow: &PlasticFlow) -> f64 {
         self.normal * (flow.elongation[0] + flow.elongation[1])
             + self.moment[0] * flow.rotation[0]
             + self.moment[1] * flow.rotation[1]
@@ -64,7 +72,29 @@ pub(crate) struct BarStrain {
     pub rotation: [f64; 2],
 }
 
-/// Plastic deformation of a bar's two hinges, total or of a step.
+impl BarStrain {
+    /// Total deformation of a bar with this elongation and chord angle, whose hinge at the impact point turns by `turn`
+    /// in addition to the chord.
+    pub(crate) fn of_chord(elongation: f64, angle: f64, turn: f64) -> Self {
+        Self {
+            elongation,
+            rotation: [angle + turn, angle],
+        }
+    }
+
+    /// What is left after the plastic deformation.
+    pub(crate) fn minus(&self, plastic: &PlasticFlow) -> Self {
+        Self {
+            elongation: self.elongation - (plastic.elongation[0] + plastic.elongation[1]),
+            rotation: [
+                self.rotation[0] - plastic.rotation[0],
+                self.rotation[1] - plastic.rotation[1],
+            ],
+        }
+    }
+}
+
+/// Plastic deformation of the two hinges of a bar, total or of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct PlasticFlow {
     /// Plastic elongations \[m\].
@@ -74,19 +104,30 @@ pub struct PlasticFlow {
 }
 
 impl PlasticFlow {
-    /// Whether hinge `k` (0 at the impact point, 1 at the bar's other end) is deformed at all.
+    /// Whether hinge `k` (0 at the impact point, 1 at the other end of the bar) is deformed at all.
     pub fn has_flowed(&self, k: usize) -> bool {
         self.rotation[k] != 0.0 || self.elongation[k] != 0.0
     }
 
     /// `self + factor * flow`.
-    pub(crate) fn plus(self, factor: f64, flow: &Self) -> Self {
+    pub(crate) fn plus(&self, factor: f64, flow: &Self) -> Self {
         let add = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
         Self {
             elongation: add(self.elongation, flow.elongation),
             rotation: add(self.rotation, flow.rotation),
         }
     }
+}
+
+/// Derivative of the forces of a bar with respect to its deformation; symmetric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BarTangent {
+    /// `dN` with the elongation.
+    pub axial: f64,
+    /// `dN` with either rotation, and `dM` with the elongation.
+    pub mixed: [f64; 2],
+    /// `dM` with the rotations.
+    pub rotational: [[f64; 2]; 2],
 }
 
 /// What is constant about one bar.
@@ -100,10 +141,18 @@ pub struct Bar {
     pub rotational: [[f64; 2]; 2],
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
+    /// `1/K` \[m/N\].
+    axial_flexibility: f64,
+    /// Inverse of the rotational stiffness, 0 for a hinge that bears no moment \[rad/(N m)\].
+    rotational_flexibility: [[f64; 2]; 2],
+    /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
+    flexibility_alone: [f64; 2],
+    /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
+    return_scale: f64,
 }
 
-/// Stress returned to the yield surface, the flow it took, and what the tangent needs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Stress returned to the yield surface, the flow that this took, and what the tangent needs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Returned {
     pub forces: BarForces,
     pub flow: PlasticFlow,
@@ -111,13 +160,14 @@ pub(crate) struct Returned {
 }
 
 /// Where the returned stress lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 enum Place {
     /// Inside: no flow.
+    #[default]
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
-    /// On the curve, which it can slide along: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
+    /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
         active: [bool; 2],
@@ -144,6 +194,39 @@ impl CappedMoments {
 }
 
 impl Bar {
+    /// A bar of length `length` \[m\] with axial stiffness `axial` \[N/m\], rotational stiffness `rotational`
+    /// \[N m/rad\] and the yield surface of its hinges.
+    pub(crate) fn new(
+        length: f64,
+        axial: f64,
+        rotational: [[f64; 2]; 2],
+        surface: YieldSurface,
+    ) -> Self {
+        let c = &rotational;
+        let inverse = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let alone = [inverse(c[0][0]), inverse(c[1][1])];
+        let rotational_flexibility = if c[0][1] == 0.0 {
+            [[alone[0], 0.0], [0.0, alone[1]]]
+        } else {
+            let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
+            [
+                [c[1][1] / determinant, -c[0][1] / determinant],
+                [-c[1][0] / determinant, c[0][0] / determinant],
+            ]
+        };
+        let ratio = surface.resistance_moment / surface.resistance_axial;
+        Self {
+            length,
+            axial,
+            rotational,
+            surface,
+            axial_flexibility: 1.0 / axial,
+            rotational_flexibility,
+            flexibility_alone: alone,
+            return_scale: axial * ratio / surface.resistance_axial,
+        }
+    }
+
     /// Elastic forces of an elastic deformation.
     pub(crate) fn elastic(&self, strain: &BarStrain) -> BarForces {
         let c = &self.rotational;
@@ -157,15 +240,16 @@ impl Bar {
         }
     }
 
-    /// Elastic energy of an elastic deformation \[J\].
-    pub(crate) fn elastic_energy(&self, strain: &BarStrain) -> f64 {
-        let forces = self.elastic(strain);
-        0.5 * (forces.normal * strain.elongation
-            + forces.moment[0] * strain.rotation[0]
-            + forces.moment[1] * strain.rotation[1])
+    /// Elastic energy stored under given forces \[J\].
+    pub(crate) fn elastic_energy(&self, forces: &BarForces) -> f64 {
+        let f = &self.rotational_flexibility;
+        let [first, second] = forces.moment;
+        0.5 * (self.axial_flexibility * forces.normal * forces.normal
+            + first * (f[0][0] * first + f[0][1] * second)
+            + second * (f[1][0] * first + f[1][1] * second))
     }
 
-    /// Whether a flow of hinge `k` is more than the round-off that a stress on the yield surface is returned by in every
+    /// Whether a flow of hinge `k` is more than the round-off by which a stress on the yield surface is returned in every
     /// step.
     pub(crate) fn flows(&self, flow: &PlasticFlow, k: usize) -> bool {
         let moment = flow.rotation[k].abs() * self.rotational[k][k];
@@ -174,18 +258,17 @@ impl Bar {
             || normal > FLOW_ROUND_OFF * self.surface.resistance_axial
     }
 
-    /// Tangent of the elastic law; rows and columns: elongation, two rotations.
-    pub(crate) fn elastic_tangent(&self) -> Matrix3<f64> {
-        let c = &self.rotational;
-        Matrix3::new(
-            self.axial, 0.0, 0.0, //
-            0.0, c[0][0], c[0][1], //
-            0.0, c[1][0], c[1][1],
-        )
+    /// Tangent of the elastic law.
+    pub(crate) fn elastic_tangent(&self) -> BarTangent {
+        BarTangent {
+            axial: self.axial,
+            mixed: [0.0; 2],
+            rotational: self.rotational,
+        }
     }
 
-    /// Returns the trial stress to the yield surface. `near` \[N\] is where the normal force is expected; it only
-    /// saves iterations.
+    /// Returns the trial stress to the yield surface. `near` \[N\] is the expected normal force, which only saves
+    /// iterations.
     pub(crate) fn return_stress(&self, trial: BarForces, near: f64) -> Returned {
         if !self.surface.exceeded(trial.moment, trial.normal) {
             return Returned {
@@ -210,7 +293,7 @@ impl Bar {
         let surface = &self.surface;
         let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
         let normal = sign * axial * surface.resistance_axial;
-        let total = (trial.normal - normal) / self.axial;
+        let total = (trial.normal - normal) * self.axial_flexibility;
         let elongation = if axial == 0.0 {
             shared(total, &capped)
         } else {
@@ -235,7 +318,7 @@ impl Bar {
         };
         let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
         let normal = sign * axial * surface.resistance_axial;
-        let total = (trial.normal - normal) / self.axial;
+        let total = (trial.normal - normal) * self.axial_flexibility;
         let (tangent_axial, tangent_moment, curvature) = match branch {
             Branch::Axial => (
                 surface.resistance_axial,
@@ -248,7 +331,7 @@ impl Bar {
                 total.abs() * point.bend * surface.resistance_axial,
             ),
         };
-        let stiffness = tangent_axial * tangent_axial / self.axial
+        let stiffness = tangent_axial * tangent_axial * self.axial_flexibility
             + tangent_moment * tangent_moment * capped.compliance
             + curvature;
         let elongation = shared(total, &capped);
@@ -263,8 +346,8 @@ impl Bar {
         })
     }
 
-    /// Puts the parts together. Active hinges get the cap itself, not trial less flow: they lie on the surface to
-    /// the last bit.
+    /// Puts the parts together. Active hinges get the cap itself rather than the trial moment less the flow, so that they
+    /// lie on the surface to the last bit.
     fn returned(
         &self,
         trial: BarForces,
@@ -303,9 +386,9 @@ impl Bar {
     /// `min 1/2 p' C p - trial' p + cap (|p_0| + |p_1|)`, solved by cases.
     fn cap_moments(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
         let c = &self.rotational;
+        let flexibility = self.flexibility_alone;
         let excess = trial.map(|m| m.abs() - cap);
-        let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) / c[k][k];
-        let flexibility = |k: usize| 1.0 / c[k][k];
+        let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
         if excess[0] <= 0.0 && excess[1] <= 0.0 {
             return CappedMoments {
                 rotation: [0.0; 2],
@@ -313,11 +396,11 @@ impl Bar {
             };
         }
         if c[0][1] == 0.0 {
-            let rotation = [0, 1].map(|k| if excess[k] > 0.0 { alone(k) } else { 0.0 });
-            let compliance = (0..2).filter(|&k| excess[k] > 0.0).map(flexibility).sum();
+            let active = excess.map(|excess| excess > 0.0);
+            let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
             return CappedMoments {
-                rotation,
-                compliance,
+                rotation: [pick(0, alone(0)), pick(1, alone(1))],
+                compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
             };
         }
         for k in 0..2 {
@@ -327,7 +410,7 @@ impl Bar {
                 rotation[k] = p;
                 return CappedMoments {
                     rotation,
-                    compliance: flexibility(k),
+                    compliance: flexibility[k],
                 };
             }
         }
@@ -368,8 +451,8 @@ impl Bar {
         if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
     }
 
-    /// Consistent tangent of the returned stress; rows and columns: elongation, two rotations.
-    pub(crate) fn tangent(&self, returned: &Returned) -> Matrix3<f64> {
+    /// Consistent tangent of the returned stress.
+    pub(crate) fn tangent(&self, returned: &Returned) -> BarTangent {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
@@ -384,19 +467,20 @@ impl Bar {
                 let sign = returned.flow.rotation.map(f64::signum);
                 let along = match active {
                     [true, true] => [sign[0], sign[1]],
-                    [true, false] => [sign[0], sign[0] * c[0][1] / c[0][0]],
-                    [false, true] => [sign[1] * c[0][1] / c[1][1], sign[1]],
+                    [true, false] => [sign[0], sign[0] * c[0][1] * self.flexibility_alone[0]],
+                    [false, true] => [sign[1] * c[0][1] * self.flexibility_alone[1], sign[1]],
                     [false, false] => [0.0, 0.0],
                 };
-                let w = [
-                    sign_axial * tangent_axial,
-                    tangent_moment * along[0],
-                    tangent_moment * along[1],
-                ];
+                let per_stiffness = 1.0 / stiffness;
+                let w = sign_axial * tangent_axial;
+                let m = along.map(|along| tangent_moment * along);
+                let scaled = m.map(|m| m * per_stiffness);
                 let mut tangent = self.frozen_tangent(active);
-                for row in 0..3 {
-                    for column in 0..3 {
-                        tangent[(row, column)] += w[row] * w[column] / stiffness;
+                tangent.axial += w * w * per_stiffness;
+                for row in 0..2 {
+                    tangent.mixed[row] += w * scaled[row];
+                    for column in 0..2 {
+                        tangent.rotational[row][column] += m[row] * scaled[column];
                     }
                 }
                 tangent
@@ -405,19 +489,20 @@ impl Bar {
     }
 
     /// Tangent with `N` and the moments of the active hinges held.
-    fn frozen_tangent(&self, active: [bool; 2]) -> Matrix3<f64> {
+    fn frozen_tangent(&self, active: [bool; 2]) -> BarTangent {
         let c = &self.rotational;
-        let mut tangent = Matrix3::zeros();
-        match active {
-            [true, true] => {}
-            [true, false] => tangent[(2, 2)] = c[1][1] - c[0][1] * c[0][1] / c[0][0],
-            [false, true] => tangent[(1, 1)] = c[0][0] - c[0][1] * c[0][1] / c[1][1],
-            [false, false] => {
-                tangent = self.elastic_tangent();
-                tangent[(0, 0)] = 0.0;
-            }
+        let rest = |k: usize| c[k][k] - c[0][1] * c[0][1] * self.flexibility_alone[1 - k];
+        let rotational = match active {
+            [true, true] => [[0.0; 2]; 2],
+            [true, false] => [[0.0, 0.0], [0.0, rest(1)]],
+            [false, true] => [[rest(0), 0.0], [0.0, 0.0]],
+            [false, false] => *c,
+        };
+        BarTangent {
+            axial: 0.0,
+            mixed: [0.0; 2],
+            rotational,
         }
-        tangent
     }
 }
 
@@ -426,9 +511,8 @@ impl Bar {
 fn shared(total: f64, capped: &CappedMoments) -> [f64; 2] {
     let sum = capped.sum();
     if sum > 0.0 {
-        let first = total * (capped.rotation[0].abs() / sum);
-        let second = total * (capped.rotation[1].abs() / sum);
-        [first, second]
+        let per_rotation = total / sum;
+        capped.rotation.map(|p| p.abs() * per_rotation)
     } else {
         [0.5 * total, 0.5 * total]
     }
@@ -452,8 +536,7 @@ impl Search<'_> {
     fn derivative(&self, branch: Branch, t: f64) -> (f64, f64) {
         let surface = &self.bar.surface;
         let point = surface.point(branch, t);
-        let ratio = surface.resistance_moment / surface.resistance_axial;
-        let scale = self.bar.axial * ratio / surface.resistance_axial;
+        let scale = self.bar.return_scale;
         match branch {
             Branch::Axial => {
                 let capped = self
@@ -480,7 +563,7 @@ impl Search<'_> {
 
     fn run(&self, near: f64) -> Root {
         let split = self.bar.surface.split();
-        // On which half of the curve? The optimum has no larger n than the trial stress.
+        // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
         if self.trial <= split || self.derivative(Branch::Axial, split).0 >= 0.0 {
             let high = self.trial.min(split);
             if self.bar.surface.has_corner_at_zero_axial()

@@ -3,32 +3,36 @@
 //! Sign: the paper's gap `g_N = v_c - v_1` (Eq 33) opens when an impactor with a positive velocity approaches. Here `v`
 //! is positive in the impactor's direction of travel and the gap is `v_1 - v_c`: positive while open, closing while
 //! `v_c' > v_1'`.
+//!
+//! The schemes know what strikes the column only by the methods of [`Impactor`]: its gap, its closing speed and energy,
+//! what it adds to the equation of motion of the impact point ([`Coupling`]), touch, percussion and release. Another kind
+//! of vehicle goes behind the same methods.
 
 use serde::{Deserialize, Serialize};
 
 use super::impact::Impact;
 use super::model::Model;
 
-/// A closing speed whose rebound is below this fraction of the impactor's first speed does not rebound: contact is
-/// taken as persistent from there, since rebounds with restitution pile up infinitely many in finite time.
+/// A closing speed whose rebound is below this fraction of the impactor's initial speed does not rebound: contact is
+/// taken as persistent from there on, because rebounds with restitution accumulate, infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
-/// The impactor under way.
+/// What strikes the column, on its way: a rigid mass.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
-    /// What it began as.
+    /// The impact as it was at the event.
     pub impact: Impact,
     /// `v_c` \[m\].
     pub position: f64,
     /// Its rate \[m/s\].
     pub velocity: f64,
-    /// Contact is closed.
+    /// Whether contact is closed.
     pub closed: bool,
     /// First touch, since the event \[s\].
     pub touched_at: Option<f64>,
-    /// Last parting, since the event \[s\].
+    /// Last separation, since the event \[s\].
     pub released_at: Option<f64>,
-    /// Where and when its free flight began: positions in flight are computed from here, not summed up.
+    /// Where and when its free flight began: positions in flight are computed from here, not accumulated.
     flight: Flight,
 }
 
@@ -38,6 +42,15 @@ struct Flight {
     position: f64,
     step: u64,
     offset_secs: f64,
+}
+
+/// What an impactor adds to the equation of motion of the impact point over one part of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Coupling {
+    /// Mass that moves with the impact point \[kg\].
+    pub mass: f64,
+    /// Constant force on it \[N\].
+    pub force: f64,
 }
 
 impl Impactor {
@@ -59,13 +72,78 @@ impl Impactor {
         }
     }
 
-    /// Notes a touch `offset_secs` into step `step` \[s\].
+    /// Distance to a column at `v1` \[m\].
+    pub(crate) fn gap(&self, v1: f64) -> f64 {
+        v1 - self.position
+    }
+
+    /// Closing speed against a column that moves at `v1_rate` \[m/s\]; negative while they separate.
+    pub(crate) fn closing_speed(&self, v1_rate: f64) -> f64 {
+        self.velocity - v1_rate
+    }
+
+    /// Kinetic energy \[J\].
+    pub(crate) fn kinetic_energy(&self) -> f64 {
+        0.5 * self.impact.mass * self.velocity * self.velocity
+    }
+
+    /// In persistent contact the impactor moves with the impact point as one mass.
+    pub(crate) fn coupling(&self) -> Coupling {
+        let mass = if self.closed { self.impact.mass } else { 0.0 };
+        Coupling { mass, force: 0.0 }
+    }
+
+    /// The coupling that reverses the closing speed to `-restitution` times its value within `secs`.
+    pub(crate) fn rebound_coupling(&self, closing_speed: f64, secs: f64) -> Coupling {
+        let Impact {
+            mass, restitution, ..
+        } = self.impact;
+        Coupling {
+            mass,
+            force: mass * (1.0 + restitution) * closing_speed / secs,
+        }
+    }
+
+    /// Force of persistent contact \[N\], where the column resists with `resistance` \[N\]: both masses share the
+    /// acceleration that it gives them. Negative where they would separate.
+    pub(crate) fn contact_force(&self, model: &Model, resistance: f64) -> f64 {
+        if !self.closed {
+            return 0.0;
+        }
+        let mass = self.impact.mass;
+        resistance * mass / (mass + model.impact_point_mass)
+    }
+
+    /// Takes a new velocity \[m/s\] and returns the impulse that this took from the impactor \[N s\].
+    pub(crate) fn slow_down(&mut self, velocity: f64) -> f64 {
+        let impulse = self.impact.mass * (self.velocity - velocity);
+        self.velocity = velocity;
+        impulse
+    }
+
+    /// Takes an impulse \[N s\] against its direction of travel.
+    pub(crate) fn push_back(&mut self, impulse: f64) {
+        self.velocity -= impulse / self.impact.mass;
+    }
+
+    /// The percussion of an impact with the impact point at `closing_speed` \[m/s\].
+    pub(crate) fn percussion(
+        &self,
+        model: &Model,
+        closing_speed: f64,
+        restitution: f64,
+    ) -> Percussion {
+        let mass = self.impact.mass;
+        percussion(mass, model.impact_point_mass, closing_speed, restitution)
+    }
+
+    /// Records a touch `offset_secs` into step `step` \[s\].
     pub(crate) fn touch(&mut self, model: &Model, step: u64, offset_secs: f64) {
         self.touched_at
             .get_or_insert(model.time_of_step(step) + offset_secs);
     }
 
-    /// Parts from the column `offset_secs` into step `step` \[s\] and begins a free flight.
+    /// Separates from the column `offset_secs` into step `step` \[s\] and begins a free flight.
     pub(crate) fn release(&mut self, model: &Model, step: u64, offset_secs: f64) {
         self.closed = false;
         self.released_at = Some(model.time_of_step(step) + offset_secs);
@@ -76,23 +154,13 @@ impl Impactor {
         };
     }
 
-    /// Where the free flight has led `offset_secs` into step `step` \[m\].
+    /// Position in free flight `offset_secs` into step `step` \[m\].
     pub(crate) fn position_in_flight(&self, model: &Model, step: u64, offset_secs: f64) -> f64 {
         let steps = model.time_of_step(step - self.flight.step);
         self.flight.position + self.velocity * (steps + (offset_secs - self.flight.offset_secs))
     }
 
-    /// Closing speed against a column that moves at `v1_rate` \[m/s\]; negative: parting.
-    pub(crate) fn closing_speed(&self, v1_rate: f64) -> f64 {
-        self.velocity - v1_rate
-    }
-
-    /// Kinetic energy \[J\].
-    pub(crate) fn kinetic_energy(&self) -> f64 {
-        0.5 * self.impact.mass * self.velocity * self.velocity
-    }
-
-    /// Restitution that a closing speed meets: Newton's, or 0 where its rebound would be too small to follow.
+    /// Restitution at a closing speed: Newton's, or 0 where the rebound would be too small to follow.
     pub(crate) fn effective_restitution(&self, closing_speed: f64) -> f64 {
         let rebound = self.impact.restitution * closing_speed;
         if rebound < PERSISTENT_CONTACT_FRACTION * self.impact.velocity {
@@ -113,7 +181,7 @@ pub(crate) struct Percussion {
 }
 
 /// The percussion of two masses \[kg\] that close at `closing_speed` \[m/s\].
-pub(crate) fn percussion(
+fn percussion(
     impactor_mass: f64,
     column_mass: f64,
     closing_speed: f64,

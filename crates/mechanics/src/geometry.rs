@@ -1,6 +1,6 @@
-//! From displacements to deformations, and the gradients that turn forces back (Eqs 1-10).
+//! From displacements to deformations, and the gradients that map forces back (Eqs 1-10).
 //!
-//! A bar is seen through its chord, the vector `r = (x, v)` from one end to the other: `x` along the undeformed
+//! A bar is described by its chord, the vector `r = (x, v)` from one end to the other: `x` along the undeformed
 //! column, `v` across it. Bar a has `x = L_a - u1`, bar b has `x = L_b + u1 - u2`, both have `v = v1`.
 
 use serde::{Deserialize, Serialize};
@@ -34,16 +34,6 @@ impl Displacement {
         self.plus(-1.0, other)
     }
 
-    /// The mean of `self` and `other`.
-    pub(crate) fn mean(self, other: Self) -> Self {
-        Self {
-            v1: 0.5 * (self.v1 + other.v1),
-            u1: 0.5 * (self.u1 + other.u1),
-            beta1: 0.5 * (self.beta1 + other.beta1),
-            u2: 0.5 * (self.u2 + other.u2),
-        }
-    }
-
     /// `factor * self`.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self::default().plus(factor, self)
@@ -51,7 +41,7 @@ impl Displacement {
 }
 
 /// The chord of a deformed bar.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Chord {
     /// Extent along the undeformed column \[m\].
     pub x: f64,
@@ -63,8 +53,8 @@ pub(crate) struct Chord {
     pub elongation: f64,
 }
 
-/// Derivatives of a chord's length and angle with respect to `x` and `v`; what Eq 10 assembles `B` from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Derivatives of a chord's length and angle with respect to `x` and `v`, from which Eq 10 assembles `B`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct ChordGradient {
     pub length_x: f64,
     pub length_v: f64,
@@ -92,41 +82,51 @@ impl Chord {
     /// Angle to the undeformed column, `theta_3` or `theta_2` (Eqs 3-4) \[rad\].
     pub fn angle(&self) -> f64 {
         if self.x > 0.0 {
-            (self.v / self.x).atan()
+            libm::atan(self.v / self.x)
         } else {
-            self.v.atan2(self.x)
+            libm::atan2(self.v, self.x)
         }
     }
 
     /// The gradient at this chord (Eq 10).
     pub fn gradient(&self) -> ChordGradient {
-        let (cos, sin) = (self.x / self.length, self.v / self.length);
+        let per_length = 1.0 / self.length;
+        let (cos, sin) = (self.x * per_length, self.v * per_length);
         ChordGradient {
             length_x: cos,
             length_v: sin,
-            angle_x: -sin / self.length,
-            angle_v: cos / self.length,
+            angle_x: -sin * per_length,
+            angle_v: cos * per_length,
         }
     }
 
-    /// The discrete gradient from `self` to `next`: its product with the difference of the two chords is the
-    /// difference of their lengths and angles exactly.
+    /// The discrete gradient from `self` to `next`, and the angle \[rad\] by which the chord turns: the product of the
+    /// gradient with the difference of the two chords is the difference of their lengths and angles exactly.
     ///
     /// `Delta l = 2 r_m . Delta r / (l_n + l_{n+1})` and
-    /// `Delta theta = (Delta theta / sin Delta theta) (r_m x Delta r) / (l_n l_{n+1})`, `r_m` the mean chord, for turns
-    /// of less than a right angle.
-    pub fn discrete_gradient(&self, next: &Self) -> ChordGradient {
+    /// `Delta theta = (Delta theta / sin Delta theta) (r_m x Delta r) / (l_n l_{n+1})`, with `r_m` the mean chord, for
+    /// turns of less than a right angle. `sin Delta theta` is the cross product of the chords over the product of their
+    /// lengths, so that a small turn needs no inverse trigonometric function.
+    pub fn discrete_gradient(&self, next: &Self) -> (ChordGradient, f64) {
         let (x, v) = (0.5 * (self.x + next.x), 0.5 * (self.v + next.v));
         let per_length = 2.0 / (self.length + next.length);
-        let area = self.length * next.length;
-        let sine = (self.x * next.v - self.v * next.x) / area;
-        let per_area = angle_over_sine(sine) / area;
-        ChordGradient {
+        let per_area = 1.0 / (self.length * next.length);
+        let sine = (self.x * next.v - self.v * next.x) * per_area;
+        let ratio = angle_over_sine(sine);
+        let turns_back = self.x * next.x + self.v * next.v <= 0.0;
+        let turn = if turns_back {
+            next.angle() - self.angle()
+        } else {
+            sine * ratio
+        };
+        let per_area = ratio * per_area;
+        let gradient = ChordGradient {
             length_x: x * per_length,
             length_v: v * per_length,
             angle_x: -v * per_area,
             angle_v: x * per_area,
-        }
+        };
+        (gradient, turn)
     }
 
     /// Whether the turn from `self` to `next` is less than a right angle and its sine less than `sine`.
@@ -140,9 +140,10 @@ impl Chord {
     /// Second derivatives `(xx, xv, vv)` of `axial * length + bending * angle`: the geometric stiffness of a bar
     /// with normal force `axial` \[N\] and sum of end moments `bending` \[N m\].
     pub fn hessian(&self, axial: f64, bending: f64) -> [f64; 3] {
-        let (cos, sin) = (self.x / self.length, self.v / self.length);
-        let stretch = axial / self.length;
-        let turn = bending / (self.length * self.length);
+        let per_length = 1.0 / self.length;
+        let (cos, sin) = (self.x * per_length, self.v * per_length);
+        let stretch = axial * per_length;
+        let turn = bending * per_length * per_length;
         [
             stretch * sin * sin + 2.0 * turn * sin * cos,
             -stretch * sin * cos + turn * (sin * sin - cos * cos),
@@ -155,10 +156,10 @@ impl Chord {
 fn angle_over_sine(sine: f64) -> f64 {
     let square = sine * sine;
     if square < 1e-4 {
-        // Taylor series; the first term left out is below 4e-18.
+        // Taylor series; the first omitted term is below 4e-18.
         1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0)))
     } else {
-        sine.asin() / sine
+        libm::asin(sine) / sine
     }
 }
 
@@ -233,7 +234,8 @@ mod tests {
             (0.3, 1.0, 0.31, 0.95),
         ] {
             let (a, b) = (Chord::new(2.0, 2.0 - x0, v0), Chord::new(2.0, 2.0 - x1, v1));
-            let g = a.discrete_gradient(&b);
+            let (g, turn) = a.discrete_gradient(&b);
+            assert!((turn - (b.angle() - a.angle())).abs() < 1e-15);
             let (dx, dv) = (b.x - a.x, b.v - a.v);
             assert!(
                 (g.length_x * dx + g.length_v * dv - (b.elongation - a.elongation)).abs() < 1e-15

@@ -19,10 +19,10 @@
 //! Deliberately absent: files, clocks, threads, logging, allocation per step, and any knowledge of the rest of the crate.
 //! Same input, same bits.
 
-mod assembly;
 mod bar;
+mod conserving_midpoint;
 mod contact;
-mod energy;
+mod frame;
 mod geometry;
 mod impact;
 mod ledger;
@@ -41,21 +41,21 @@ mod statics;
 mod stepping;
 mod yield_surface;
 
-pub use assembly::PerBar;
-pub use bar::{Bar, BarForces, PlasticFlow};
+pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
-pub use energy::MAX_EVENTS_PER_STEP;
+pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};
-pub use ledger::{Energies, Ledger, energies};
+pub use ledger::{Energies, Ledger};
 pub use model::{Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
 pub use report::{End, HingeReport, Outcome, Report};
-pub use response::{Progress, Response, SimulationError, simulate};
+pub use response::{Progress, Response, SimulationError, respond, simulate};
 pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
-pub use stepping::{MAX_HALVINGS, MAX_PARTS, step};
+pub use stepping::{MAX_HALVINGS, MAX_PARTS, begin_impact, step};
 pub use yield_surface::YieldSurface;

@@ -5,18 +5,17 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::assembly::{self, PerBar, Tangents};
-use super::bar::{Bar, Returned};
-use super::contact::percussion;
+use super::bar::{BarForces, PerBar, Returned};
+use super::contact::{Coupling, Impactor};
+use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
-use super::motion::Motion;
+use super::motion::{Motion, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
-use super::state::State;
+use super::state::{State, Velocity};
 use super::statics;
-use super::stepping::Part;
 
-/// A closing speed above this fraction of the impactor's first speed is an impact, below it round-off of
+/// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
 /// persistent contact.
 const IMPACT_FRACTION: f64 = 1e-9;
 
@@ -24,52 +23,55 @@ const IMPACT_FRACTION: f64 = 1e-9;
 struct Midpoint<'a> {
     model: &'a Model,
     from: &'a State,
-    motion: Motion,
+    motion: Motion<'a>,
     /// Expected normal forces \[N\].
     near: PerBar<f64>,
 }
 
 /// What was evaluated at `n + 1/2`.
+#[derive(Default)]
 struct Point {
     chords: PerBar<Chord>,
     returned: PerBar<Returned>,
 }
 
+impl Point {
+    fn forces(&self) -> PerBar<BarForces> {
+        PerBar {
+            below: self.returned.below.forces,
+            above: self.returned.above.forces,
+        }
+    }
+}
+
 impl NonlinearSystem for Midpoint<'_> {
     type Point = Point;
 
-    fn evaluate(&self, increment: &Displacement) -> (Point, Vector4<f64>) {
-        let model = self.model;
+    fn evaluate(&self, increment: &Displacement, point: &mut Point) -> Vector4<f64> {
+        let (frame, plastic) = (&self.model.frame, &self.from.plastic);
         let middle = self.from.displacement.plus(0.5, *increment);
-        let chords = assembly::chords(model, &middle);
-        let elastic = assembly::elastic_strains(&chords, &middle, &self.from.plastic);
-        let back = |bar: &Bar, strain, near| bar.return_stress(bar.elastic(strain), near);
-        let returned = PerBar {
-            below: back(&model.below, &elastic.below, self.near.below),
-            above: back(&model.above, &elastic.above, self.near.above),
-        };
-        let gradients = assembly::gradients(&chords);
-        let forces = forces_of(&returned);
-        let internal = assembly::internal_forces(model, &gradients, &forces, middle.u2);
-        let residual = self.motion.residual(increment) + internal;
-        (Point { chords, returned }, residual)
+        point.chords = frame.chords(&middle);
+        let total = frame::strains(&point.chords, &frame::angles(&point.chords), middle.beta1);
+        let below = frame.below.elastic(&total.below.minus(&plastic.below));
+        let above = frame.above.elastic(&total.above.minus(&plastic.above));
+        point.returned.below = frame.below.return_stress(below, self.near.below);
+        point.returned.above = frame.above.return_stress(above, self.near.above);
+        let gradients = frame::gradients(&point.chords);
+        self.motion.residual(increment)
+            + frame.internal_forces(&gradients, &point.forces(), middle.u2)
     }
 
     fn jacobian(&self, point: &Point) -> Matrix4<f64> {
-        let model = self.model;
-        let tangents = Tangents {
-            below: model.below.tangent(&point.returned.below),
-            above: model.above.tangent(&point.returned.above),
+        let frame = &self.model.frame;
+        let tangents = PerBar {
+            below: frame.below.tangent(&point.returned.below),
+            above: frame.above.tangent(&point.returned.above),
         };
-        let forces = forces_of(&point.returned);
-        let k = assembly::stiffness(
-            model,
-            &assembly::gradients(&point.chords),
-            &point.chords,
-            &forces,
-            &tangents,
-        );
-        self.motion.jacobian() + k * 0.5
+        let gradients = frame::gradients(&point.chords);
+        let stiffness = frame.stiffness(&gradients, &point.chords, &point.forces(), &tangents);
+        let mut jacobian = stiffness * 0.5;
+        self.motion.add_jacobian(&mut jacobian);
+        jacobian
     }
 
     fn scale(&self) -> Vector4<f64> {
@@ -86,156 +88,193 @@ impl NonlinearSystem for Midpoint<'_> {
     }
 }
 
-fn forces_of(returned: &PerBar<Returned>) -> PerBar<super::bar::BarForces> {
-    PerBar {
-        below: returned.below.forces,
-        above: returned.above.forces,
-    }
+/// A solved part of a step that has not changed the state yet.
+struct Trial {
+    increment: Displacement,
+    velocity: Velocity,
+    damping_work: f64,
+    newton_iterations: u32,
 }
 
-/// What contact does in one part.
-struct Contact {
-    /// Mass that moves along \[kg\].
-    mass: f64,
-    closing_speed: f64,
-    restitution: f64,
-}
-
-/// One part of a step, `offset_secs` into it.
-pub(crate) fn part(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<Part> {
-    let contact = from
-        .impactor
-        .filter(|_| from.gap() <= 0.0)
-        .map(|i| Contact {
-            mass: i.impact.mass,
-            closing_speed: i.closing_speed(from.velocity.v1),
-            restitution: i.impact.restitution,
-        });
-    // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
-    // one that held in the last step is tried first; the problem is monotone, so whichever is consistent is the one.
-    let state = match contact {
-        None => free(model, from, offset_secs, secs)?,
-        Some(contact) if from.impactor.is_some_and(|i| i.closed) => {
-            let pressed = pressed(model, from, &contact, offset_secs, secs)?;
-            if pressed.impulse - from.impulse >= 0.0 {
-                pressed
-            } else {
-                free(model, from, offset_secs, secs)?
-            }
-        }
-        Some(contact) => {
-            let free = free(model, from, offset_secs, secs)?;
-            let after = free.impactor?.closing_speed(free.velocity.v1);
-            if -after - contact.restitution * contact.closing_speed >= 0.0 {
-                free
-            } else {
-                pressed(model, from, &contact, offset_secs, secs)?
-            }
-        }
-    };
-    Some(Part { state, secs })
-}
-
-/// Without contact force.
-fn free(model: &Model, from: &State, offset_secs: f64, secs: f64) -> Option<State> {
-    let mut state = advance(model, from, 0.0, 0.0, secs)?;
-    if let Some(mut impactor) = from.impactor {
-        if impactor.closed {
-            impactor.release(model, from.step, offset_secs);
-        }
-        impactor.position = impactor.position_in_flight(model, from.step, offset_secs + secs);
-        state.impactor = Some(impactor);
-    }
-    state.contact_force = 0.0;
-    Some(state)
-}
-
-/// With the contact force that makes `gamma^{n+1} + eps gamma^n = 0` (Eqs 45-46).
-fn pressed(
+/// Makes one part of a step, `offset_secs` into it and `secs` long.
+///
+/// # Errors
+/// A part that is rejected; the state is then unchanged.
+pub(crate) fn part(
     model: &Model,
-    from: &State,
-    contact: &Contact,
+    state: &mut State,
     offset_secs: f64,
     secs: f64,
-) -> Option<State> {
-    let Contact {
-        mass,
-        closing_speed,
-        restitution,
-    } = *contact;
-    let push = mass * (1.0 + restitution) * closing_speed / secs;
-    let mut state = advance(model, from, mass, push, secs)?;
-    let mut impactor = from.impactor?;
-    let before = impactor.velocity;
-    impactor.velocity = state.velocity.v1 - restitution * closing_speed;
-    impactor.position += 0.5 * secs * (before + impactor.velocity);
-    impactor.closed = true;
-    impactor.touch(model, from.step, offset_secs);
-    let impulse = mass * (before - impactor.velocity);
-    let mut hit = 0.0;
-    if closing_speed > IMPACT_FRACTION * impactor.impact.velocity {
-        hit = percussion(mass, model.impact_point_mass, closing_speed, restitution)
-            .impulse
-            .min(impulse);
-        state.percussion += hit;
-        state.percussion_impulse += hit;
-        state.percussions += 1;
+) -> Result<(), Rejected> {
+    let mut solver = Part {
+        model,
+        offset_secs,
+        secs,
+        point: Point::default(),
+    };
+    // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
+    // one that held in the last step is tried first; the problem is monotone, so the consistent case is the solution.
+    match state.impactor.filter(|_| state.gap() <= 0.0) {
+        None => solver.free(state),
+        Some(impactor) => {
+            let closing_speed = impactor.closing_speed(state.velocity.v1);
+            let restitution = impactor.impact.restitution;
+            if impactor.closed {
+                let pressed = solver.attempt_pressed(state, &impactor, closing_speed)?;
+                if impactor.velocity >= pressed.velocity.v1 - restitution * closing_speed {
+                    solver.press(state, impactor, closing_speed, &pressed)
+                } else {
+                    solver.free(state)
+                }
+            } else {
+                let free = solver.attempt(state, Coupling::default())?;
+                let after = impactor.closing_speed(free.velocity.v1);
+                if -after - restitution * closing_speed >= 0.0 {
+                    solver.fly(state, &free)
+                } else {
+                    let pressed = solver.attempt_pressed(state, &impactor, closing_speed)?;
+                    solver.press(state, impactor, closing_speed, &pressed)
+                }
+            }
+        }
     }
-    state.impulse += impulse;
-    state.contact_force = (impulse - hit) / secs;
-    state.ledger.impact_loss += impulse * 0.5 * (1.0 - restitution) * closing_speed;
-    state.impactor = Some(impactor);
-    Some(state)
 }
 
-/// Moves the column.
-fn advance(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Option<State> {
-    let motion = Motion::new(model, from, added_mass, push, secs);
-    let stage = Midpoint {
-        model,
-        from,
-        motion,
-        near: from.predictor.normal(&from.forces),
-    };
-    let solved = newton::solve(&stage, first_guess(model, from, secs))?;
-    let mut state = *from;
-    state.corrections += u64::from(solved.corrections);
-    let PerBar { below, above } = solved.point.returned;
-    // Plastic strains are extrapolated from n + 1/2 to n + 1.
-    state.plastic.below = state.plastic.below.plus(2.0, &below.flow);
-    state.plastic.above = state.plastic.above.plus(2.0, &above.flow);
-    for k in 0..2 {
-        state.flowing.below[k] |= model.below.flows(&below.flow, k);
-        state.flowing.above[k] |= model.above.flows(&above.flow, k);
+/// What the trials of one part share.
+struct Part<'a> {
+    model: &'a Model,
+    offset_secs: f64,
+    secs: f64,
+    /// The last evaluation of the last trial.
+    point: Point,
+}
+
+impl Part<'_> {
+    /// Solves a part with the impactor's share `coupling`.
+    fn attempt(&mut self, from: &State, coupling: Coupling) -> Result<Trial, Rejected> {
+        let model = self.model;
+        let system = Midpoint {
+            model,
+            from,
+            motion: Motion::new(model, from, coupling, self.secs),
+            near: from.predictor.normal(&from.forces),
+        };
+        let guess = first_guess(model, from, self.secs);
+        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let increment = solved.increment;
+        Ok(Trial {
+            increment,
+            velocity: system.motion.end_velocity(model, &increment),
+            damping_work: system.motion.damping_work(&increment),
+            newton_iterations: solved.iterations,
+        })
     }
-    state.ledger.plastic_work +=
-        2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
-    state.ledger.damping_work += motion.damping_work(&solved.increment);
-    state.velocity = motion.end_velocity(model, &solved.increment);
-    let middle = from.displacement.plus(0.5, solved.increment);
-    let forces = forces_of(&solved.point.returned);
-    state
-        .predictor
-        .learn(&solved.increment, secs, middle, &forces);
-    // beta1 and a massless u2 are collocated at n + 1/2; extrapolated they would ring for ever, so at n + 1 they are
-    // solved for.
-    let end = from.displacement.plus(1.0, solved.increment);
-    // Where they have no elastic equilibrium there (the stress overshoots the yield surface), extrapolation it is.
-    (state.displacement, state.forces) = statics::settle_massless(model, end, &state.plastic)
-        .unwrap_or_else(|| {
-            let chords = assembly::chords(model, &end);
-            let forces = assembly::elastic_forces(model, &chords, &end, &state.plastic);
-            (end, forces)
+
+    /// Solves a part with the contact force that makes `gamma^{n+1} + eps gamma^n = 0` (Eqs 45-46).
+    fn attempt_pressed(
+        &mut self,
+        from: &State,
+        impactor: &Impactor,
+        closing_speed: f64,
+    ) -> Result<Trial, Rejected> {
+        self.attempt(from, impactor.rebound_coupling(closing_speed, self.secs))
+    }
+
+    /// Without contact force.
+    fn free(&mut self, state: &mut State) -> Result<(), Rejected> {
+        let trial = self.attempt(state, Coupling::default())?;
+        self.fly(state, &trial)
+    }
+
+    /// Accepts a trial without contact force.
+    fn fly(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
+        self.accept(state, trial)?;
+        state.contact_force = 0.0;
+        if let Some(impactor) = &mut state.impactor {
+            if impactor.closed {
+                impactor.release(self.model, state.step, self.offset_secs);
+            }
+            let offset = self.offset_secs + self.secs;
+            impactor.position = impactor.position_in_flight(self.model, state.step, offset);
+        }
+        Ok(())
+    }
+
+    /// Accepts a trial with contact force.
+    fn press(
+        &self,
+        state: &mut State,
+        mut impactor: Impactor,
+        closing_speed: f64,
+        trial: &Trial,
+    ) -> Result<(), Rejected> {
+        self.accept(state, trial)?;
+        let restitution = impactor.impact.restitution;
+        let before = impactor.velocity;
+        let impulse = impactor.slow_down(state.velocity.v1 - restitution * closing_speed);
+        impactor.position += 0.5 * self.secs * (before + impactor.velocity);
+        impactor.closed = true;
+        impactor.touch(self.model, state.step, self.offset_secs);
+        let mut percussion = 0.0;
+        if closing_speed > IMPACT_FRACTION * impactor.impact.velocity {
+            percussion = impactor
+                .percussion(self.model, closing_speed, restitution)
+                .impulse
+                .min(impulse);
+            state.count_percussion(percussion);
+        }
+        state.impulse += impulse;
+        state.contact_force = (impulse - percussion) / self.secs;
+        state.ledger.impact_loss += impulse * 0.5 * (1.0 - restitution) * closing_speed;
+        state.impactor = Some(impactor);
+        Ok(())
+    }
+
+    /// Moves the column to the end of the last trial.
+    fn accept(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
+        let PerBar { below, above } = &self.point.returned;
+        // Plastic strains are extrapolated from n + 1/2 to n + 1.
+        let plastic = PerBar {
+            below: state.plastic.below.plus(2.0, &below.flow),
+            above: state.plastic.above.plus(2.0, &above.flow),
+        };
+        // beta1 and a massless u2 are collocated at n + 1/2. Extrapolated they would ring for ever, so at n + 1 they are
+        // solved for; where they have no elastic equilibrium there (the stress overshoots the yield surface), they are
+        // extrapolated after all.
+        let extrapolated = state.displacement.plus(1.0, trial.increment);
+        let settled = statics::settle_massless(self.model, extrapolated, &plastic);
+        let (end, forces) = settled.unwrap_or_else(|| {
+            let frame = &self.model.frame;
+            let chords = frame.chords(&extrapolated);
+            let forces = frame.elastic_forces(&chords, &extrapolated, &plastic);
+            (extrapolated, forces)
         });
-    Some(state)
+        check_part(self.model, &state.displacement, &end)?;
+        state.newton_iterations += u64::from(trial.newton_iterations);
+        state.flow(self.model, &below.flow, &above.flow, 2.0);
+        state.ledger.plastic_work +=
+            2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
+        state.ledger.damping_work += trial.damping_work;
+        state.velocity = trial.velocity;
+        let middle = state.displacement.plus(0.5, trial.increment);
+        state
+            .predictor
+            .learn(&trial.increment, self.secs, middle, &self.point.forces());
+        state.displacement = end;
+        state.forces = forces;
+        Ok(())
+    }
 }
 
 /// Expected increment of `U`. The massless unknowns go from one `n + 1/2` to the next, past their values at `n`; in a
-/// part of a step they hardly go anywhere.
+/// part of a step they hardly move.
 fn first_guess(model: &Model, from: &State, secs: f64) -> Displacement {
     let mut guess = from.predictor.increment(&from.velocity, secs);
     let now = &from.displacement;
-    let expected = from.predictor.stage().filter(|_| secs == model.step_secs);
+    let expected = from
+        .predictor
+        .solution()
+        .filter(|_| secs == model.step_secs);
     let middle = expected.unwrap_or(*now);
     guess.beta1 = 2.0 * (middle.beta1 - now.beta1);
     if model.top_is_massless() {

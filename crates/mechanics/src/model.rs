@@ -1,40 +1,35 @@
-//! What is constant while one column is stepped, derived and checked once.
+//! The constants of one column, derived and checked once.
 
-use nalgebra::Matrix2;
 use thiserror::Error;
 
-use super::assembly::PerBar;
-use super::bar::Bar;
+use super::bar::{Bar, PerBar};
+use super::frame::Frame;
 use super::geometry::Displacement;
-use super::modes;
+use super::modes::{self, Damping, Masses};
 use super::properties::{ColumnProperties, ElasticLaw, Scheme, Support};
 use super::yield_surface::YieldSurface;
 
 /// Nanoseconds in a second.
 pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
 
-/// Longest step \[ns\]: a step of more than this is longer than the impacts this model is for.
+/// Longest step \[ns\]: more than this is longer than the impacts for which this model is made.
 const MAX_STEP_NANOS: u64 = 10_000_000;
 
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// What it was derived from.
+    /// The properties from which it was derived.
     pub properties: ColumnProperties,
-    /// Bar a, below the impact point.
-    pub below: Bar,
-    /// Bar b, above it.
-    pub above: Bar,
+    /// The two bars with their hinges, and the spring at the top.
+    pub frame: Frame,
     /// `m_1`: a third of the column's mass, at the impact point \[kg\].
     pub impact_point_mass: f64,
     /// Static equilibrium of the virgin column under its load.
     pub rest: RestState,
     /// Period of the slowest elastic mode about it \[s\].
     pub slowest_period: f64,
-    /// Damping coefficient of `v1` \[N s/m\].
-    pub(crate) damping_transverse: f64,
-    /// Damping coefficients of `u1`, `u2` \[N s/m\].
-    pub(crate) damping_axial: Matrix2<f64>,
+    /// `None` for a column without damping.
+    pub(crate) damping: Option<Damping>,
     /// Length of a step \[s\].
     pub step_secs: f64,
 }
@@ -50,7 +45,7 @@ pub struct RestState {
     pub normal_force: f64,
 }
 
-/// Why no model can be made of some properties.
+/// Why some properties do not make a column.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ModelError {
     /// A number is NaN, infinite or outside its range.
@@ -60,7 +55,7 @@ pub enum ModelError {
         name: &'static str,
         /// Its value.
         found: f64,
-        /// What would be right.
+        /// What is expected instead.
         expected: &'static str,
     },
     /// Stiffness given directly together with the coupled law.
@@ -95,7 +90,7 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// Derives and checks everything constant.
+    /// Checks the properties and derives the constants.
     ///
     /// # Errors
     /// A number out of its range, a contradiction, or a column that its load alone squashes or buckles.
@@ -104,33 +99,33 @@ impl Model {
         let p = *properties;
         let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
         let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
-        let bar = |length: f64, support, given| Bar {
-            length,
-            axial: p.axial_rigidity / length,
-            rotational: rotational_stiffness(
-                p.elastic_law,
-                p.bending_stiffness / length,
-                support,
-                given,
-            ),
-            surface,
+        let bar = |length: f64, support, given| {
+            let rotational =
+                rotational_stiffness(p.elastic_law, p.bending_stiffness / length, support, given);
+            Bar::new(length, p.axial_rigidity / length, rotational, surface)
         };
-        let below = bar(p.length_below, p.base, [stiffness_1a, stiffness_3]);
-        let above = bar(p.length_above, p.top, [stiffness_1b, stiffness_2]);
-        let rest = rest_state(&p, &below, &above)?;
-        let mut model = Self {
+        let frame = Frame {
+            below: bar(p.length_below, p.base, [stiffness_1a, stiffness_3]),
+            above: bar(p.length_above, p.top, [stiffness_1b, stiffness_2]),
+            top_spring_stiffness: p.top_spring_stiffness,
+        };
+        let impact_point_mass = p.mass_per_length * (p.length_below + p.length_above) / 3.0;
+        let masses = [impact_point_mass, impact_point_mass, 0.0, p.top_mass];
+        let rest = rest_state(&p, &frame)?;
+        let at_rest = rest.displacement();
+        let stiffness = modes::transverse_stiffness(&frame, &at_rest);
+        let slowest_period = modes::slowest_period(&frame, &masses, &at_rest, &PerBar::default())
+            .ok_or(ModelError::Buckled { stiffness })?;
+        Ok(Self {
             properties: p,
-            below,
-            above,
-            impact_point_mass: p.mass_per_length * (p.length_below + p.length_above) / 3.0,
+            frame,
+            impact_point_mass,
             rest,
-            slowest_period: 0.0,
-            damping_transverse: 0.0,
-            damping_axial: Matrix2::zeros(),
+            slowest_period,
+            damping: (p.damping_ratio > 0.0)
+                .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
             step_secs: p.step_nanos as f64 / NANOS_PER_SECOND,
-        };
-        model.add_modes()?;
-        Ok(model)
+        })
     }
 
     /// Instant of the beginning of step `step` \[s\]: a count times a whole number of nanoseconds, never a sum of
@@ -144,37 +139,26 @@ impl Model {
         self.properties.top_mass == 0.0
     }
 
-    /// Length of the shorter bar \[m\].
-    pub(crate) fn shorter_bar(&self) -> f64 {
-        self.below.length.min(self.above.length)
-    }
-
-    /// Displacements at rest.
-    pub(crate) fn rest_displacement(&self) -> Displacement {
-        Displacement {
-            u1: self.rest.u1,
-            u2: self.rest.u2,
-            ..Displacement::default()
-        }
+    /// Masses of the displacements `v1, u1, beta1, u2` \[kg\].
+    pub(crate) fn masses(&self) -> Masses {
+        let mass = self.impact_point_mass;
+        [mass, mass, 0.0, self.properties.top_mass]
     }
 
     /// Which time-stepping scheme.
     pub(crate) fn scheme(&self) -> Scheme {
         self.properties.scheme
     }
+}
 
-    /// The slowest period and the modal damping.
-    fn add_modes(&mut self) -> Result<(), ModelError> {
-        let rest = self.rest_displacement();
-        let stiffness = modes::condensed_stiffness(self, &rest, &PerBar::default())[(0, 0)];
-        if stiffness.is_nan() || stiffness <= 0.0 {
-            return Err(ModelError::Buckled { stiffness });
+impl RestState {
+    /// The displacements at rest.
+    pub(crate) fn displacement(&self) -> Displacement {
+        Displacement {
+            u1: self.u1,
+            u2: self.u2,
+            ..Displacement::default()
         }
-        self.slowest_period = modes::slowest_period(self, &rest, &PerBar::default())
-            .ok_or(ModelError::Buckled { stiffness })?;
-        (self.damping_transverse, self.damping_axial) =
-            modes::modal_damping(self, self.properties.damping_ratio);
-        Ok(())
     }
 }
 
@@ -203,8 +187,8 @@ fn rotational_stiffness(
     }
 }
 
-fn rest_state(p: &ColumnProperties, below: &Bar, above: &Bar) -> Result<RestState, ModelError> {
-    let flexibility = 1.0 / below.axial + 1.0 / above.axial;
+fn rest_state(p: &ColumnProperties, frame: &Frame) -> Result<RestState, ModelError> {
+    let flexibility = 1.0 / frame.below.axial + 1.0 / frame.above.axial;
     let normal_force = -p.top_load / (1.0 + p.top_spring_stiffness * flexibility);
     if -normal_force >= p.resistance_axial {
         return Err(ModelError::Squashed {
@@ -213,7 +197,7 @@ fn rest_state(p: &ColumnProperties, below: &Bar, above: &Bar) -> Result<RestStat
         });
     }
     Ok(RestState {
-        u1: -normal_force / below.axial,
+        u1: -normal_force / frame.below.axial,
         u2: -normal_force * flexibility,
         normal_force,
     })
@@ -314,7 +298,7 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
             return Err(ModelError::OutOfRange {
                 name,
                 found: stiffness,
-                expected: "a finite number > 0; for a pin say pinned",
+                expected: "a finite number > 0; use a pinned support for no stiffness at all",
             });
         }
     }

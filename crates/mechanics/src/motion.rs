@@ -1,11 +1,15 @@
-//! What both schemes share: inertia, damping and load of a step, its failure, and the shape that a column must keep.
+//! What both schemes share: inertia, damping and load of a part of a step, the failure of a step, and the shape that a
+//! column must keep.
 
 use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::contact::Coupling;
+use super::frame::Frame;
 use super::geometry::Displacement;
 use super::model::Model;
+use super::modes::Damping;
 use super::state::{State, Velocity};
 
 /// A bar whose extent along the column has shrunk to this fraction of its length has lost its shape.
@@ -14,8 +18,14 @@ pub const MIN_EXTENT: f64 = 0.01;
 /// A bar compressed or stretched beyond these fractions of its length has lost its shape.
 pub const LENGTH_RANGE: [f64; 2] = [0.2, 5.0];
 
-/// A top that has come down by this fraction of the column's height does so without bound.
+/// A top that has descended by this fraction of the column's height does so without bound.
 pub const MAX_SHORTENING: f64 = 0.5;
+
+/// A remainder of a step below this fraction of it is round-off.
+pub(crate) const NEGLIGIBLE_PART: f64 = 1e-9;
+
+/// Most by which a bar may turn in one part of a step, as the sine of the angle.
+pub(crate) const MAX_TURN: f64 = 0.3;
 
 /// Floor of the size of forces, relative to `N^p`.
 const FORCE_FLOOR: f64 = 1e-9;
@@ -23,34 +33,34 @@ const FORCE_FLOOR: f64 = 1e-9;
 /// Floor of the size of moments, relative to `M^p`.
 const MOMENT_FLOOR: f64 = 1e-6;
 
-/// Share of (stiffness x displacement) that counts as a force: its round-off is 1e-16 of it, a residual 1e-13 of the
-/// forces is converged.
+/// Share of stiffness times displacement that counts as a force. Its round-off is 1e-16 of it, and a residual of 1e-13 of
+/// the forces is converged.
 const ROUND_OFF_SHARE: f64 = 1e-2;
 
 /// How a column loses its shape or its equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Collapse {
-    /// A bar lies across the column: it snaps through.
+    /// A bar lies across the column and snaps through.
     SnapThrough,
     /// A bar has lost its length.
     BarLength,
-    /// The top comes down without bound.
+    /// The top descends without bound.
     Shortening,
-    /// No position of the massless top carries the load.
+    /// The massless top has no position in which the column carries the load.
     LoadNotCarried,
 }
 
-/// Why a step could not be made; the state is then as it was before the step, or after its last good part.
+/// Why a step failed; the state is then as it was before the step, or after its last accepted part.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StepError {
     /// The column has collapsed: a result.
     #[error("the column has collapsed: {0:?}")]
     Collapsed(Collapse),
-    /// The equations of a part of the step did not converge however small the part was made.
+    /// The equations did not converge, however small the part of the step.
     #[error(
         "step {step} did not converge at {part_secs:.3e} s, the smallest part tried; \
-         please report the parameters, they should have been refused"
+         please report the parameters, which should have been rejected"
     )]
     NotConverged {
         /// Number of the step.
@@ -60,87 +70,95 @@ pub enum StepError {
     },
 }
 
-/// Inertia, damping, load and push of one stage.
+/// Why a part of a step is rejected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Rejected {
+    /// Its equations did not converge, or a bar turned so far that it leapt to another equilibrium.
+    TooLong,
+    /// The column lost its shape.
+    Collapsed(Collapse),
+}
+
+/// Inertia, damping, load and contact in one part of a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion {
-    pub secs: f64,
+pub(crate) struct Motion<'a> {
+    /// `1/h` \[1/s\].
+    per_sec: f64,
+    secs: f64,
     velocity: Vector4<f64>,
     /// `2 m / h` of every displacement \[kg/s\].
     inertia: Vector4<f64>,
-    /// `None` for a column without damping.
-    damping: Option<Matrix4<f64>>,
-    /// Forces besides those of the column: the load, the push of contact \[N\].
+    damping: Option<&'a Damping>,
+    /// Forces besides those of the column: the load and the force of contact \[N\].
     applied: Vector4<f64>,
     scale: Vector4<f64>,
 }
 
-impl Motion {
-    /// The motion of a column that starts from `from`, with `added_mass` \[kg\] moving along at the impact point
-    /// and a constant force `push` \[N\] on it, over `secs`.
-    pub fn new(model: &Model, from: &State, added_mass: f64, push: f64, secs: f64) -> Self {
-        let velocity = &from.velocity;
+impl<'a> Motion<'a> {
+    /// The motion over `secs` of a column that starts from `from`, with the impactor's share `coupling`.
+    pub fn new(model: &'a Model, from: &State, coupling: Coupling, secs: f64) -> Self {
         let p = &model.properties;
-        let masses = Vector4::new(
-            model.impact_point_mass + added_mass,
-            model.impact_point_mass,
-            0.0,
-            p.top_mass,
-        );
-        // The rate of a massless u2 is no state: it must not enter.
+        // The rate of a massless u2 is not part of the state and must not enter.
         let top = if model.top_is_massless() {
             0.0
         } else {
-            velocity.u2
+            from.velocity.u2
         };
-        let velocity = Vector4::new(velocity.v1, velocity.u1, 0.0, top);
-        let inertia = masses * (2.0 / secs);
-        let mut scale = inertia.component_mul(&velocity.abs());
+        let velocity = Vector4::new(from.velocity.v1, from.velocity.u1, 0.0, top);
+        let per_sec = 1.0 / secs;
+        let mut masses = Vector4::from(model.masses());
+        masses[0] += coupling.mass;
+        let inertia = masses * (2.0 * per_sec);
         let [force, moment] = force_scale(model, from);
-        for row in [0, 1, 3] {
-            scale[row] += force;
-        }
-        scale[0] += push.abs();
-        scale[2] = moment;
+        let momentum = inertia.component_mul(&velocity.abs());
         Self {
+            per_sec,
             secs,
             velocity,
             inertia,
-            damping: (p.damping_ratio > 0.0).then(|| damping(model)),
-            applied: Vector4::new(push, 0.0, 0.0, p.top_load),
-            scale,
+            damping: model.damping.as_ref(),
+            applied: Vector4::new(coupling.force, 0.0, 0.0, p.top_load),
+            scale: Vector4::new(
+                momentum[0] + force + coupling.force.abs(),
+                momentum[1] + force,
+                moment,
+                momentum[3] + force,
+            ),
         }
     }
 
     /// `M Delta v / h + C v_m - f` for an increment, `v_m` its mean rate.
     pub fn residual(&self, increment: &Displacement) -> Vector4<f64> {
-        let rate = mean_rate(increment, self.secs);
-        let inertial = (rate - self.velocity).component_mul(&self.inertia);
-        let undamped = inertial - self.applied;
-        match &self.damping {
-            Some(damping) => undamped + damping * rate,
+        let rate = self.mean_rate(increment);
+        let undamped = (rate - self.velocity).component_mul(&self.inertia) - self.applied;
+        match self.damping {
+            Some(damping) => undamped + damping_forces(damping, &rate),
             None => undamped,
         }
     }
 
-    /// Derivative of [`Motion::residual`].
-    pub fn jacobian(&self) -> Matrix4<f64> {
-        let mut j = self
-            .damping
-            .map_or_else(Matrix4::zeros, |damping| damping / self.secs);
+    /// Adds the derivative of [`Motion::residual`] to `jacobian`.
+    pub fn add_jacobian(&self, jacobian: &mut Matrix4<f64>) {
         for row in 0..4 {
-            j[(row, row)] += self.inertia[row] / self.secs;
+            jacobian[(row, row)] += self.inertia[row] * self.per_sec;
         }
-        j
+        if let Some(damping) = self.damping {
+            jacobian[(0, 0)] += damping.transverse * self.per_sec;
+            for (row, coefficients) in [1, 3].into_iter().zip(damping.axial) {
+                jacobian[(row, 1)] += coefficients[0] * self.per_sec;
+                jacobian[(row, 3)] += coefficients[1] * self.per_sec;
+            }
+        }
     }
 
-    /// Size of the terms that the residual is the sum of.
+    /// Size of the terms of which the residual is the sum.
     pub fn scale(&self) -> Vector4<f64> {
         self.scale
     }
 
     /// Velocity at the end of an increment: that at the start mirrored about the mean; a massless top gets the mean.
     pub fn end_velocity(&self, model: &Model, increment: &Displacement) -> Velocity {
-        let rate = mean_rate(increment, self.secs);
+        let rate = self.mean_rate(increment);
         let end = rate * 2.0 - self.velocity;
         Velocity {
             v1: end[0],
@@ -155,14 +173,25 @@ impl Motion {
 
     /// Work of the damping over an increment \[J\], >= 0.
     pub fn damping_work(&self, increment: &Displacement) -> f64 {
-        let rate = mean_rate(increment, self.secs);
-        self.damping
-            .map_or(0.0, |damping| rate.dot(&(damping * rate)) * self.secs)
+        self.damping.map_or(0.0, |damping| {
+            let rate = self.mean_rate(increment);
+            rate.dot(&damping_forces(damping, &rate)) * self.secs
+        })
+    }
+
+    fn mean_rate(&self, increment: &Displacement) -> Vector4<f64> {
+        let Displacement { v1, u1, beta1, u2 } = *increment;
+        Vector4::new(v1, u1, beta1, u2) * self.per_sec
     }
 }
 
-/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, what the round-off of the
-/// displacements is worth in stress, and a floor for a column that has no forces yet.
+fn damping_forces(damping: &Damping, rate: &Vector4<f64>) -> Vector4<f64> {
+    let axial = damping.axial.map(|c| c[0] * rate[1] + c[1] * rate[3]);
+    Vector4::new(damping.transverse * rate[0], axial[0], 0.0, axial[1])
+}
+
+/// Size of the forces \[N\] and moments \[N m\] whose balance is sought: those at work, the stress that corresponds to the
+/// round-off of the displacements, and a floor for a column that has no forces yet.
 fn force_scale(model: &Model, from: &State) -> [f64; 2] {
     let p = &model.properties;
     let Displacement { v1, u1, beta1, u2 } = from.displacement;
@@ -170,8 +199,8 @@ fn force_scale(model: &Model, from: &State) -> [f64; 2] {
     let mut force = p.top_load + FORCE_FLOOR * p.resistance_axial;
     let mut moment = MOMENT_FLOOR * p.resistance_moment;
     for (bar, forces) in [
-        (&model.below, &from.forces.below),
-        (&model.above, &from.forces.above),
+        (&model.frame.below, &from.forces.below),
+        (&model.frame.above, &from.forces.above),
     ] {
         let bending = forces.moment[0].abs() + forces.moment[1].abs();
         let turned = v1.abs() / bar.length + beta1.abs();
@@ -181,34 +210,52 @@ fn force_scale(model: &Model, from: &State) -> [f64; 2] {
     [force, moment]
 }
 
-fn mean_rate(increment: &Displacement, secs: f64) -> Vector4<f64> {
-    Vector4::new(increment.v1, increment.u1, increment.beta1, increment.u2) / secs
+/// Checks where a part of a step has led.
+///
+/// # Errors
+/// A bar that turned further than [`MAX_TURN`], or a column that has lost its shape.
+pub(crate) fn check_part(
+    model: &Model,
+    from: &Displacement,
+    to: &Displacement,
+) -> Result<(), Rejected> {
+    if !turns_little(model, from, to) {
+        return Err(Rejected::TooLong);
+    }
+    match collapse_of(model, to) {
+        Some(collapse) => Err(Rejected::Collapsed(collapse)),
+        None => Ok(()),
+    }
 }
 
-fn damping(model: &Model) -> Matrix4<f64> {
-    let axial = &model.damping_axial;
-    let mut c = Matrix4::zeros();
-    c[(0, 0)] = model.damping_transverse;
-    c[(1, 1)] = axial[(0, 0)];
-    c[(1, 3)] = axial[(0, 1)];
-    c[(3, 1)] = axial[(1, 0)];
-    c[(3, 3)] = axial[(1, 1)];
-    c
+/// Whether both bars turn by less than [`MAX_TURN`].
+fn turns_little(model: &Model, from: &Displacement, to: &Displacement) -> bool {
+    let moved = to.minus(*from);
+    let [min_length, _] = LENGTH_RANGE;
+    if moved.v1.abs() + moved.u1.abs() + moved.u2.abs()
+        < MAX_TURN * min_length * model.frame.shorter_bar()
+    {
+        // No bar that has kept its shape is short enough to turn far by this.
+        return true;
+    }
+    let (before, after) = (model.frame.chords(from), model.frame.chords(to));
+    before.below.turns_less(&after.below, MAX_TURN)
+        && before.above.turns_less(&after.above, MAX_TURN)
 }
 
 /// Whether a state has lost its shape.
 pub(crate) fn collapse_of(model: &Model, u: &Displacement) -> Option<Collapse> {
-    for (bar, shortening) in [(&model.below, u.u1), (&model.above, u.u2 - u.u1)] {
+    let Frame { below, above, .. } = &model.frame;
+    for (bar, shortening) in [(below, u.u1), (above, u.u2 - u.u1)] {
         let x = bar.length - shortening;
         if x.is_nan() || x < MIN_EXTENT * bar.length {
             return Some(Collapse::SnapThrough);
         }
-        let relative = (x * x + u.v1 * u.v1) / (bar.length * bar.length);
-        let [least, most] = LENGTH_RANGE;
-        if !(least * least..=most * most).contains(&relative) {
+        let [min, max] = LENGTH_RANGE.map(|fraction| fraction * bar.length);
+        if !(min * min..=max * max).contains(&(x * x + u.v1 * u.v1)) {
             return Some(Collapse::BarLength);
         }
     }
-    let height = model.below.length + model.above.length;
+    let height = below.length + above.length;
     (u.u2 > MAX_SHORTENING * height).then_some(Collapse::Shortening)
 }

@@ -1,11 +1,10 @@
-//! What an engineer says of a column: numbers in SI units, before any mechanics is derived from them.
+//! The properties of a column as an engineer gives them: numbers in SI units, from which the model is derived.
 
 use serde::{Deserialize, Serialize};
 
-/// A column, its supports, what stands on it, and how it is to be stepped. SI units throughout.
+/// A column, its supports, the mass and the load on it, and its time stepping. SI units throughout.
 ///
-/// Plain data; [`Model::new`](super::Model::new) checks it and derives everything that stays constant
-/// while the column is stepped.
+/// Plain data; [`Model::new`](super::Model::new) checks it and derives the constants of the column.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ColumnProperties {
     /// `L_a`: height of the impact point above the base \[m\].
@@ -14,7 +13,7 @@ pub struct ColumnProperties {
     pub length_above: f64,
     /// `EA`: axial rigidity of the section \[N\].
     pub axial_rigidity: f64,
-    /// `EI`: bending stiffness of the section about the axis it is bent about \[N m²\].
+    /// `EI`: bending stiffness of the section about the axis of bending \[N m²\].
     pub bending_stiffness: f64,
     /// `m_l`: mass per length \[kg/m\].
     pub mass_per_length: f64,
@@ -24,7 +23,7 @@ pub struct ColumnProperties {
     pub resistance_axial: f64,
     /// Shape of the yield surface of all four hinges (Eq 28).
     pub yield_surface: YieldExponents,
-    /// How the moments of a bar's two hinges depend on their rotations.
+    /// Relation between the moments of a bar's two hinges and their rotations.
     pub elastic_law: ElasticLaw,
     /// Rotational support of the foot (hinge 3).
     pub base: Support,
@@ -39,7 +38,7 @@ pub struct ColumnProperties {
     pub top_mass: f64,
     /// `P`: constant compressive load on the top \[N\], >= 0.
     pub top_load: f64,
-    /// Fraction of critical damping of every elastic mode about the undeformed column, >= 0; the paper has 0.
+    /// Fraction of critical damping of every elastic mode about the column at rest, >= 0; 0 in the paper.
     pub damping_ratio: f64,
     /// Time-stepping scheme.
     pub scheme: Scheme,
@@ -89,7 +88,8 @@ pub enum Support {
 pub enum Scheme {
     /// The paper's midpoint rule as printed (Eqs 40, 44-46).
     Midpoint,
-    /// Its energy-conserving sibling: discrete gradient, mean stresses, impacts as events.
-    #[serde(rename = "conserving_midpoint", alias = "energy")]
-    Energy,
+    /// The energy-conserving midpoint rule: discrete gradient, mean stresses, impacts as events. Called `energy` in
+    /// version 0.1.
+    #[serde(alias = "energy")]
+    ConservingMidpoint,
 }

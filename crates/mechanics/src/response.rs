@@ -3,10 +3,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::assembly::PerBar;
-use super::bar::{Bar, BarForces, PlasticFlow};
+use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
+use super::frame::Frame;
 use super::impact::{Impact, ImpactError};
-use super::ledger;
 use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
@@ -16,17 +15,18 @@ use super::sample::{HINGES, Sample};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
+use super::yield_surface::YieldSurface;
 
-/// Kinetic energy, relative to the impactor's, below which column and impactor that lie against each other rest.
+/// Kinetic energy, relative to the impactor's, below which a column and an impactor in contact are at rest.
 const REST_FRACTION: f64 = 1e-9;
 
-/// Periods of the slowest mode without flow or contact after which a response is over. One is the least that can tell;
-/// but a column swings in two modes, and in the paper's example with Duan-Chen's exponents it yields again at every
-/// second crest: after one quiet period 3.4e-5 of the plastic work is still to come, after two and a quarter 1e-6.
+/// Periods of the slowest mode without flow or contact after which a response is over. One is the minimum, but a column
+/// vibrates in two modes, and in the paper's example with the exponents of Duan and Chen it yields again at every second
+/// crest: after one quiet period 3.4e-5 of the plastic work is still to come, after two and a quarter 1e-6.
 const QUIET_PERIODS: f64 = 2.25;
 
-/// Longest approach to a column that moves which does not count as part of its response \[s\]: unlike one to a column at
-/// rest, every step of it is computed.
+/// Longest approach to a moving column that does not count as part of its response \[s\]: unlike in an approach to a
+/// column at rest, every step of it is computed.
 pub const MAX_APPROACH_TO_MOVING: f64 = 60.0;
 
 /// Whether a response goes on.
@@ -38,15 +38,15 @@ pub enum Progress {
     Over(End),
 }
 
-/// Follows one response step by step. Plain data, copied with the state: a response continued from copies of both
-/// equals the uninterrupted one.
+/// Follows one response step by step. Plain data that can be copied together with the state: a response continued from
+/// copies of both equals the uninterrupted one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Response {
     max_duration: f64,
-    /// From when `max_duration` counts: the end of the approach \[s\].
+    /// Instant from which `max_duration` counts: the end of the approach \[s\].
     counted_from: f64,
     /// Until when an approach to a column that moved at the event does not count: when the impactor would touch it if it
-    /// stayed where it was then. 0 for a column at rest \[s\].
+    /// stayed where it was then; 0 for a column at rest \[s\].
     approach_until: f64,
     max_v1: f64,
     max_v1_time: f64,
@@ -54,22 +54,25 @@ pub struct Response {
     peak_force: f64,
     peak_force_time: Option<f64>,
     worst_residual: f64,
-    /// Last instant at which impactor and column touched \[s\].
+    /// Last instant of contact \[s\].
     last_contact: f64,
     /// Last instant at which a hinge flowed \[s\].
     last_flow: f64,
-    /// Period of the slowest mode about the residual state, once it has been asked for since the last flow \[s\].
+    /// Period of the slowest mode about the residual state, once it was needed after the last flow \[s\].
     residual_period: Option<f64>,
-    hinges: [HingeReport; HINGES],
+    /// First plastic flow of each hinge \[s\].
+    first_yield: [Option<f64>; HINGES],
+    /// Largest `|M/M^p|^alpha + |N/N^p|^beta` of each hinge.
+    max_sum: [f64; HINGES],
 }
 
 /// Why an impact could not be simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SimulationError {
-    /// The column is impossible.
+    /// The properties do not make a column.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The impact is impossible.
+    /// The impact is out of range.
     #[error(transparent)]
     Impact(#[from] ImpactError),
     /// The equations did not converge.
@@ -79,7 +82,7 @@ pub enum SimulationError {
 
 impl Response {
     /// Begins an impact on `state`, which keeps its motion and its plastic deformation. The response is followed for
-    /// `max_duration` \[s\] at the most.
+    /// at most `max_duration` \[s\].
     ///
     /// # Errors
     /// An impact that is out of range; the state is then unchanged.
@@ -89,7 +92,7 @@ impl Response {
         impact: Impact,
         max_duration: f64,
     ) -> Result<Self, ImpactError> {
-        state.begin_impact(model, impact)?;
+        stepping::begin_impact(model, state, impact)?;
         let moves = state.velocity != Velocity::default();
         let mut response = Self {
             max_duration,
@@ -107,14 +110,14 @@ impl Response {
             last_contact: 0.0,
             last_flow: 0.0,
             residual_period: None,
-            hinges: [HingeReport::default(); HINGES],
+            first_yield: [None; HINGES],
+            max_sum: [0.0; HINGES],
         };
-        response.see_extremes(model, state);
+        response.record_extremes(model, state);
         Ok(response)
     }
 
-    /// Advances the state by one step, or, while an impactor approaches a column at rest, by `most_coasting` steps at
-    /// the most.
+    /// Advances the state by one step, or, while an impactor approaches a column at rest, by at most `max_coasting` steps.
     ///
     /// # Errors
     /// A step that does not converge. A collapse is no error: the response is then over.
@@ -122,16 +125,22 @@ impl Response {
         &mut self,
         model: &Model,
         state: &mut State,
-        most_coasting: u64,
+        max_coasting: u64,
     ) -> Result<Progress, StepError> {
         if let Some(steps) = state.steps_to_contact(model).filter(|&steps| steps > 0) {
-            state.coast(model, steps.min(most_coasting));
+            state.coast(model, steps.min(max_coasting));
             self.counted_from = model.time_of_step(state.step);
             return Ok(Progress::Running);
         }
-        let before = *state;
+        let before = StepStart {
+            step: state.step,
+            v1: state.displacement.v1,
+            v1_rate: state.velocity.v1,
+            forces: state.forces,
+            plastic: state.plastic,
+        };
         let made = stepping::step(model, state);
-        self.see(model, &before, state);
+        self.record(model, &before, state);
         match made {
             Ok(()) => Ok(self.progress(model, state)),
             Err(StepError::Collapsed(_)) => Ok(Progress::Over(End::Collapsed)),
@@ -157,20 +166,23 @@ impl Response {
     /// Whether the impactor has left for good or rests, and no hinge has flowed for long enough.
     fn is_settled(&mut self, model: &Model, state: &State, now: f64) -> bool {
         let touched = state.impactor.is_none_or(|i| i.touched_at.is_some());
-        // A virgin column's period costs nothing, the deformed column's is computed only when that one has passed.
+        // The period of the virgin column is known; that of the deformed column is computed only after it has passed.
         if !touched || now - self.last_flow < QUIET_PERIODS * model.slowest_period {
             return false;
         }
         let period = *self.residual_period.get_or_insert_with(|| {
             statics::residual_state(model, state)
-                .and_then(|rest| modes::slowest_period(model, &rest.displacement, &rest.plastic))
+                .and_then(|rest| {
+                    let masses = model.masses();
+                    modes::slowest_period(&model.frame, &masses, &rest.displacement, &rest.plastic)
+                })
                 .unwrap_or(model.slowest_period)
         });
         let quiet = |since: f64| now - since >= QUIET_PERIODS * period;
         quiet(self.last_flow)
             && state.impactor.is_none_or(|impactor| {
                 if impactor.closed {
-                    let energies = ledger::energies(model, state);
+                    let energies = state.energies(model);
                     energies.column_kinetic + energies.impactor_kinetic
                         <= REST_FRACTION * impactor.impact.energy()
                 } else {
@@ -180,103 +192,122 @@ impl Response {
             })
     }
 
-    fn see(&mut self, model: &Model, before: &State, state: &State) {
+    fn record(&mut self, model: &Model, before: &StepStart, state: &State) {
         let now = model.time_of_step(state.step);
         let touching = state.impactor.is_some_and(|i| i.closed);
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
+        self.record_peak_between(model, before, state);
+        self.record_extremes(model, state);
         if state.is_flowing() {
             self.last_flow = now;
             self.residual_period = None;
+            if self.first_yield.contains(&None) {
+                self.record_yield(model, before, state);
+            }
         }
-        self.see_peak_between(model, before, state);
-        self.see_extremes(model, state);
-        self.see_yield(model, before, state);
     }
 
     /// Both schemes move with the mean of the velocities at both ends of a step: between them `v1` is a parabola.
-    fn see_peak_between(&mut self, model: &Model, before: &State, state: &State) {
-        let (rate, next_rate) = (before.velocity.v1, state.velocity.v1);
+    fn record_peak_between(&mut self, model: &Model, before: &StepStart, state: &State) {
+        let (rate, next_rate) = (before.v1_rate, state.velocity.v1);
         if state.percussion > 0.0 || !(rate > 0.0 && next_rate < 0.0) {
             return;
         }
         let share = rate / (rate - next_rate);
         let secs = share * model.step_secs;
-        let peak = before.displacement.v1 + 0.5 * rate * secs;
+        let peak = before.v1 + 0.5 * rate * secs;
         if peak > self.max_v1 {
             self.max_v1 = peak;
             self.max_v1_time = model.time_of_step(before.step) + secs;
         }
     }
 
-    fn see_extremes(&mut self, model: &Model, state: &State) {
-        let now = model.time_of_step(state.step);
+    fn record_extremes(&mut self, model: &Model, state: &State) {
         if state.displacement.v1 > self.max_v1 {
             self.max_v1 = state.displacement.v1;
-            self.max_v1_time = now;
+            self.max_v1_time = model.time_of_step(state.step);
         }
         self.max_u2 = self.max_u2.max(state.displacement.u2);
         if state.contact_force > self.peak_force {
             self.peak_force = state.contact_force;
-            self.peak_force_time = Some(now);
+            self.peak_force_time = Some(model.time_of_step(state.step));
         }
         self.worst_residual = self.worst_residual.max(state.ledger_residual(model).abs());
-        for (hinge, (forces, k, _)) in self.hinges.iter_mut().zip(per_hinge(&state.forces)) {
-            let utilisation = model
-                .below
-                .surface
-                .utilisation(forces.moment[k], forces.normal);
-            hinge.max_utilisation = hinge.max_utilisation.max(utilisation);
+        for (max, sum) in self
+            .max_sum
+            .iter_mut()
+            .zip(yield_sums(&model.frame, &state.forces))
+        {
+            *max = max.max(sum);
         }
     }
 
-    /// A hinge that flows for the first time reached its yield surface inside the step: where, follows from the
-    /// elastic trial stress.
-    fn see_yield(&mut self, model: &Model, before: &State, state: &State) {
-        if !state.is_flowing() {
-            return;
-        }
-        let flowing = [
-            state.flowing.below[0],
-            state.flowing.above[0],
-            state.flowing.above[1],
-            state.flowing.below[1],
-        ];
-        for (index, hinge) in self.hinges.iter_mut().enumerate() {
-            if !flowing[index] || hinge.first_yield.is_some() {
-                continue;
-            }
-            let (start, k, bar) = per_hinge(&before.forces)[index];
-            let (end, _, _) = per_hinge(&state.forces)[index];
-            let (bar, old, new) = match bar {
-                Side::Below => (&model.below, &before.plastic.below, &state.plastic.below),
-                Side::Above => (&model.above, &before.plastic.above, &state.plastic.above),
-            };
-            let share = share_until_yield(bar, k, start, end, &new.plus(-1.0, old));
-            hinge.first_yield = Some(model.time_of_step(before.step) + share * model.step_secs);
+    /// A hinge that flows for the first time reached its yield surface inside the step; the elastic trial stress shows
+    /// when.
+    fn record_yield(&mut self, model: &Model, before: &StepStart, state: &State) {
+        let frame = &model.frame;
+        let flow = PerBar {
+            below: state.plastic.below.plus(-1.0, &before.plastic.below),
+            above: state.plastic.above.plus(-1.0, &before.plastic.above),
+        };
+        let below = |k| {
+            let share = share_until_yield(
+                &frame.below,
+                k,
+                &before.forces.below,
+                &state.forces.below,
+                &flow.below,
+            );
+            state.flowing.below[k].then_some(share)
+        };
+        let above = |k| {
+            let share = share_until_yield(
+                &frame.above,
+                k,
+                &before.forces.above,
+                &state.forces.above,
+                &flow.above,
+            );
+            state.flowing.above[k].then_some(share)
+        };
+        let shares = [below(0), above(0), above(1), below(1)];
+        for (first, share) in self.first_yield.iter_mut().zip(shares) {
+            let instant = |share: f64| model.time_of_step(before.step) + share * model.step_secs;
+            *first = first.or(share.map(instant));
         }
     }
 
-    /// The summary of a response that is over, or so far.
+    /// The summary of a response that is over, or of what has happened so far.
     pub fn report(&self, model: &Model, state: &State, end: End) -> Report {
-        let energies = ledger::energies(model, state);
+        let energies = state.energies(model);
         let collapsed = end == End::Collapsed;
         let residual = (!collapsed)
             .then(|| statics::residual_state(model, state))
             .flatten();
-        let yielded = self.hinges.iter().any(|h| h.first_yield.is_some());
+        let yielded = self.first_yield.iter().any(Option::is_some);
         let end_time = model.time_of_step(state.step);
         let touched = state.impactor.and_then(|i| i.touched_at);
         let released = state
             .impactor
             .and_then(|i| if i.closed { None } else { i.released_at });
         let ledger = &state.ledger;
-        let mut hinges = self.hinges;
-        for (hinge, sample) in hinges.iter_mut().zip(state.sample(model).hinges) {
-            hinge.plastic_rotation = sample.plastic_rotation;
-            hinge.plastic_elongation = sample.plastic_elongation;
-        }
+        let PerBar { below, above } = &state.plastic;
+        let (lower, upper) = (&model.frame.below.surface, &model.frame.above.surface);
+        let hinge =
+            |index: usize, surface: &YieldSurface, plastic: &PlasticFlow, k: usize| HingeReport {
+                first_yield: self.first_yield[index],
+                max_utilisation: surface.utilisation_of_sum(self.max_sum[index]),
+                plastic_rotation: plastic.rotation[k],
+                plastic_elongation: plastic.elongation[k],
+            };
+        let hinges = [
+            hinge(0, lower, below, 0),
+            hinge(1, upper, above, 0),
+            hinge(2, upper, above, 1),
+            hinge(3, lower, below, 1),
+        ];
         Report {
             outcome: match (collapsed, yielded) {
                 (true, _) => Outcome::Collapsed,
@@ -314,25 +345,30 @@ impl Response {
     }
 }
 
-/// Which bar a hinge belongs to.
-#[derive(Debug, Clone, Copy)]
-enum Side {
-    Below,
-    Above,
+/// What is kept of the state before a step.
+struct StepStart {
+    step: u64,
+    v1: f64,
+    v1_rate: f64,
+    forces: PerBar<BarForces>,
+    plastic: PerBar<PlasticFlow>,
 }
 
-/// For every hinge in the order 1a, 1b, 2, 3: the forces of its bar, its index there, and the bar.
-fn per_hinge(forces: &PerBar<BarForces>) -> [(&BarForces, usize, Side); HINGES] {
-    [
-        (&forces.below, 0, Side::Below),
-        (&forces.above, 0, Side::Above),
-        (&forces.above, 1, Side::Above),
-        (&forces.below, 1, Side::Below),
-    ]
+/// `|M/M^p|^alpha + |N/N^p|^beta` of the hinges 1a, 1b, 2, 3, each with the yield surface of its own bar.
+fn yield_sums(frame: &Frame, forces: &PerBar<BarForces>) -> [f64; HINGES] {
+    let sums = |bar: &Bar, forces: &BarForces| {
+        let axial = bar.surface.axial_term(forces.normal);
+        forces
+            .moment
+            .map(|moment| bar.surface.moment_term(moment) + axial)
+    };
+    let below = sums(&frame.below, &forces.below);
+    let above = sums(&frame.above, &forces.above);
+    [below[0], above[0], above[1], below[1]]
 }
 
-/// The share of a step after which hinge `k` of a bar reached its yield surface, with the stress taken to go straight
-/// from its start to the elastic trial stress.
+/// The share of a step after which hinge `k` of a bar reached its yield surface, if the stress goes straight from its start
+/// to the elastic trial stress.
 fn share_until_yield(
     bar: &Bar,
     k: usize,
@@ -352,25 +388,48 @@ fn share_until_yield(
     }
 }
 
-/// Simulates one impact on the virgin column from the event to the end of the response, `max_duration` \[s\] after
-/// first contact at the latest. `observe` sees the state at the event and after every step; the approach to the
-/// column at rest is passed in one stride.
+/// Simulates one impact on the virgin column from the event to the end of the response, at most `max_duration` \[s\] after
+/// first contact. `observe` receives a sample of the state at the event and after every step; the approach to the column at
+/// rest is passed in one stride.
 ///
 /// # Errors
-/// A column or an impact that is impossible, or a step that does not converge. A collapse is a result.
+/// A column or an impact that is out of range, or a step that does not converge. A collapse is a result.
 pub fn simulate(
     properties: &ColumnProperties,
     impact: &Impact,
     max_duration: f64,
     observe: &mut dyn FnMut(&Sample),
 ) -> Result<Report, SimulationError> {
+    follow(properties, impact, max_duration, |model, state| {
+        observe(&state.sample(model));
+    })
+}
+
+/// As [`simulate`], without an observer: no sample is computed.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn respond(
+    properties: &ColumnProperties,
+    impact: &Impact,
+    max_duration: f64,
+) -> Result<Report, SimulationError> {
+    follow(properties, impact, max_duration, |_, _| ())
+}
+
+fn follow(
+    properties: &ColumnProperties,
+    impact: &Impact,
+    max_duration: f64,
+    mut observe: impl FnMut(&Model, &State),
+) -> Result<Report, SimulationError> {
     let model = Model::new(properties)?;
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
-    observe(&state.sample(&model));
+    observe(&model, &state);
     loop {
         let progress = response.advance(&model, &mut state, u64::MAX)?;
-        observe(&state.sample(&model));
+        observe(&model, &state);
         if let Progress::Over(end) = progress {
             return Ok(response.report(&model, &state, end));
         }

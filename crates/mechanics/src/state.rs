@@ -1,19 +1,16 @@
-//! What changes while a column is stepped.
+//! The state of a column under impact.
 
 use serde::{Deserialize, Serialize};
 
-use super::assembly::{self, PerBar};
-use super::bar::{Bar, BarForces, BarStrain, PlasticFlow};
-use super::contact::{Impactor, percussion};
-use super::energy;
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::contact::Impactor;
+use super::frame;
 use super::geometry::Displacement;
-use super::impact::{Impact, ImpactError};
-use super::ledger::{self, Ledger};
+use super::ledger::{Energies, Ledger};
 use super::model::Model;
-use super::properties::Scheme;
 use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample};
 
-/// Rates of the displacements that can carry mass \[m/s\]; of a massless `u2` its last mean rate.
+/// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity {
     /// Of `v1`.
@@ -24,8 +21,8 @@ pub struct Velocity {
     pub u2: f64,
 }
 
-/// The whole state of a column under impact: plain data, copied as a snapshot. A run continued from a copy equals the
-/// uninterrupted one bit for bit.
+/// The complete state of a column under impact: plain data that can be copied as a snapshot. A run continued from a copy
+/// equals the uninterrupted run bit for bit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Steps since the event.
@@ -40,7 +37,7 @@ pub struct State {
     pub forces: PerBar<BarForces>,
     /// Which hinges flowed in the last step, per bar.
     pub flowing: PerBar<[bool; 2]>,
-    /// What hits the column.
+    /// What strikes the column.
     pub impactor: Option<Impactor>,
     /// Smooth contact force \[N\].
     pub contact_force: f64,
@@ -52,20 +49,21 @@ pub struct State {
     pub percussions: u32,
     /// Impulse since the event, percussions included \[N s\].
     pub impulse: f64,
-    /// Newton corrections since the event: what the steps have cost.
-    pub corrections: u64,
+    /// Newton iterations since the event: what the steps have cost.
+    pub newton_iterations: u64,
     /// Dissipation since the event.
     pub ledger: Ledger,
-    /// What the next step is expected to look like.
+    /// Extrapolation to the next step.
     pub(crate) predictor: Predictor,
 }
 
-/// The last two whole steps: extrapolated, they begin the next step's iteration where one correction is enough.
+/// The last two whole steps. Their extrapolation starts the iteration of the next step so close to the solution that one
+/// iteration is usually enough.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Predictor {
     last: Course,
     before_last: Course,
-    /// How many of the two are of the present motion (a velocity jump makes them worthless).
+    /// How many of the two belong to the present motion; a velocity jump invalidates both.
     known: u8,
 }
 
@@ -75,7 +73,7 @@ struct Course {
     /// Mean rate of `U`.
     rate: Displacement,
     /// `U` where the equations were satisfied.
-    stage: Displacement,
+    solution: Displacement,
     /// Normal forces there \[N\].
     normal: PerBar<f64>,
 }
@@ -97,8 +95,13 @@ impl Predictor {
     }
 
     /// Expected `U` where the next step's equations are satisfied, if two steps are known.
-    pub fn stage(&self) -> Option<Displacement> {
-        (self.known >= 2).then(|| self.last.stage.times(2.0).minus(self.before_last.stage))
+    pub fn solution(&self) -> Option<Displacement> {
+        (self.known >= 2).then(|| {
+            self.last
+                .solution
+                .times(2.0)
+                .minus(self.before_last.solution)
+        })
     }
 
     /// Expected normal forces there; `otherwise` where no two steps are known.
@@ -116,18 +119,18 @@ impl Predictor {
         }
     }
 
-    /// Takes note of a step: its increment, and displacements and forces where its equations were satisfied.
+    /// Records a step: its increment, and the displacements and forces where its equations were satisfied.
     pub fn learn(
         &mut self,
         increment: &Displacement,
         secs: f64,
-        stage: Displacement,
+        solution: Displacement,
         forces: &PerBar<BarForces>,
     ) {
         self.before_last = self.last;
         self.last = Course {
             rate: increment.times(1.0 / secs),
-            stage,
+            solution,
             normal: PerBar {
                 below: forces.below.normal,
                 above: forces.above.normal,
@@ -136,7 +139,7 @@ impl Predictor {
         self.known = (self.known + 1).min(2);
     }
 
-    /// Forgets what a velocity jump or a change of step length has made worthless.
+    /// Discards what a velocity jump or a change of step length has invalidated.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
@@ -145,7 +148,7 @@ impl Predictor {
 impl State {
     /// The virgin column at rest under its load.
     pub fn at_rest(model: &Model) -> Self {
-        Self::settled(model, model.rest_displacement(), PerBar::default())
+        Self::settled(model, model.rest.displacement(), PerBar::default())
     }
 
     /// A column without motion or impactor; `displacement` should be its static equilibrium.
@@ -154,13 +157,13 @@ impl State {
         displacement: Displacement,
         plastic: PerBar<PlasticFlow>,
     ) -> Self {
-        let chords = assembly::chords(model, &displacement);
+        let chords = model.frame.chords(&displacement);
         let mut state = Self {
             step: 0,
             displacement,
             velocity: Velocity::default(),
             plastic,
-            forces: assembly::elastic_forces(model, &chords, &displacement, &plastic),
+            forces: model.frame.elastic_forces(&chords, &displacement, &plastic),
             flowing: PerBar::default(),
             impactor: None,
             contact_force: 0.0,
@@ -168,90 +171,82 @@ impl State {
             percussion_impulse: 0.0,
             percussions: 0,
             impulse: 0.0,
-            corrections: 0,
+            newton_iterations: 0,
             ledger: Ledger::default(),
             predictor: Predictor::default(),
         };
-        state.ledger = Ledger::open(&ledger::energies(model, &state), 0.0);
+        state.ledger = Ledger::open(&state.energies(model), 0.0);
         state
     }
 
-    /// Begins an impact: the column keeps its motion and its plastic deformation, the clock and the ledger start
-    /// anew, an earlier impactor is gone. With the energy scheme an impactor without a gap strikes at once.
-    ///
-    /// # Errors
-    /// An impact that is out of range; the state is then unchanged.
-    pub fn begin_impact(&mut self, model: &Model, impact: Impact) -> Result<(), ImpactError> {
-        impact.check()?;
-        *self = Self {
-            step: 0,
-            impactor: Some(Impactor::new(impact, self.displacement.v1)),
-            flowing: PerBar::default(),
-            contact_force: 0.0,
-            percussion: 0.0,
-            percussion_impulse: 0.0,
-            percussions: 0,
-            impulse: 0.0,
-            corrections: 0,
-            ..*self
-        };
-        self.ledger = Ledger::open(&ledger::energies(model, self), impact.energy());
-        if model.scheme() == Scheme::Energy && impact.gap == 0.0 {
-            // On a bent column contact begins with a force.
-            *self = energy::strike(model, *self, 0.0, 0.0, &mut energy::Events::default()).state;
-        }
-        Ok(())
+    /// Receives an impactor: the column keeps its motion and its plastic deformation, the clock and the ledger restart,
+    /// and an earlier impactor is gone.
+    pub(crate) fn receive(&mut self, model: &Model, impactor: Impactor) {
+        self.step = 0;
+        self.flowing = PerBar::default();
+        self.contact_force = 0.0;
+        self.percussion = 0.0;
+        self.percussion_impulse = 0.0;
+        self.percussions = 0;
+        self.impulse = 0.0;
+        self.newton_iterations = 0;
+        self.impactor = Some(impactor);
+        self.ledger = Ledger::open(&self.energies(model), impactor.kinetic_energy());
     }
 
-    /// `v1 - v_c` \[m\]; 0 without an impactor. In contact it is 0 with the energy scheme; with the paper's
-    /// midpoint rule the penetration of the step that closed it remains.
+    /// `v1 - v_c` \[m\]; 0 without an impactor. In contact it is 0 with the conserving midpoint rule; with the paper's
+    /// midpoint rule the penetration of the step in which contact closed remains.
     pub fn gap(&self) -> f64 {
         self.impactor
-            .map_or(0.0, |impactor| self.displacement.v1 - impactor.position)
+            .map_or(0.0, |impactor| impactor.gap(self.displacement.v1))
     }
 
-    /// What the ledger fails to close by \[J\].
+    /// The energies of this state, the elastic energy from the forces of the bars.
+    pub fn energies(&self, model: &Model) -> Energies {
+        let square = |x: f64| x * x;
+        let (velocity, u2, frame) = (&self.velocity, self.displacement.u2, &model.frame);
+        Energies {
+            column_kinetic: 0.5
+                * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
+                    + model.properties.top_mass * square(velocity.u2)),
+            impactor_kinetic: self.impactor.map_or(0.0, |i| i.kinetic_energy()),
+            elastic: frame.below.elastic_energy(&self.forces.below)
+                + frame.above.elastic_energy(&self.forces.above)
+                + 0.5 * frame.top_spring_stiffness * square(u2),
+            load_work: model.properties.top_load * u2,
+        }
+    }
+
+    /// The error of the energy balance \[J\].
     pub fn ledger_residual(&self, model: &Model) -> f64 {
-        self.ledger.residual(&ledger::energies(model, self))
+        self.ledger.residual(&self.energies(model))
     }
 
-    /// Newton's impact law, `offset_secs` into the step, on an impactor that touches and closes; `rebound` false makes
-    /// it perfectly inelastic.
-    pub(crate) fn strike(&mut self, model: &Model, offset_secs: f64, rebound: bool) {
-        let Some(mut impactor) = self.impactor else {
-            return;
-        };
-        let speed = impactor.closing_speed(self.velocity.v1);
-        let mass = impactor.impact.mass;
-        impactor.touch(model, self.step, offset_secs);
-        impactor.position = self.displacement.v1;
-        let mut restitution = 0.0;
-        if speed > 0.0 {
-            if rebound {
-                restitution = impactor.effective_restitution(speed);
-            }
-            let hit = percussion(mass, model.impact_point_mass, speed, restitution);
-            self.velocity.v1 += hit.impulse / model.impact_point_mass;
-            impactor.velocity -= hit.impulse / mass;
-            self.percussion += hit.impulse;
-            self.percussion_impulse += hit.impulse;
-            self.impulse += hit.impulse;
-            self.percussions += 1;
-            self.ledger.impact_loss += hit.loss;
-            self.predictor.forget();
+    /// Adds the plastic flow of a part of a step.
+    pub(crate) fn flow(
+        &mut self,
+        model: &Model,
+        below: &PlasticFlow,
+        above: &PlasticFlow,
+        factor: f64,
+    ) {
+        self.plastic.below = self.plastic.below.plus(factor, below);
+        self.plastic.above = self.plastic.above.plus(factor, above);
+        for k in 0..2 {
+            self.flowing.below[k] |= model.frame.below.flows(below, k);
+            self.flowing.above[k] |= model.frame.above.flows(above, k);
         }
-        if restitution > 0.0 || speed < 0.0 {
-            // Rebound, or a graze: at the end of a part the two may touch and part already.
-            impactor.release(model, self.step, offset_secs);
-        } else {
-            impactor.closed = true;
-            impactor.velocity = self.velocity.v1;
-        }
-        self.impactor = Some(impactor);
     }
 
-    /// Whole steps for which an impactor still flies towards a column at rest; `None` if the column moves or has been
-    /// touched.
+    /// Records a percussion with this impulse \[N s\].
+    pub(crate) fn count_percussion(&mut self, impulse: f64) {
+        self.percussion += impulse;
+        self.percussion_impulse += impulse;
+        self.percussions += 1;
+    }
+
+    /// Number of whole steps for which an impactor still approaches a column at rest; `None` if the column moves or has
+    /// been touched.
     pub fn steps_to_contact(&self, model: &Model) -> Option<u64> {
         let impactor = self.impactor?;
         if impactor.touched_at.is_some() || self.velocity != Velocity::default() {
@@ -262,7 +257,7 @@ impl State {
         Some((steps.floor() as u64).saturating_sub(1))
     }
 
-    /// Lets `steps` of [`State::steps_to_contact`] pass: nothing but the impactor moves.
+    /// Lets `steps` of [`State::steps_to_contact`] pass, during which only the impactor moves.
     pub(crate) fn coast(&mut self, model: &Model, steps: u64) {
         self.step += steps;
         self.percussion = 0.0;
@@ -277,9 +272,9 @@ impl State {
         below[0] || below[1] || above[0] || above[1]
     }
 
-    /// A hash over the bits of what can be seen of the motion: equal states have equal hashes on every machine. What
-    /// else the next steps depend on (flow and contact flags, times of touch and flight, the predictor) is not in it; a
-    /// difference there shows in the hash a step later.
+    /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
+    /// the next steps depend on (flow and contact flags, times of touch and flight, the predictor); a difference there
+    /// shows in the hash one step later.
     pub fn hash(&self) -> u64 {
         // FNV-1a: a digest for comparing runs, not for security.
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -314,9 +309,9 @@ impl State {
             })
     }
 
-    /// Everything that can be seen of this state.
+    /// Everything that can be observed in this state.
     pub fn sample(&self, model: &Model) -> Sample {
-        let energies = ledger::energies(model, self);
+        let energies = self.energies(model);
         let impactor = self.impactor;
         Sample {
             time: model.time_of_step(self.step),
@@ -355,20 +350,18 @@ impl State {
     }
 
     fn hinges(&self, model: &Model) -> [HingeSample; HINGES] {
-        let chords = assembly::chords(model, &self.displacement);
-        let total = assembly::strains(&chords, self.displacement.beta1);
-        let elastic = assembly::elastic_strains(&chords, &self.displacement, &self.plastic);
+        let chords = model.frame.chords(&self.displacement);
+        let total = frame::strains(&chords, &frame::angles(&chords), self.displacement.beta1);
         let hinge = |bar: &Bar,
                      forces: &BarForces,
                      plastic: &PlasticFlow,
                      total: &BarStrain,
-                     elastic: &BarStrain,
                      flowing: &[bool; 2],
                      k: usize| HingeSample {
             moment: forces.moment[k],
             normal_force: forces.normal,
             rotation: total.rotation[k],
-            elongation: 0.5 * elastic.elongation + plastic.elongation[k],
+            elongation: 0.5 * total.minus(plastic).elongation + plastic.elongation[k],
             plastic_rotation: plastic.rotation[k],
             plastic_elongation: plastic.elongation[k],
             utilisation: bar.surface.utilisation(forces.moment[k], forces.normal),
@@ -382,22 +375,20 @@ impl State {
         } = self;
         let below = |k| {
             hinge(
-                &model.below,
+                &model.frame.below,
                 &f.below,
                 &p.below,
                 &total.below,
-                &elastic.below,
                 &w.below,
                 k,
             )
         };
         let above = |k| {
             hinge(
-                &model.above,
+                &model.frame.above,
                 &f.above,
                 &p.above,
                 &total.above,
-                &elastic.above,
                 &w.above,
                 k,
             )

@@ -16,12 +16,12 @@ pub struct YieldSurface {
     pub resistance_axial: f64,
     alpha: Power,
     beta: Power,
-    gamma: f64,
-    /// Where the quarter curve passes from its flat to its steep half: `n = m = split`.
+    gamma: Power,
+    /// Where the quarter curve passes from its flat half to its steep half: `n = m = split`.
     split: f64,
 }
 
-/// One point of the quarter curve `m^alpha + n^beta = 1`, `m, n >= 0`, seen from the coordinate that is
+/// One point of the quarter curve `m^alpha + n^beta = 1`, `m, n >= 0`, parametrised by the coordinate that is
 /// well-conditioned there: with `t` that coordinate and `o` the other, `slope = -do/dt >= 0` and
 /// `bend = d slope / dt >= 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ pub(crate) struct CurvePoint {
 pub(crate) enum Branch {
     /// `n = |N|/N^p` on the flat half, `n <= split`.
     Axial,
-    /// `m = |M|/M^p` on the steep half, `m <= split`: there a rounded `n` would not determine `m`.
+    /// `m = |M|/M^p` on the steep half, `m <= split`, where a rounded `n` would not determine `m`.
     Moment,
 }
 
@@ -44,8 +44,9 @@ impl YieldSurface {
     /// The surface with resistances `M^p` \[N m\] and `N^p` \[N\], both > 0, and exponents `alpha, beta >= 1`,
     /// `gamma > 0`.
     pub fn new(resistance_moment: f64, resistance_axial: f64, exponents: YieldExponents) -> Self {
-        let (alpha, beta) = (Power::new(exponents.alpha), Power::new(exponents.beta));
-        // The sum is increasing: bisection to the last bit.
+        let [alpha, beta, gamma] =
+            [exponents.alpha, exponents.beta, exponents.gamma].map(Power::new);
+        // The sum increases with the coordinate: bisection to the last bit.
         let (mut low, mut high) = (0.5, 1.0);
         for _ in 0..f64::MANTISSA_DIGITS {
             let middle = 0.5 * (low + high);
@@ -60,33 +61,41 @@ impl YieldSurface {
             resistance_axial,
             alpha,
             beta,
-            gamma: exponents.gamma,
+            gamma,
             split: low,
         }
     }
 
-    /// `Phi + 1`: 0 without stress, 1 on the surface.
+    /// Utilisation `Phi + 1`: 0 without stress, 1 on the surface.
     pub fn utilisation(&self, moment: f64, normal_force: f64) -> f64 {
-        let sum = self.sum(moment, normal_force);
-        if self.gamma == 1.0 {
-            sum
-        } else {
-            sum.powf(1.0 / self.gamma)
-        }
+        self.utilisation_of_sum(self.sum(moment, normal_force))
+    }
+
+    /// Utilisation for a known [`YieldSurface::sum`]; it increases with the sum.
+    pub(crate) fn utilisation_of_sum(&self, sum: f64) -> f64 {
+        self.gamma.root(sum)
     }
 
     /// `|M/M^p|^alpha + |N/N^p|^beta`.
     pub(crate) fn sum(&self, moment: f64, normal_force: f64) -> f64 {
+        self.moment_term(moment) + self.axial_term(normal_force)
+    }
+
+    /// `|M/M^p|^alpha`.
+    pub(crate) fn moment_term(&self, moment: f64) -> f64 {
         self.alpha.of((moment / self.resistance_moment).abs())
-            + self.beta.of((normal_force / self.resistance_axial).abs())
+    }
+
+    /// `|N/N^p|^beta`, which the two hinges of a bar share.
+    pub(crate) fn axial_term(&self, normal_force: f64) -> f64 {
+        self.beta.of((normal_force / self.resistance_axial).abs())
     }
 
     /// Whether any of two hinges with moments `moments` \[N m\] that share the normal force `normal_force` \[N\]
     /// lies outside the surface.
     pub(crate) fn exceeded(&self, moments: [f64; 2], normal_force: f64) -> bool {
-        let axial = self.beta.of((normal_force / self.resistance_axial).abs());
-        let moment = moments[0].abs().max(moments[1].abs()) / self.resistance_moment;
-        self.alpha.of(moment) + axial > 1.0 + YIELD_TOLERANCE
+        let larger = moments[0].abs().max(moments[1].abs());
+        self.sum(larger, normal_force) > 1.0 + YIELD_TOLERANCE
     }
 
     /// Where the branches meet: `n = m` there.
@@ -110,27 +119,27 @@ impl YieldSurface {
             Branch::Axial => (self.beta, self.alpha),
             Branch::Moment => (self.alpha, self.beta),
         };
-        // o = (1 - t^p)^(1/q); -do/dt = (p/q) t^(p-1) o / (1 - t^p)
+        // o = (1 - t^p)^(1/q)
+        // -do/dt = (p/q) o / (1 - t^p) t^(p-1)
+        // its derivative = (p/q) o / (1 - t^p) [(p-1) t^(p-2) + (1 - 1/q) p t^(2p-2) / (1 - t^p)]
         let power = own.of(t);
         let rest = 1.0 - power;
         let o = other.root(rest);
         let (p, q) = (own.exponent(), other.exponent());
-        let slope = p / q * own.less_one(t, power) * o / rest;
-        let bend = if slope > 0.0 && t > 0.0 {
-            slope * ((p - 1.0) + (1.0 - 1.0 / q) * p * power / rest) / t
-        } else {
-            0.0
-        };
+        let per_rest = 1.0 / rest;
+        let factor = p / q * o * per_rest;
+        let less_one = own.less_one(t, power);
+        let bending = (1.0 - 1.0 / q) * p * less_one * less_one * per_rest;
         CurvePoint {
             other: o,
-            slope,
-            bend,
+            slope: factor * less_one,
+            bend: factor * ((p - 1.0) * own.less_two(t, less_one) + bending),
         }
     }
 }
 
-/// A power with the two exponents that need no transcendental function set apart: they are the paper's example
-/// and half of Duan-Chen, and `powf` would cost more than the rest of a return mapping.
+/// A power `x^p`. The exponents 1 and 2 (the paper's example, half of Duan-Chen) are set apart because they need no
+/// transcendental function, which would cost more than the rest of a return mapping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Power {
     One,
@@ -162,7 +171,7 @@ impl Power {
         match self {
             Self::One => x,
             Self::Two => x * x,
-            Self::Other(p) => x.powf(p),
+            Self::Other(p) => libm::pow(x, p),
         }
     }
 
@@ -171,7 +180,7 @@ impl Power {
         match self {
             Self::One => x,
             Self::Two => x.sqrt(),
-            Self::Other(p) => x.powf(1.0 / p),
+            Self::Other(p) => libm::pow(x, 1.0 / p),
         }
     }
 
@@ -181,6 +190,16 @@ impl Power {
             Self::One => 1.0,
             Self::Two => x,
             Self::Other(_) if x > 0.0 => power / x,
+            Self::Other(_) => 0.0,
+        }
+    }
+
+    /// `x^(p-2)` where `less_one = x^(p-1)` is known; 0 where it is infinite or, with `p = 1`, without effect.
+    fn less_two(self, x: f64, less_one: f64) -> f64 {
+        match self {
+            Self::One => 0.0,
+            Self::Two => 1.0,
+            Self::Other(_) if x > 0.0 => less_one / x,
             Self::Other(_) => 0.0,
         }
     }
