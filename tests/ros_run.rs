@@ -15,7 +15,7 @@ use std::thread;
 use column_twin::live::LiveOptions;
 use column_twin::parameters::Value;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact, start_live_twin,
+    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact,
     watch,
 };
 use signal_hook::consts::SIGTERM;
@@ -36,12 +36,7 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
         environment: environment.clone(),
         ..RunOptions::default()
     };
-    let node = thread::spawn(move || {
-        run(&options, |parameters| {
-            assert_eq!(parameters.get("top.load"), Some(Value::Double(2e5)));
-            start_live_twin(parameters, LiveOptions::default())
-        })
-    });
+    let node = thread::spawn(move || run(&options));
     let (sender, lines) = channel();
     let (watched, watch_rules) = (environment.clone(), rules.clone());
     let watcher = thread::spawn(move || {

@@ -8,7 +8,7 @@ pub use rosbag2_mcap::*;
 
 use crate::endpoints::JOURNAL;
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
-use crate::parameters::{Compression, Record};
+use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
 
 /// The names of our recordings, and of the metadata records in them, begin with this.
@@ -80,7 +80,7 @@ pub fn writer_options(compression: Compression) -> WriterOptions {
 
 /// How the parameters `record.*` want to record, from the time of day `started` on.
 #[must_use]
-pub fn recorder_options(record: &Record, started: SystemTime) -> RecorderOptions {
+pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> RecorderOptions {
     let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
     let number = |value: u64| (value > 0).then_some(value);
     let WriterOptions {

@@ -261,7 +261,7 @@ mod tests {
             name: "states to ROS".to_owned(),
             capacity: 4096,
             len: 0,
-            policy: "oldest dropped",
+            when_full: crate::live::WhenFull::DropOldest,
             pushed: 9,
             dropped: 1,
         };
@@ -325,7 +325,7 @@ mod tests {
                     name: "recording".to_owned(),
                     capacity: 1,
                     len: 0,
-                    policy: "newest dropped",
+                    when_full: crate::live::WhenFull::DropNewest,
                     pushed: 9,
                     dropped: lost,
                 },

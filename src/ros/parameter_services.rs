@@ -478,12 +478,12 @@ mod tests {
         };
         let reason = given("column_id", raw_value(Value::from("x"))).expect_err("read-only");
         assert!(
-            reason.starts_with("column_id is read-only while the node runs"),
+            reason.reason.starts_with("column_id is read-only while the node runs"),
             "{reason}"
         );
         let reason = given("top.load", not_set()).expect_err("undeclared");
         assert!(
-            reason.starts_with("top.load cannot be undeclared"),
+            reason.reason.starts_with("top.load cannot be undeclared"),
             "{reason}"
         );
         let flags = raw::ParameterValue {
@@ -493,7 +493,7 @@ mod tests {
         };
         let reason = given("top.load", flags).expect_err("a list");
         assert_eq!(
-            reason,
+            &*reason.reason,
             "top.load is a list of booleans; allowed: 0 to 1e9 N"
         );
         assert_eq!(

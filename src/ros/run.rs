@@ -98,7 +98,7 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     );
     signals.wait();
     tracing::info!("stopping");
-    node.stop(|| twin.stop());
+    node.stop();
     let health = twin.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),

@@ -41,6 +41,7 @@ const MAX_WAIT: Duration = Duration::from_millis(100);
 pub struct TwinNode {
     // In the order in which they end.
     inputs: Vec<Task>,
+    twin: Arc<LiveTwin>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
     log: Option<JoinHandle<()>>,
@@ -98,15 +99,16 @@ impl TwinNode {
         })?;
         let events = node.twin_events(&twin.parameters().settings().column_id)?;
         let matches = Arc::clone(&counters);
-        let of_twin = Arc::clone(&twin);
+        let (event_twin, service_twin) = (Arc::clone(&twin), Arc::clone(&twin));
         let inputs = vec![
             Task::start("column_twin/ros", move || async move {
-                futures::join!(events, subscriptions.run(of_twin, matches));
+                futures::join!(events, subscriptions.run(event_twin, matches));
             })?,
-            Task::start("column_twin/srv", move || services.run(twin, counters))?,
+            Task::start("column_twin/srv", move || services.run(service_twin, counters))?,
         ];
         Ok(Self {
             inputs,
+            twin,
             publisher,
             stop,
             log,
@@ -127,12 +129,12 @@ impl TwinNode {
         self.node.matches()
     }
 
-    /// Takes nothing more in, lets `end_twin` end the twin, sends what is still waiting, and says goodbye.
-    pub fn stop(self, end_twin: impl FnOnce()) {
+    /// Takes nothing more in, stops the twin, sends what is still waiting, and leaves the network.
+    pub fn stop(self) {
         for task in self.inputs {
             task.stop();
         }
-        end_twin();
+        self.twin.stop();
         let ends = [
             (self.stop, Some(self.publisher)),
             // What the others say at their end is published too.

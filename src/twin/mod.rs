@@ -870,7 +870,7 @@ impl Twin {
 
 impl ActiveResponse {
     fn newton_iterations(&self) -> u64 {
-        self.timeline.plant().state.corrections
+        self.timeline.plant().state.newton_iterations
     }
 
     /// Gives out the state of the present step; `phase` where it is not that of the sample.

@@ -269,7 +269,7 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         top_mass: 0.0,
         top_load: 0.0,
         damping_ratio: 0.0,
-        scheme: Scheme::Energy,
+        scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
         ..*properties
     }

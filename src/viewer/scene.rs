@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use super::colour::{self, Rgb};
-use crate::column::{HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample};
+use crate::column::{HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample, State};
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
     BentAxis, Joints, Lengths, Outline, PlanePoint, Solid, drawn_section, round_number,
@@ -378,15 +378,7 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
     let Ok(model) = Model::new(&parameters.column_properties()) else {
         return (Sample::default(), 0.0);
     };
-    let mut sample = Sample {
-        u1: model.rest.u1,
-        u2: model.rest.u2,
-        ..Sample::default()
-    };
-    for hinge in &mut sample.hinges {
-        hinge.normal_force = model.rest.normal_force;
-        hinge.utilisation = model.below.surface.utilisation(0.0, hinge.normal_force);
-    }
+    let sample = State::at_rest(&model).sample(&model);
     (sample, model.impact_point_mass)
 }
 

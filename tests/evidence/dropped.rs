@@ -1,20 +1,19 @@
 //! What does not come as far as to the recording, or comes there late.
 
-use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use column_twin::endpoints::Endpoint;
 use column_twin::evidence::{NodeRecording, Topics};
-use column_twin::live::{LiveOptions, RealTime};
+use column_twin::live::{LiveOptions, OutputSource, QueueStats, RealTime, Receiver, WhenFull};
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
-use column_twin::ros::bridge::{Outputs, QueueHealth, Recording, RecordingHealth, Twin};
-use column_twin::ros::{Names, StartedTwin, TwinNode, qos, start_live_twin};
-use column_twin::twin::{Journal, Output};
+use column_twin::ros::{LiveTwin, Names, TwinNode, qos};
+use column_twin::outgoing::{RecordingHealth, RecordingTap};
+use column_twin::twin::{Command, Journal, Output, Refusal, RefusalCode};
 
 use super::domain::{Domain, PATIENCE};
 use super::recorded_twin::{START, parameters, the_one_recording};
@@ -36,7 +35,7 @@ impl Tap {
     }
 }
 
-impl Recording for Tap {
+impl RecordingTap for Tap {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
         let mut all = self.0.lock().unwrap();
         all.push((endpoint.name, bytes.to_vec()));
@@ -50,11 +49,11 @@ impl Recording for Tap {
 
     fn health(&self) -> RecordingHealth {
         RecordingHealth {
-            queue: QueueHealth {
+            queue: QueueStats {
                 name: "recording".to_owned(),
                 capacity: 1,
                 len: 0,
-                policy: "never full",
+                when_full: WhenFull::DropNewest,
                 pushed: 0,
                 dropped: 0,
             },
@@ -65,18 +64,18 @@ impl Recording for Tap {
     }
 }
 
-fn started() -> StartedTwin {
+fn started() -> (Arc<LiveTwin>, Receiver) {
     let options = LiveOptions {
         real_time: RealTime::none(),
         ..LiveOptions::default()
     };
-    start_live_twin(parameters(), options).unwrap()
+    LiveTwin::start(parameters(), options).unwrap()
 }
 
 fn node(
     domain: &Domain,
-    twin: &Arc<dyn Twin>,
-    outputs: impl Outputs,
+    twin: &Arc<LiveTwin>,
+    outputs: impl OutputSource,
     recording: &Arc<Tap>,
 ) -> TwinNode {
     TwinNode::start_recorded(
@@ -94,15 +93,14 @@ fn node(
 #[test]
 fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
     let domain = Domain::fresh();
-    let StartedTwin {
-        twin,
-        outputs,
-        stop,
-    } = started();
+    let (twin, outputs) = started();
     let begin = Instant::now();
     while twin.health().dropped_recording == 0 {
         // Nobody takes the refusals.
-        let _ = twin.submit_impact(ImpactEvent::default());
+        let _ = twin.submit(Command::RejectedChange {
+            refusal: Refusal::new(RefusalCode::OtherColumn, "a test"),
+            source: "test".into(),
+        });
         assert!(begin.elapsed() < PATIENCE, "{:?}", twin.health());
     }
     let recording = Arc::<Tap>::default();
@@ -112,7 +110,7 @@ fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
         assert!(begin.elapsed() < PATIENCE, "no status");
         std::thread::sleep(Duration::from_millis(10));
     }
-    node.stop(stop);
+    node.stop();
     let health = twin.health();
     let lost = health.dropped_recording;
     assert!(lost > 0 && !health.solver_ended, "{health:?}");
@@ -130,13 +128,14 @@ fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
 /// Outputs that come slowly.
 struct Slow(Vec<Output>);
 
-impl Outputs for Slow {
-    fn receive(&mut self, timeout: Duration) -> Result<Output, RecvTimeoutError> {
+impl OutputSource for Slow {
+    fn receive(&mut self, timeout: Duration) -> Option<Output> {
         std::thread::sleep(Duration::from_millis(10));
-        self.0.pop().ok_or_else(|| {
+        let output = self.0.pop();
+        if output.is_none() {
             std::thread::sleep(timeout);
-            RecvTimeoutError::Timeout
-        })
+        }
+        output
     }
 }
 
@@ -144,12 +143,12 @@ impl Outputs for Slow {
 fn what_waits_when_the_time_to_publish_is_over_is_still_recorded() {
     const COUNT: usize = 100;
     let domain = Domain::fresh();
-    let StartedTwin { twin, stop, .. } = started();
+    let (twin, _) = started();
     let model = column_twin::twin::Twin::new(parameters(), None, Box::new(|| 0), START).unwrap();
     let status = (0..COUNT).map(|_| Output::Status(model.status(START)));
     let recording = Arc::<Tap>::default();
     let node = node(&domain, &twin, Slow(status.collect()), &recording);
-    node.stop(stop);
+    node.stop();
     assert_eq!(
         recording.of::<TwinStatus>(&qos::TWIN_STATUS).len(),
         COUNT,

@@ -11,10 +11,10 @@ use column_twin::messages::cdr;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
-use column_twin::ros::bridge::ParameterChange;
+use column_twin::twin::Command;
 use column_twin::ros::qos;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, Names, Raw, StartedTwin, TwinNode, send_impact, start_live_twin,
+    ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact,
 };
 use tempfile::TempDir;
 
@@ -84,11 +84,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
         real_time: RealTime::none(),
         ..LiveOptions::default()
     };
-    let StartedTwin {
-        twin,
-        outputs,
-        stop,
-    } = start_live_twin(parameters, options).unwrap();
+    let (twin, outputs) = LiveTwin::start(parameters, options).unwrap();
     let node = TwinNode::start_recorded(
         &domain.environment,
         names,
@@ -109,20 +105,22 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
             "{outcome:?}"
         );
         reports.messages.recv_timeout(PATIENCE).expect("a report");
-        let load = ParameterChange {
-            column_id: None,
-            values: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
-            source: "test",
+        let load = Command::SetParameters {
+            changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
+            source: "test".into(),
         };
-        twin.set_parameters(load).unwrap();
+        twin.execute(load).unwrap();
         let refused = impact(&domain, id, velocity);
         assert!(
             matches!(refused, Ok(ImpactOutcome::Refused(_))),
             "{refused:?}"
         );
     }
-    twin.reset().unwrap();
-    node.stop(stop);
+    let reset = Command::Reset {
+        source: "test".into(),
+    };
+    twin.execute(reset).unwrap();
+    node.stop();
     let statistics = recording.stop().unwrap();
     assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
 
@@ -164,7 +162,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
 fn losses_are_counted_and_accounted_for() {
     use column_twin::parameters::{RecordMode, RecordSettings};
     use column_twin::recording::RecorderOptions;
-    use column_twin::ros::bridge::Recording;
+    use column_twin::outgoing::RecordingTap;
 
     let directory = TempDir::new().unwrap();
     let record = RecordSettings {

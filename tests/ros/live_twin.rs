@@ -3,7 +3,7 @@
 use column_twin::live::LiveOptions;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::ros::{Names, RosoutQueue, StartedTwin, TwinNode, qos, start_live_twin};
+use column_twin::ros::{LiveTwin, Names, RosoutQueue, TwinNode, qos};
 
 use super::domain::Domain;
 use super::loopback::{Incoming, Outgoing, event, now, reader};
@@ -12,7 +12,6 @@ use super::simulation;
 /// A live twin and its node.
 pub struct RunningTwin {
     node: TwinNode,
-    stop: Box<dyn FnOnce()>,
 }
 
 impl RunningTwin {
@@ -27,20 +26,16 @@ impl RunningTwin {
         changes: &[(&str, Value)],
         log: Option<RosoutQueue>,
     ) -> Self {
-        let started = start_live_twin(parameters(changes), LiveOptions::default()).unwrap();
-        let StartedTwin {
-            twin,
-            outputs,
-            stop,
-        } = started;
+        let (twin, outputs) =
+            LiveTwin::start(parameters(changes), LiveOptions::default()).unwrap();
         let names = Names::new("/", "column_twin", &[]).unwrap();
         let node = TwinNode::start(&domain.environment, names, twin, outputs, log).unwrap();
-        Self { node, stop }
+        Self { node }
     }
 
     /// Ends node and twin.
     pub fn stop(self) {
-        self.node.stop(self.stop);
+        self.node.stop();
     }
 }
 
