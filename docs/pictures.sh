@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Makes the README's pictures of the viewer, with the real viewer and without a screen:
+# Makes the viewer pictures of the README with the real viewer, headless:
 #
 #   docs/pictures.sh [FOLDER]     default: docs/images
 #
-# viewer_before.png, viewer_first_yield.png, viewer_peak.png, viewer_rest.png: the paper's column at four moments. Needs
-# Rust, Python and access to PyPI (tests/interop/viewer.sh installs the viewer), and a Vulkan driver: without a graphics card
-# that of Debian's mesa-vulkan-drivers will do.
+# viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments.
+# The script needs Rust, Python, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
+# graphics card, Debian's mesa-vulkan-drivers is sufficient.
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -21,7 +21,7 @@ home=$venv/home
 cargo run --quiet --release --example viewer_moments -- config/heb220_paper.yaml "$work"
 
 for moment in before first_yield peak rest; do
-  # A port that is free now; the viewer listens on it although nobody will connect.
+  # The viewer needs a free port, although no program connects to it.
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
   HOME=$home XDG_CONFIG_HOME=$home XDG_RUNTIME_DIR=$work RUST_LOG=error \
     timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1400x850 --bind 127.0.0.1 --port "$port" \

@@ -122,8 +122,8 @@ fn named_paths(prose: &str) -> Vec<String> {
     let targets = prose
         .split("](")
         .skip(1)
-        .filter_map(|rest| rest.split(')').next())
-        .filter(|target| !target.contains("://") && !target.starts_with('#'));
+        .filter_map(|rest| rest.split([')', '#']).next())
+        .filter(|target| !target.contains("://") && !target.is_empty());
     let looks_like_path = |text: &&str| {
         let plain = !text.contains(|c: char| c.is_whitespace() || "*<>{}()=$:".contains(c));
         let first = text.split('/').next().unwrap_or_default();

@@ -106,7 +106,7 @@ impl Selection {
         {
             let names: Vec<&str> = reader.topics().iter().map(|it| &*it.name).collect();
             let reason = format!(
-                "the recording has no topic {unknown}; expected one of {}",
+                "expected one of the topics {}, found {unknown}",
                 names.join(", ")
             );
             return Err(Failure::plain(Exit::BadInput, reason));

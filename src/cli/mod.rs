@@ -91,7 +91,7 @@ enum CliCommand {
 /// Runs the command given by the arguments, of which the first is the name of the program. Results go to the standard
 /// output, errors to the standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    // LinePrinter of a report are not broken, so that paths and names can be copied; a hook set before stays.
+    // Lines are not wrapped, so that paths and names can be copied. A hook that is already set is kept.
     let _ = miette::set_hook(Box::new(|_| {
         Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
     }));

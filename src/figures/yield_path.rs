@@ -61,7 +61,7 @@ pub(super) fn yield_path(response: &ResponseHistory<'_>, hinge: usize) -> Drawn<
     })
 }
 
-/// LegendKey figures of the hinge.
+/// The key figures of the hinge.
 fn key(response: &ResponseHistory<'_>, hinge: usize) -> String {
     let report = &response.report.hinges[hinge];
     let yielded = match report.first_yield {

@@ -35,7 +35,7 @@ pub enum ViewerError {
     /// The address is invalid, or does not belong to this machine.
     #[error("viewer.address is {found:?}; expected {expected}")]
     #[diagnostic(help(
-        "-p viewer.address:=127.0.0.1; to watch from another machine: ssh -L 9876:127.0.0.1:9876"
+        "give -p viewer.address:=127.0.0.1; to watch from another machine: ssh -L 9876:127.0.0.1:9876 HOST"
     ))]
     Address {
         /// The given address.

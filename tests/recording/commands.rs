@@ -48,10 +48,10 @@ fn info_says_what_is_in_it() {
         "2026-11-21 07:40:00.000 UTC",
         "/garage/column_state",
         "column_twin/msg/ColumnState",
-        "0 messages, as its recorder counted; ended: stopped",
+        "0 messages according to the recorder; ended: stopped",
         "event 0 on A3, 2026-11-21 07:40:00.000 UTC: 1500 kg at 10 m/s",
         "plastic: peak v1 94.60 mm after 19.79 ms (forecast 94.60 mm), residual 89.34 mm, peak contact force 746.9 kN",
-        "refused: mass and velocity must be above 0",
+        "rejected: mass and velocity must be above 0",
     ] {
         assert!(text.contains(part), "{part:?} is not in\n{text}");
     }
