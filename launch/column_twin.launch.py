@@ -8,9 +8,9 @@ from launch_ros.substitutions import FindPackageShare
 
 ARGUMENTS = [
     ("params_file", [FindPackageShare("column_twin"), "config", "heb220_s355.yaml"], "ROS 2 parameter file of the column"),
-    ("namespace", "", "namespace of the node, which moves all of its topics and services"),
+    ("namespace", "", "namespace of the node, its topics and its services"),
     ("name", "column_twin", "name of the node"),
-    ("use_sim_time", "false", "follow /clock instead of the machine's clock"),
+    ("use_sim_time", "false", "use the time of /clock instead of the system clock"),
     ("log_level", "info", "debug, info, warn, error or fatal"),
 ]
 
@@ -34,7 +34,7 @@ def generate_launch_description():
         ],
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
-        # It keeps its damage in a file and may be started again at any time.
+        # The state file preserves the damage, so the node can be restarted at any time.
         respawn=True,
         respawn_delay=2.0,
     )

@@ -1,7 +1,7 @@
-"""Several columns side by side, each in a namespace of its own: ros2 launch column_twin several_columns.launch.py.
+"""Several columns, each in its own namespace: ros2 launch column_twin several_columns.launch.py.
 
-Copy this file and write your columns into COLUMNS: a namespace, a parameter file of the package's config folder or a full
-path, and what differs from that file. The state directory is shared: each column has a file of its own in it.
+Copy this file and list your columns in COLUMNS: a namespace, a parameter file in the package's config folder or a full path,
+and changes to that file. The columns share the state directory, in which each has its own file.
 """
 
 from launch import LaunchDescription

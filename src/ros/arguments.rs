@@ -1,4 +1,7 @@
-//! The arguments behind `--ros-args`, as rcl reads them (<https://design.ros2.org/articles/ros_command_line_arguments.html>).
+//! The arguments after `--ros-args`, as in rcl (<https://design.ros2.org/articles/ros_command_line_arguments.html>).
+//!
+//! The crate `ros2args` is no replacement: it keeps `-p` and `--params-file` in separate lists, so that the last one cannot
+//! win, stops at the first error, reads `rostopic://a:=b` as a rule for the node `rostopic`, and rejects `--log-file-name`.
 
 use std::ffi::OsString;
 
@@ -6,32 +9,32 @@ use crate::parameters::{Source, parse_override};
 
 use super::names::{RemapRule, RemapTarget};
 
-/// Begins ROS arguments.
+/// Begins a section of ROS arguments.
 const BEGIN: &str = "--ros-args";
 
-/// Ends them; behind it stand the program's own arguments again.
+/// Ends the section; the program's own arguments follow.
 const END: &str = "--";
 
-/// What stood between `--ros-args` and `--` or the end, all such parts together.
+/// The ROS arguments of all sections together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RosArguments {
     /// `-r`, `--remap`, in their order.
     pub remap_rules: Vec<RemapRule>,
-    /// `-p`, `--param` and `--params-file`, all in their order: as in rcl the last one wins, be it a file or not.
+    /// `-p`, `--param` and `--params-file` in their order: as in rcl, the last one wins, whether a file or not.
     pub parameters: Vec<Source>,
-    /// `--log-level`; of several the last.
+    /// `--log-level`; the last one applies.
     pub log_level: Option<LogLevel>,
     /// `--log-level name:=level`: levels of single loggers.
     pub logger_levels: Vec<(String, LogLevel)>,
-    /// Whether log messages go to `/rosout`; unless told otherwise they do.
+    /// Whether log messages are published on `/rosout`; `None`: the default, which is yes.
     pub rosout: Option<bool>,
-    /// Whether log messages go to the terminal; unless told otherwise they do.
+    /// Whether log messages are shown on the terminal; `None`: the default, which is yes.
     pub stdout: Option<bool>,
-    /// Arguments that ROS knows and this node can do nothing with; to be said, not to be ignored in silence.
+    /// ROS arguments that have no effect on this node, to be logged at the start.
     pub without_effect: Vec<String>,
 }
 
-/// Severity from which on messages are shown.
+/// Minimum severity of log messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogLevel {
     /// `debug`
@@ -46,36 +49,36 @@ pub enum LogLevel {
     Fatal,
 }
 
-/// What is wrong with a ROS argument.
+/// Errors in ROS arguments.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ArgumentError {
-    /// Nothing stands behind it.
-    #[error("{0} needs a value behind it, found nothing; see `ros2 run --help`")]
+    /// The value is missing.
+    #[error("{0} requires a value; see `ros2 run --help`")]
     NoValue(String),
-    /// No ROS argument is called so.
+    /// The argument is unknown.
     #[error(
-        "{0} is not a ROS argument; known are -r, -p, --params-file, --log-level, and `--` ends them, so that the \
-         program's own arguments stand before --ros-args or behind `--`"
+        "{0} is not a ROS argument; use -r, -p, --params-file or --log-level, and put the program's own arguments before \
+         --ros-args or after `--`"
     )]
     Unknown(String),
-    /// Not a remapping rule.
+    /// The remapping rule is invalid.
     #[error(
         "-r {0}: expected [node:]from:=to, such as column_state:=/monitor/state or __ns:=/garage"
     )]
     RemapRule(String),
-    /// Not a level.
+    /// The level is invalid.
     #[error("--log-level {0}: expected debug, info, warn, error or fatal, or logger:=level")]
     LogLevel(String),
-    /// Not text.
+    /// The argument is not text.
     #[error("{0:?} is not UTF-8 text")]
     NotText(OsString),
 }
 
 impl RosArguments {
-    /// Takes the ROS arguments out of all arguments; gives back the program's own with them. Finds all faults.
+    /// Separates the program's own arguments, which are returned first, from the ROS arguments.
     ///
     /// # Errors
-    /// What is wrong, argument by argument.
+    /// All faults, argument by argument.
     pub fn split(
         arguments: impl IntoIterator<Item = OsString>,
     ) -> Result<(Vec<OsString>, Self), Vec<ArgumentError>> {
@@ -85,7 +88,7 @@ impl RosArguments {
         let mut arguments = arguments.into_iter();
         while let Some(argument) = arguments.next() {
             if argument == BEGIN {
-                ros.take_part(&mut arguments, &mut faults);
+                ros.take_section(&mut arguments, &mut faults);
             } else {
                 own.push(argument);
             }
@@ -97,8 +100,8 @@ impl RosArguments {
         }
     }
 
-    /// One part, up to `--` or the end.
-    fn take_part(
+    /// Reads a section up to `--` or the end.
+    fn take_section(
         &mut self,
         arguments: &mut impl Iterator<Item = OsString>,
         faults: &mut Vec<ArgumentError>,
@@ -106,7 +109,7 @@ impl RosArguments {
         while let Some(argument) = arguments.next() {
             let taken = match argument.into_string() {
                 Ok(argument) if argument == END => return,
-                // A part may begin within a part.
+                // A section may begin within a section.
                 Ok(argument) if argument == BEGIN => Ok(()),
                 Ok(argument) => self.take_one(&argument, arguments),
                 Err(argument) => Err(ArgumentError::NotText(argument)),
@@ -160,7 +163,7 @@ impl RosArguments {
         Ok(())
     }
 
-    /// The level that holds for the logger of that name: its own, else that of all.
+    /// The level of the logger with this name: its own, or else the general one.
     #[must_use]
     pub fn level_of(&self, logger: &str) -> LogLevel {
         let own = self.logger_levels.iter().rev();
@@ -173,7 +176,7 @@ impl RosArguments {
 }
 
 impl LogLevel {
-    /// As rcl does, in upper or lower case.
+    /// Accepts upper and lower case, as rcl does.
     fn parse(text: &str) -> Option<Self> {
         match text.to_ascii_lowercase().as_str() {
             "debug" => Some(Self::Debug),
@@ -186,7 +189,8 @@ impl LogLevel {
     }
 }
 
-/// `[node:]from:=to`, where `from` may begin with `rostopic://` or `rosservice://` or be `__node`, `__name`, `__ns`.
+/// Parses `[node:]from:=to`, where `from` may begin with `rostopic://` or `rosservice://`, or be `__node`, `__name` or
+/// `__ns`.
 fn remap_rule(text: &str) -> Result<RemapRule, ArgumentError> {
     let wrong = || ArgumentError::RemapRule(text.to_owned());
     let (from, to) = text.split_once(":=").ok_or_else(wrong)?;
@@ -235,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_launch_passes_is_understood() {
+    fn arguments_from_launch_are_read() {
         let (own, ros) = split(
             "run --config c.yaml --ros-args -r __node:=pillar -r __ns:=/garage --params-file /tmp/p.yaml \
              -p top.load:=2.0e6 --log-level column_twin:=debug --log-level WARN -- --record",
@@ -253,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn several_parts_add_up() {
+    fn several_sections_add_up() {
         let (own, ros) =
             split("--ros-args -r a:=b -- x --ros-args -r c:=d --ros-args").expect("correct");
         assert_eq!(own, ["x"]);
@@ -263,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_are_read_as_rcl_reads_them() {
+    fn rules_are_read_as_in_rcl() {
         let text = str::to_owned;
         for (given, node, target, from, to) in [
             ("a:=b", None, RemapTarget::TopicOrService, "a", "b"),
@@ -300,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_are_said_at_once() {
+    fn all_faults_are_reported_at_once() {
         let faults =
             split("--ros-args -r a=b --log-level loud --velocity 3 -p").expect_err("four faults");
         let words: Vec<_> = faults.iter().map(ToString::to_string).collect();
@@ -316,14 +320,11 @@ mod tests {
             words[2].starts_with("--velocity is not a ROS argument"),
             "{words:?}"
         );
-        assert!(
-            words[4].starts_with("-p needs a value behind it"),
-            "{words:?}"
-        );
+        assert!(words[4].starts_with("-p requires a value"), "{words:?}");
     }
 
     #[test]
-    fn what_has_no_effect_is_kept_to_be_said() {
+    fn arguments_without_effect_are_kept() {
         let (_, ros) = split("--ros-args -e /enclave --disable-rosout-logs --log-file-name x")
             .expect("correct");
         assert_eq!(ros.without_effect, ["-e /enclave", "--log-file-name x"]);

@@ -1,4 +1,4 @@
-//! The twin's terminal: send an impact, watch what comes of it, without any ROS installed.
+//! Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation.
 
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -22,115 +22,115 @@ use super::qos;
 use super::signals::StopSignals;
 use super::task::Task;
 
-/// Messages that may wait to be shown; the next ones are not shown.
+/// Maximum number of messages that wait to be shown; further ones are dropped.
 const SHOWN_QUEUE: usize = 1024;
 
-/// How often a wait looks whether the program is asked to stop.
-const LOOK: Duration = Duration::from_millis(100);
+/// Interval at which a wait checks whether the program is asked to stop.
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How long to wait for the status that a twin keeps for late joiners.
+/// Timeout for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
 
-/// One impact to send.
+/// An impact to send.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactOptions {
     /// The column.
     pub column_id: String,
-    /// The event; `None`: one that nobody has used.
+    /// Identifier of the event; `None`: a new one.
     pub event_id: Option<String>,
     /// Mass of the vehicle \[kg\].
     pub mass: f64,
-    /// Speed over the ground \[m/s\].
+    /// Ground speed \[m/s\].
     pub velocity: f64,
-    /// Distance \[m\]; `None`: the twin's parameter.
+    /// Gap \[m\]; `None`: the twin's parameter.
     pub gap: Option<f64>,
     /// Coefficient of restitution; `None`: the twin's parameter.
     pub restitution: Option<f64>,
     /// Height above the base \[m\]; `None`: the twin's parameter.
     pub height: Option<f64>,
-    /// How long to wait for a twin.
+    /// Timeout for finding a twin.
     pub match_timeout: Duration,
-    /// How long to wait for its forecast.
+    /// Timeout for its forecast.
     pub answer_timeout: Duration,
 }
 
-/// What the twin made of an impact.
+/// The twin's reply to an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImpactOutcome {
     /// It was accepted, and this is the forecast.
     Forecast(Box<ImpactReport>),
-    /// It was refused, for this reason.
+    /// It was rejected for this reason.
     Refused(String),
 }
 
-/// Why an impact found no twin, or no answer.
+/// Errors of the client.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// A name that is none.
+    /// A name is invalid.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// No node.
+    /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// No handler.
-    #[error("signals cannot be handled: {0}")]
+    /// Signal handlers cannot be installed.
+    #[error("cannot handle signals: {0}")]
     Signals(#[from] std::io::Error),
-    /// Nobody listens.
+    /// No twin was found.
     #[error(
-        "no twin listens on {topic} in domain {domain_id} (waited {waited:?}); is `column-twin run` started, with the \
-         same ROS_DOMAIN_ID, namespace and ROS_AUTOMATIC_DISCOVERY_RANGE?"
+        "no twin subscribes to {topic} in domain {domain_id} (waited {waited:?}); check that `column-twin run` is running \
+         with the same ROS_DOMAIN_ID, namespace and ROS_AUTOMATIC_DISCOVERY_RANGE"
     )]
     NoTwin {
         /// The topic.
         topic: String,
         /// The domain.
         domain_id: u16,
-        /// How long.
+        /// The timeout.
         waited: Duration,
     },
-    /// The event cannot be written.
-    #[error("the event cannot be sent: {0}")]
+    /// The event cannot be sent.
+    #[error("cannot send the event: {0}")]
     NotSent(String),
-    /// Sent, but nothing came back.
+    /// The event was sent, but there was no reply.
     #[error(
-        "the event {event_id} was sent, but neither forecast nor refusal came within {waited:?}; look at `twin_status`"
+        "the event {event_id} was sent, but neither a forecast nor a rejection arrived within {waited:?}; check `twin_status`"
     )]
     NoAnswer {
         /// The event.
         event_id: String,
-        /// How long.
+        /// The timeout.
         waited: Duration,
     },
-    /// The twin refuses it.
-    #[error("the twin refuses the event: {0}")]
+    /// The twin rejected the event.
+    #[error("the twin rejected the event: {0}")]
     Refused(String),
-    /// The model has failed.
-    #[error("the twin has a fault: {0}; ~/reset makes the column virgin again")]
+    /// The twin is faulted.
+    #[error("the twin is faulted: {0}; call ~/reset to restore the virgin column")]
     Faulted(String),
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// What a twin says.
+/// A message of the twin.
 #[derive(Debug, Clone)]
 pub enum Seen {
-    /// The column at one instant.
+    /// State of the column.
     State(ColumnState),
-    /// Its hinges at one instant.
+    /// Forces in the hinges.
     Forces(HingeForces),
-    /// What will come of an impact.
+    /// Forecast of a response.
     Forecast(ImpactReport),
-    /// What came of it.
+    /// Result of a response.
     Report(ImpactReport),
-    /// How the twin is.
+    /// Status of the twin.
     Status(TwinStatus),
 }
 
-/// Publishes one event and waits for what the twin makes of it; `say` is told what is going on.
+/// Publishes an event and waits for the twin's reply; `say` receives progress messages.
 ///
 /// # Errors
-/// When there is no twin, or no answer, or the program is asked to stop.
+/// No twin is found, there is no reply, or the program is asked to stop.
 pub fn send_impact(
     environment: &Environment,
     rules: &[RemapRule],
@@ -139,29 +139,29 @@ pub fn send_impact(
 ) -> Result<ImpactOutcome, ClientError> {
     let names = Names::new(&environment.namespace, "column_twin_impact", rules)?;
     let mut node = Node::new(environment, names)?;
-    let sight = Sight {
+    let subscribed = Subscribed {
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        ..Sight::default()
+        ..Subscribed::default()
     };
     converse(
         node,
         environment,
-        sight,
+        subscribed,
         options,
         say,
         &mut |word, sent| match answer(word, sent.event_id, sent.refused_before) {
-            Some(outcome) => Heard::Last(outcome),
-            None => Heard::Other,
+            Some(outcome) => Relation::Last(outcome),
+            None => Relation::None,
         },
     )
 }
 
-/// Shows state, forecasts, reports and refusals, one line each, until the program is asked to stop or `show` says that nobody
-/// looks any more.
+/// Shows states, forecasts, reports and rejections, one line each, until the program is asked to stop or `show` returns
+/// `Break`.
 ///
 /// # Errors
-/// When there is no node to be had.
+/// The node cannot be created.
 pub fn watch(
     environment: &Environment,
     rules: &[RemapRule],
@@ -170,12 +170,12 @@ pub fn watch(
     let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_watch", rules)?;
     let mut node = Node::new(environment, names)?;
-    let sight = Sight {
+    let subscribed = Subscribed {
         state: Some(node.subscription(&qos::COLUMN_STATE)?),
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        ..Sight::default()
+        ..Subscribed::default()
     };
     let topic = node
         .names()
@@ -187,11 +187,11 @@ pub fn watch(
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {
-        join!(events, sight.show(sender));
+        join!(events, subscribed.show(sender));
     })?;
     let mut lines = WatchLines::default();
     while !signals.asked() && shown.is_continue() {
-        if let Some(seen) = next(&seen, Instant::now() + LOOK)
+        if let Some(seen) = next(&seen, Instant::now() + CHECK_INTERVAL)
             && let Some(line) = lines.line(&seen, Instant::now())
         {
             shown = show(&line);
@@ -201,12 +201,12 @@ pub fn watch(
     Ok(())
 }
 
-/// Publishes one event and hands over all that the twin says of it, until its report, or until the program is asked to stop.
-/// `hear` is given each word with the time since the event was sent; `say` is told what is going on.
+/// Publishes an event and passes on all messages of the twin until the report of the response. `hear` receives each message
+/// with the time since the event was sent; `say` receives progress messages.
 ///
 /// # Errors
-/// When there is no twin, it refuses or fails, nothing but its status comes for `options.answer_timeout`, or the program is
-/// asked to stop.
+/// No twin is found, it rejects the event or is faulted, only its status arrives within `options.answer_timeout`, or the
+/// program is asked to stop.
 pub fn follow_impact(
     environment: &Environment,
     options: &ImpactOptions,
@@ -215,67 +215,76 @@ pub fn follow_impact(
 ) -> Result<(), ClientError> {
     let names = Names::new(&environment.namespace, "column_twin_demo", &[])?;
     let mut node = Node::new(environment, names)?;
-    let sight = Sight {
+    let subscribed = Subscribed {
         state: Some(node.subscription(&qos::COLUMN_STATE)?),
         forces: Some(node.subscription(&qos::HINGE_FORCES)?),
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
     };
-    let ended = converse(node, environment, sight, options, say, &mut |word, sent| {
-        hear(word, sent.ago);
-        match (word, answer(word, sent.event_id, sent.refused_before)) {
-            (Seen::Report(report), _) if report.event_id == sent.event_id => Heard::Last(Ok(())),
-            (_, Some(ImpactOutcome::Refused(reason))) => {
-                Heard::Last(Err(ClientError::Refused(reason)))
+    let ended = converse(
+        node,
+        environment,
+        subscribed,
+        options,
+        say,
+        &mut |word, sent| {
+            hear(word, sent.ago);
+            match (word, answer(word, sent.event_id, sent.refused_before)) {
+                (Seen::Report(report), _) if report.event_id == sent.event_id => {
+                    Relation::Last(Ok(()))
+                }
+                (_, Some(ImpactOutcome::Refused(reason))) => {
+                    Relation::Last(Err(ClientError::Refused(reason)))
+                }
+                (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
+                    Relation::Last(Err(ClientError::Faulted(status.fault.clone())))
+                }
+                // It arrives every second, whether or not the impact is handled.
+                (Seen::Status(_), _) => Relation::None,
+                _ => Relation::OfEvent,
             }
-            (Seen::Status(status), _) if status.phase == TwinStatus::FAULTED => {
-                Heard::Last(Err(ClientError::Faulted(status.fault.clone())))
-            }
-            // It comes every second, whatever becomes of the impact.
-            (Seen::Status(_), _) => Heard::Other,
-            _ => Heard::Ours,
-        }
-    });
+        },
+    );
     ended?
 }
 
-/// The event that a client has sent.
+/// An event that the client has sent.
 struct Sent<'a> {
     event_id: &'a str,
-    /// Refusals that the twin had counted before; `None` where it did not say.
+    /// Number of rejections before the event; `None` if unknown.
     refused_before: Option<u64>,
     ago: Duration,
 }
 
-/// What a client makes of a word of the twin.
-enum Heard<T> {
-    /// It does not belong to what is waited for.
-    Other,
-    /// It does, and there is more to come.
-    Ours,
-    /// It ends the conversation.
+/// How a message of the twin relates to the event that was sent.
+enum Relation<T> {
+    /// It is unrelated.
+    None,
+    /// It belongs to the event, and more messages will follow.
+    OfEvent,
+    /// It is the last message that the client waits for.
     Last(T),
 }
 
-/// Waits until twin and client have found each other, sends the event, and hands over what is seen until it is the last word.
+/// Waits until twin and client are matched, sends the event, and passes on messages until the last one.
 fn converse<T>(
     mut node: Node,
     environment: &Environment,
-    sight: Sight,
+    subscribed: Subscribed,
     options: &ImpactOptions,
     say: &mut dyn FnMut(&str),
-    hear: &mut dyn FnMut(&Seen, &Sent<'_>) -> Heard<T>,
+    hear: &mut dyn FnMut(&Seen, &Sent<'_>) -> Relation<T>,
 ) -> Result<T, ClientError> {
     let signals = StopSignals::listen()?;
     let publisher = node.publisher(&qos::IMPACT_EVENT)?;
-    // What the twin says first is lost on a reader that it has not found yet.
-    let mut endpoints = sight.guids();
+    // The twin's first messages do not reach a reader that is not matched yet.
+    let mut endpoints = subscribed.guids();
     endpoints.push(publisher.guid());
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let (events, matches) = (node.participant_events(), node.matches());
     let task = Task::start("column_twin/see", move || async move {
-        join!(events, sight.show(sender));
+        join!(events, subscribed.show(sender));
     })?;
     let outcome = (|| {
         let topic = node
@@ -294,7 +303,7 @@ fn converse<T>(
             domain_id: environment.domain_id,
             waited: options.match_timeout,
         })?;
-        // Its counter tells this refusal from one of the same event before.
+        // The counter distinguishes a rejection of this event from one of an earlier event with the same identifier.
         let refused_before = wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
             Some(Seen::Status(status)) => Some(status.events_refused),
             _ => None,
@@ -309,9 +318,9 @@ fn converse<T>(
         publisher
             .publish(event)
             .map_err(|error| ClientError::NotSent(error.to_string()))?;
-        let mut given_up = begun + options.answer_timeout;
+        let mut deadline = begun + options.answer_timeout;
         loop {
-            let left = given_up.saturating_duration_since(Instant::now());
+            let left = deadline.saturating_duration_since(Instant::now());
             let word = wait_until(&signals, left, |until| next(&seen, until))?;
             let Some(word) = word else {
                 return Err(ClientError::NoAnswer {
@@ -325,9 +334,9 @@ fn converse<T>(
                 ago: begun.elapsed(),
             };
             match hear(&word, &sent) {
-                Heard::Other => {}
-                Heard::Ours => given_up = Instant::now() + options.answer_timeout,
-                Heard::Last(outcome) => return Ok(outcome),
+                Relation::None => {}
+                Relation::OfEvent => deadline = Instant::now() + options.answer_timeout,
+                Relation::Last(outcome) => return Ok(outcome),
             }
         }
     })();
@@ -337,7 +346,7 @@ fn converse<T>(
 
 /// The subscriptions of a client.
 #[derive(Default)]
-struct Sight {
+struct Subscribed {
     state: Option<Subscription<ColumnState>>,
     forces: Option<Subscription<HingeForces>>,
     forecast: Option<Subscription<ImpactReport>>,
@@ -345,7 +354,7 @@ struct Sight {
     status: Option<Subscription<TwinStatus>>,
 }
 
-impl Sight {
+impl Subscribed {
     fn guids(&self) -> Vec<GUID> {
         [
             self.state.as_ref().map(Subscription::guid),
@@ -359,7 +368,7 @@ impl Sight {
         .collect()
     }
 
-    /// Passes all messages on for ever.
+    /// Passes on all messages indefinitely.
     async fn show(self, to: SyncSender<Seen>) {
         join!(
             pass(&self.state, &to, Seen::State),
@@ -382,7 +391,7 @@ async fn pass<M: serde::de::DeserializeOwned + 'static>(
     let messages = subscription.async_stream();
     pin_mut!(messages);
     while let Some(message) = messages.next().await {
-        // A line too many is one that nobody reads; one that cannot be read is not for this program to repair.
+        // When the queue is full, further lines are dropped; unreadable messages are ignored.
         if let Ok((message, _)) = message {
             let _ = to.try_send(seen(message));
         }
@@ -394,7 +403,7 @@ fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
     seen.recv_timeout(rest).ok()
 }
 
-/// Tries again and again, giving `attempt` a while each time; `None` after `timeout`.
+/// Repeats `attempt`, which receives the deadline of each try; `None` after `timeout`.
 fn wait_until<T>(
     signals: &StopSignals,
     timeout: Duration,
@@ -405,7 +414,7 @@ fn wait_until<T>(
         if signals.asked() {
             return Err(ClientError::Interrupted);
         }
-        if let Some(found) = attempt((Instant::now() + LOOK).min(deadline)) {
+        if let Some(found) = attempt((Instant::now() + CHECK_INTERVAL).min(deadline)) {
             return Ok(Some(found));
         }
     }
@@ -436,7 +445,7 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
     }
 }
 
-/// What `seen` says of the event; `before` is the number of refusals before it was sent.
+/// The outcome of the event in a message, if any; `before` is the number of rejections before the event was sent.
 fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutcome> {
     match seen {
         Seen::Forecast(report) if report.event_id == event_id => {
@@ -452,7 +461,7 @@ fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutc
     }
 }
 
-/// A status that tells of a refusal.
+/// A status with a rejection.
 #[cfg(test)]
 pub(super) fn refused(event_id: &str, count: u64) -> Seen {
     Seen::Status(TwinStatus {
@@ -468,7 +477,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_answer_is_of_this_event_and_of_now() {
+    fn an_answer_belongs_to_this_event() {
         let forecast = Seen::Forecast(ImpactReport {
             event_id: "a".to_owned(),
             ..ImpactReport::default()
@@ -486,7 +495,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_open_is_nan_and_events_are_told_apart() {
+    fn omitted_values_are_nan_and_identifiers_differ() {
         let options = ImpactOptions {
             column_id: "column".to_owned(),
             event_id: None,
@@ -495,8 +504,8 @@ mod tests {
             gap: None,
             restitution: Some(0.0),
             height: None,
-            match_timeout: LOOK,
-            answer_timeout: LOOK,
+            match_timeout: CHECK_INTERVAL,
+            answer_timeout: CHECK_INTERVAL,
         };
         let event = event(&options);
         assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);

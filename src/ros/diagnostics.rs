@@ -1,4 +1,4 @@
-//! `/diagnostics`: the twin, its solver, its queues and the node itself, for people and for aggregators.
+//! `/diagnostics`: the twin, its solver, its queues, its recording and the node, for people and aggregators.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,16 +10,16 @@ use crate::outgoing::RecordingHealth;
 
 use super::live_twin::Health;
 
-/// What the node itself could not do, counted since the start.
+/// Losses of the node itself since the start.
 #[derive(Debug, Default)]
 pub(super) struct NodeCounters {
-    /// Messages and requests that could not be read.
+    /// Unreadable messages and requests.
     pub unreadable: AtomicU64,
-    /// Events and sets of parameters that came faster than they could be taken.
+    /// Events and sets of parameters that arrived faster than they could be taken.
     pub missed: AtomicU64,
-    /// Messages that a reader was too slow for, or that could not be written.
+    /// Messages that could not be written, or not in time for a slow reader.
     pub unpublished: AtomicU64,
-    /// Log messages that found their queue full.
+    /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
 }
 
@@ -29,7 +29,7 @@ impl NodeCounters {
     }
 }
 
-/// All statuses. `node` and `column_id` say whose they are.
+/// All statuses of a node.
 pub(super) fn diagnostics(
     header: Header,
     node: &str,
@@ -52,7 +52,7 @@ pub(super) fn diagnostics(
     DiagnosticArray { header, status }
 }
 
-/// What of diagnostics makes a change that is worth being told at once: levels and messages, not values.
+/// Whether levels and messages are equal; a change in them, unlike one in the values, is published immediately.
 pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool {
     let state = |array: &DiagnosticArray| -> Vec<(u8, String)> {
         let statuses = array.status.iter();
@@ -66,25 +66,25 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
         TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
         TwinStatus::COLLAPSED => (
             DiagnosticStatus::ERROR,
-            "the column has collapsed; ~/reset starts with a new one".to_owned(),
+            "the column has collapsed; call ~/reset to start with a new one".to_owned(),
         ),
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
-        _ => (DiagnosticStatus::OK, "response going on".to_owned()),
+        _ => (DiagnosticStatus::OK, "response in progress".to_owned()),
     };
     let values = [
         ("phase", phase_name(twin.phase).to_owned()),
         ("event_id", twin.event_id.clone()),
         ("events accepted", twin.events_accepted.to_string()),
-        ("events refused", twin.events_refused.to_string()),
+        ("events rejected", twin.events_refused.to_string()),
         (
             "parameter changes accepted",
             twin.parameters_accepted.to_string(),
         ),
         (
-            "parameter changes refused",
+            "parameter changes rejected",
             twin.parameters_refused.to_string(),
         ),
-        ("last refusal", twin.last_refusal_reason.clone()),
+        ("last rejection", twin.last_refusal_reason.clone()),
         ("impacts since reset", twin.impacts_since_reset.to_string()),
         ("residual v1 [m]", twin.residual_v1.to_string()),
         (
@@ -104,12 +104,12 @@ fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
         _ if health.solver_ended => (
             DiagnosticStatus::ERROR,
-            "the solver has ended by a panic; restart the node and report what it wrote".to_owned(),
+            "a thread of the solver panicked; restart the node and report its log".to_owned(),
         ),
-        (0, None) => (DiagnosticStatus::OK, "in time".to_owned()),
+        (0, None) => (DiagnosticStatus::OK, "on time".to_owned()),
         (0, Some(hint)) => (
             DiagnosticStatus::OK,
-            format!("in time, without guarantee: {hint}"),
+            format!("on time, but not guaranteed: {hint}"),
         ),
         _ => (DiagnosticStatus::WARN, "periods were skipped".to_owned()),
     };
@@ -122,7 +122,7 @@ fn solver_status(health: &Health) -> DiagnosticStatus {
     ];
     values.extend(health.statistics.iter().cloned());
     let hints = health.hints.iter();
-    values.extend(hints.map(|hint| ("real-time set-up".to_owned(), hint.clone())));
+    values.extend(hints.map(|hint| ("real-time setup".to_owned(), hint.clone())));
     entry("solver", level, message, values)
 }
 
@@ -136,7 +136,7 @@ fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
         [] => (DiagnosticStatus::OK, "nothing lost".to_owned()),
         _ => (
             DiagnosticStatus::WARN,
-            format!("entries were lost: {}", losing.join(", ")),
+            format!("entries lost: {}", losing.join(", ")),
         ),
     };
     let values = queues.iter().map(queue_entry);
@@ -159,7 +159,7 @@ fn queue_entry(queue: &QueueStats) -> (String, String) {
     (name.clone(), value)
 }
 
-/// A recording is evidence: whatever is missing in it is an error.
+/// A recording is evidence, so every loss is an error.
 fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     let lost = recording.lost;
     let (level, message) = match (&recording.problem, lost) {
@@ -170,7 +170,7 @@ fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
         (None, 0) => (DiagnosticStatus::OK, "recording".to_owned()),
         (None, _) => (
             DiagnosticStatus::ERROR,
-            format!("{lost} messages are missing in the recording"),
+            format!("{lost} messages are missing from the recording"),
         ),
     };
     let mut values = vec![
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn each_loss_is_a_warning_where_it_belongs_and_an_end_is_an_error() {
+    fn losses_are_warnings_and_a_panic_is_an_error() {
         let queue = QueueStats {
             name: "states to ROS".to_owned(),
             capacity: 4096,
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_alone_is_no_change_of_state() {
+    fn counters_do_not_change_the_state() {
         let of = |accepted| {
             let twin = TwinStatus {
                 events_accepted: accepted,

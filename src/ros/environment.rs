@@ -1,53 +1,54 @@
-//! The environment variables of ROS 2: which domain, which peers, which namespace.
+//! The environment variables of ROS 2 for domain, discovery and namespace.
 
 use std::net::Ipv4Addr;
 
-/// Highest domain whose ports exist (RTPS 9.6.1.1).
+/// Highest domain with valid port numbers (RTPS 9.6.1.1).
 pub const MAX_DOMAIN_ID: u16 = 232;
 
-/// Where the node looks for others, and lets itself be found.
+/// Where the node discovers others and can be discovered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DiscoveryRange {
-    /// This machine only: nothing leaves it.
+    /// On this machine only; nothing is sent to other machines.
     Localhost,
-    /// By multicast on every network that the machine is in.
+    /// By multicast on every network of this machine.
     Subnet,
 }
 
-/// What the environment says.
+/// Settings from the environment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
     /// `ROS_DOMAIN_ID`, 0 to 232.
     pub domain_id: u16,
     /// `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY`.
     pub discovery_range: DiscoveryRange,
-    /// `ROS_NAMESPACE`, with its `/`.
+    /// `ROS_NAMESPACE`, with a leading `/`.
     pub namespace: String,
-    /// What was asked for and cannot be done, or was asked for in a wrong way; to be said at the start.
+    /// Invalid or unsupported settings, to be logged at the start.
     pub warnings: Vec<String>,
 }
 
-/// What the environment asks for and the node must not do without.
+/// Settings that are invalid, or unsupported and must not be ignored.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EnvironmentError {
-    /// Not a domain.
+    /// The domain is invalid.
     #[error("ROS_DOMAIN_ID: expected a whole number from 0 to {MAX_DOMAIN_ID}, found `{0}`")]
     DomainId(String),
-    /// Discovery off.
+    /// Discovery is switched off.
     #[error(
-        "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF: RustDDS cannot switch discovery off, and would be found by others against \
-         this wish; use LOCALHOST, which keeps it on this machine"
+        "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF is not supported: RustDDS cannot switch discovery off, and other nodes would \
+         discover this one; use LOCALHOST, which restricts discovery to this machine"
     )]
     DiscoveryOff,
     /// Security is enforced.
     #[error(
-        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce: this node has no DDS security; unset one of the two"
+        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce is not supported: this node has no DDS security; unset \
+         one of the two"
     )]
     SecurityEnforced,
 }
 
 impl Default for Environment {
-    /// That of an environment without any of the variables.
+    /// The settings without any of the variables.
     fn default() -> Self {
         Self {
             domain_id: 0,
@@ -59,7 +60,7 @@ impl Default for Environment {
 }
 
 impl Environment {
-    /// That of this process.
+    /// The settings of this process.
     ///
     /// # Errors
     /// See [`EnvironmentError`].
@@ -67,7 +68,7 @@ impl Environment {
         Self::from_variables(|name| std::env::var(name).ok())
     }
 
-    /// From the variables that `get` knows; an empty one counts as unset, as in rcl.
+    /// From the variables that `get` returns; an empty one counts as unset, as in rcl.
     ///
     /// # Errors
     /// See [`EnvironmentError`].
@@ -79,8 +80,7 @@ impl Environment {
         let discovery_range = if localhost_only {
             if get("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some() || get("ROS_STATIC_PEERS").is_some() {
                 warnings.push(
-                    "ROS_LOCALHOST_ONLY=1 is deprecated, and where it is set ROS_AUTOMATIC_DISCOVERY_RANGE and \
-                     ROS_STATIC_PEERS are not looked at"
+                    "ROS_LOCALHOST_ONLY=1 is deprecated and overrides ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS"
                         .to_owned(),
                 );
             }
@@ -122,18 +122,18 @@ fn discovery_range(
         None | Some("SUBNET" | "SYSTEM_DEFAULT") => Ok(DiscoveryRange::Subnet),
         Some("LOCALHOST") => Ok(DiscoveryRange::Localhost),
         Some("OFF") => Err(EnvironmentError::DiscoveryOff),
-        // As rcl does: a slip of the pen must not send more than was meant.
+        // As in rcl: a typing error must not extend discovery.
         Some(other) => {
             warnings.push(format!(
                 "ROS_AUTOMATIC_DISCOVERY_RANGE: expected OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT, found `{other}`; \
-                 taking LOCALHOST"
+                 using LOCALHOST"
             ));
             Ok(DiscoveryRange::Localhost)
         }
     }
 }
 
-/// RustDDS contacts this machine and the multicast group, and has no list of further peers.
+/// RustDDS contacts this machine and the multicast group and does not support a list of further peers.
 fn peers_warning(value: Option<&str>) -> Option<String> {
     let far: Vec<_> = value?
         .split(';')
@@ -142,8 +142,8 @@ fn peers_warning(value: Option<&str>) -> Option<String> {
         .collect();
     (!far.is_empty()).then(|| {
         format!(
-            "ROS_STATIC_PEERS: RustDDS has no list of peers and will not contact {}; peers on this machine and in the \
-             same subnet are found without it, others need a DDS router",
+            "ROS_STATIC_PEERS is not supported by RustDDS, which will not contact {}; peers on this machine and in the \
+             same subnet are discovered without it, others need a DDS router",
             far.join(", ")
         )
     })
@@ -163,7 +163,8 @@ fn security_warning(
         return Err(EnvironmentError::SecurityEnforced);
     }
     Ok(Some(
-        "ROS_SECURITY_ENABLE=true: this node has no DDS security, its messages are neither signed nor encrypted"
+        "ROS_SECURITY_ENABLE=true has no effect: this node has no DDS security, and its messages are neither signed nor \
+         encrypted"
             .to_owned(),
     ))
 }
@@ -184,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_set_is_the_default() {
+    fn the_default_applies_when_nothing_is_set() {
         assert_eq!(with(&[]), Ok(Environment::default()));
         assert_eq!(
             with(&[("ROS_DOMAIN_ID", ""), ("ROS_NAMESPACE", "")]),
@@ -213,11 +214,11 @@ mod tests {
         assert_eq!(range("OFF"), Err(EnvironmentError::DiscoveryOff));
         assert_eq!(range("localhost"), Ok(DiscoveryRange::Localhost));
         let odd = with(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "ALL")]).expect("goes on");
-        assert!(odd.warnings[0].contains("found `ALL`; taking LOCALHOST"));
+        assert!(odd.warnings[0].contains("found `ALL`; using LOCALHOST"));
     }
 
     #[test]
-    fn localhost_only_is_still_honoured() {
+    fn localhost_only_is_still_supported() {
         let old = with(&[
             ("ROS_LOCALHOST_ONLY", "1"),
             ("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"),
@@ -230,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn peers_that_will_not_be_contacted_are_named() {
+    fn peers_that_are_not_contacted_are_named() {
         let here = with(&[("ROS_STATIC_PEERS", "localhost;127.0.0.1; ")]).expect("goes on");
         assert!(here.warnings.is_empty());
         let far =
@@ -242,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn namespaces_get_their_slash() {
+    fn namespaces_have_a_leading_slash() {
         for (given, expected) in [
             ("garage", "/garage"),
             ("/garage/a3/", "/garage/a3"),
@@ -254,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_security_is_said() {
+    fn missing_security_is_reported() {
         let permissive = with(&[("ROS_SECURITY_ENABLE", "true")]).expect("goes on");
         assert!(permissive.warnings[0].contains("neither signed nor encrypted"));
         assert_eq!(

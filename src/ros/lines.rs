@@ -1,4 +1,4 @@
-//! What a twin says, as lines for a person.
+//! Lines that show the twin's messages to people.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +6,10 @@ use super::client::Seen;
 use crate::column::HINGE_NAMES;
 use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 
-/// Shortest time between two lines of state.
+/// Minimum time between two lines of state.
 const STATE_LINES: Duration = Duration::from_millis(100);
 
-/// Turns what is seen into lines; remembers what was said already.
+/// Converts messages to lines, omitting repetitions.
 #[derive(Debug, Default)]
 pub(super) struct WatchLines {
     last_state: Option<(Instant, u8)>,
@@ -17,7 +17,7 @@ pub(super) struct WatchLines {
 }
 
 impl WatchLines {
-    /// The line for what was seen; `None` where it says nothing new, or comes too soon.
+    /// The line for a message; `None` if it says nothing new or follows too soon.
     pub(super) fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
         match seen {
             Seen::State(state) => {
@@ -57,7 +57,7 @@ fn state_line(state: &ColumnState) -> String {
     )
 }
 
-/// One line for a person about a forecast or a result; `kind` says which.
+/// One line about a forecast or a result; `kind` is the word for either.
 pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     let outcome = match report.outcome {
         ImpactReport::ELASTIC => "elastic",
@@ -77,7 +77,7 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
         format!(", plastic rotations [mrad] {}", hinges.join(" "))
     };
     format!(
-        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, {:.2} mm remain{hinges} (computed in {:.2} ms)",
+        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges} (computed in {:.2} ms)",
         report.event_id,
         1e3 * report.max_v1,
         report.max_v1_time,
@@ -91,14 +91,14 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
         status.events_refused > events || status.parameters_refused > parameters
     });
     if refused_since {
-        return format!("refused: {}", status.last_refusal_reason);
+        return format!("rejected: {}", status.last_refusal_reason);
     }
     let fault = match status.fault.as_str() {
         "" => String::new(),
         fault => format!(": {fault}"),
     };
     format!(
-        "{} {}{fault}; {} impacts since the last reset, {:.2} mm remain",
+        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm",
         status.column_id,
         phase_word(status.phase),
         status.impacts_since_reset,
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn states_are_shown_when_time_has_passed_or_the_phase_is_new() {
+    fn states_are_shown_at_intervals_and_when_the_phase_changes() {
         let mut lines = WatchLines::default();
         let start = Instant::now();
         let mut shown = |phase, millis| {
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_status_is_a_line_only_when_it_says_something_new() {
+    fn a_status_is_shown_only_when_it_changes() {
         let mut lines = WatchLines::default();
         let now = Instant::now();
         assert!(
@@ -154,7 +154,7 @@ mod tests {
         assert!(lines.line(&refused("a", 1), now).is_none());
         assert_eq!(
             lines.line(&refused("b", 2), now),
-            Some("refused: too fast".to_owned())
+            Some("rejected: too fast".to_owned())
         );
     }
 }

@@ -1,20 +1,20 @@
-//! Messages that a reader never saw.
+//! Detects lost messages.
 //!
-//! RustDDS keeps as many messages as the quality of service says, and drops the oldest in silence when a sender is faster
-//! than they are taken. What a writer numbers without a hole must arrive without one: holes are losses.
+//! RustDDS keeps as many messages as the quality of service allows and silently drops the oldest when they arrive faster
+//! than they are taken. Writers number their messages consecutively, so gaps are losses.
 
 use std::collections::HashMap;
 
 use ros2_client::{Gid, MessageInfo};
 
-/// Most writers that are remembered; beyond that all are forgotten, and holes across that point are not seen.
+/// Maximum number of writers that are tracked; beyond that all are forgotten, and gaps across that point go unnoticed.
 const MAX_WRITERS: usize = 1024;
 
-/// Counts the holes in what the writers of a reliable topic have numbered.
+/// Counts the gaps in the sequence numbers of the writers on a reliable topic.
 #[derive(Debug, Default)]
 pub(super) struct Missed {
     last: HashMap<Gid, LastMessage>,
-    /// Messages that came and could not be read, by whom is not known: they leave holes too.
+    /// Unreadable messages, whose writers are unknown: they leave gaps too.
     unreadable: u64,
 }
 
@@ -22,17 +22,17 @@ pub(super) struct Missed {
 #[derive(Debug, Clone, Copy)]
 struct LastMessage {
     number: i64,
-    /// Of [`Missed::unreadable`], those before it: they explain no hole behind it.
+    /// Value of [`Missed::unreadable`] at this message; earlier ones explain no later gap.
     unreadable: u64,
 }
 
 impl Missed {
-    /// How many messages are missing before this one.
+    /// Number of messages missing before this one.
     pub fn before(&mut self, info: &MessageInfo) -> u64 {
         self.before_number(info.publisher_gid(), info.sequence_number())
     }
 
-    /// A message that came could not be read.
+    /// Notes an unreadable message.
     pub fn unreadable(&mut self) {
         self.unreadable += 1;
     }
@@ -46,12 +46,12 @@ impl Missed {
             unreadable: self.unreadable,
         };
         let Some(last) = self.last.insert(writer, this) else {
-            // Nothing is known of what was sent before the two had met.
+            // Messages sent before the match are not counted.
             return 0;
         };
-        let hole = number.saturating_sub(last.number).saturating_sub(1);
-        let hole = u64::try_from(hole).unwrap_or(0);
-        hole.saturating_sub(this.unreadable - last.unreadable)
+        let gap = number.saturating_sub(last.number).saturating_sub(1);
+        let gap = u64::try_from(gap).unwrap_or(0);
+        gap.saturating_sub(this.unreadable - last.unreadable)
     }
 }
 
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn holes_are_counted_writer_by_writer() {
+    fn gaps_are_counted_per_writer() {
         let mut missed = Missed::default();
         let [one, other] = [1, 2].map(|first| Gid::from([first; 16]));
         let counts: Vec<_> = [
@@ -79,9 +79,9 @@ mod tests {
         assert_eq!(missed.before_number(other, 5), 1);
     }
 
-    /// A peer of another type that goes on and on excuses no loss that comes later.
+    /// A peer that keeps sending another type does not explain later losses.
     #[test]
-    fn what_was_unreadable_before_explains_no_hole() {
+    fn earlier_unreadable_messages_explain_no_gap() {
         let mut missed = Missed::default();
         let writer = Gid::from([1; 16]);
         assert_eq!(missed.before_number(writer, 1), 0);

@@ -1,11 +1,11 @@
-//! The ROS 2 node: the twin's contract on the wire, over ros2-client and RustDDS.
+//! The ROS 2 node: the twin's interface over ros2-client and RustDDS.
 //!
-//! What ROS users expect and the client library leaves out is here: `--ros-args`, the environment variables, names and
-//! remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin itself runs
-//! behind [`LiveTwin`] and knows nothing of all this.
+//! This module implements what ROS users expect and the client library lacks: `--ros-args`, the environment variables,
+//! names and remapping, parameters with descriptions and ranges, `/rosout`, `/diagnostics`, simulated time. The twin
+//! runs behind [`LiveTwin`] and is independent of ROS.
 //!
-//! Deliberately absent: ros2-client's `Spinner` (it subscribes `/clock` as a wrong type, and its parameter services know
-//! neither descriptions nor sets), and every default of a library's quality of service.
+//! Deliberately absent: the `Spinner` of ros2-client (it subscribes to `/clock` with a wrong type, and its parameter
+//! services support neither descriptions nor sets), and all default qualities of service of the libraries.
 
 mod arguments;
 mod client;
@@ -51,5 +51,5 @@ pub use run::{RunEnd, RunError, RunOptions, run};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 
-/// Name of the node where nobody gives it another one.
+/// Default name of the node.
 pub const NODE_NAME: &str = "column_twin";

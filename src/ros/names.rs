@@ -1,23 +1,23 @@
-//! Names of topics and services: how they are written, expanded and remapped
+//! Names of topics and services: validation, expansion and remapping
 //! (<https://design.ros2.org/articles/topic_and_service_names.html>, static remapping as in rcl).
 
 use std::fmt;
 
 use crate::parameters::NodeName;
 
-/// Why a name is not one.
+/// A name is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{name}` is not a valid {what}: {reason}")]
 pub struct NameError {
-    /// The name as it was written.
+    /// The name as written.
     pub name: String,
-    /// What it was to be the name of.
+    /// Kind of name.
     pub what: &'static str,
     /// What is wrong with it.
     pub reason: &'static str,
 }
 
-/// Which names a remapping rule is for.
+/// Which names a remapping rule applies to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RemapTarget {
     /// `__node` or `__name`: the node's own name.
@@ -32,20 +32,20 @@ pub enum RemapTarget {
     TopicOrService,
 }
 
-/// A rule of `-r [node:]from:=to`.
+/// A remapping rule `-r [node:]from:=to`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RemapRule {
-    /// The node it is for; `None`: every node of the process.
+    /// The node that it applies to; `None`: every node of the process.
     pub node: Option<String>,
-    /// What it is for.
+    /// The names that it applies to.
     pub target: RemapTarget,
-    /// The name that is replaced; empty where `target` says all.
+    /// The name to replace; empty for the node's own name and namespace.
     pub from: String,
-    /// What stands in its place.
+    /// The replacement.
     pub to: String,
 }
 
-/// What a name is the name of.
+/// Kind of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     /// A topic.
@@ -54,7 +54,7 @@ pub enum NameKind {
     Service,
 }
 
-/// The node's own name and the names that it uses, after all rules.
+/// The node's own name and the rules for the names that it uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Names {
     namespace: String,
@@ -63,10 +63,10 @@ pub struct Names {
 }
 
 impl Names {
-    /// The names of a node that is called `node` in `namespace` unless a rule calls it otherwise.
+    /// The names of a node called `node` in `namespace`, unless a rule renames it.
     ///
     /// # Errors
-    /// When a rule or the environment gives a name that is none.
+    /// A rule or the environment contains an invalid name.
     pub fn new(namespace: &str, node: &str, rules: &[RemapRule]) -> Result<Self, NameError> {
         let first = |target: RemapTarget| {
             rules
@@ -83,7 +83,7 @@ impl Names {
         let names = Self {
             namespace: namespace.to_owned(),
             node: renamed.to_owned(),
-            // A rule may mean the node by the name that it had, or by the one that it has got.
+            // A rule may refer to the node by its original name or by its new name.
             rules: rules
                 .iter()
                 .filter(|rule| {
@@ -106,7 +106,7 @@ impl Names {
         Ok(names)
     }
 
-    /// Namespace, `/` or `/garage/a3`.
+    /// Namespace, such as `/` or `/garage/a3`.
     #[must_use]
     pub fn namespace(&self) -> &str {
         &self.namespace
@@ -118,13 +118,13 @@ impl Names {
         &self.node
     }
 
-    /// `/garage/a3/column_twin`
+    /// Fully qualified name, such as `/garage/a3/column_twin`.
     #[must_use]
     pub fn fully_qualified(&self) -> String {
         joined(&self.namespace, &self.node)
     }
 
-    /// Name of the node's logger, as rcl makes it: `garage.a3.column_twin`.
+    /// Name of the node's logger as in rcl, such as `garage.a3.column_twin`.
     #[must_use]
     pub fn logger(&self) -> String {
         self.fully_qualified()
@@ -132,16 +132,16 @@ impl Names {
             .replace('/', ".")
     }
 
-    /// The node's name as parameter files and overrides mean it.
+    /// The node's name for parameter files and overrides.
     #[must_use]
     pub fn for_parameters(&self) -> NodeName {
         NodeName::new(&self.namespace, &self.node)
     }
 
-    /// The full name of `name` after expansion and remapping; the first rule that fits is the one that holds.
+    /// The full name of `name` after expansion and remapping; the first matching rule applies.
     ///
     /// # Errors
-    /// When `name` is none.
+    /// `name` is invalid.
     pub fn resolve(&self, kind: NameKind, name: &str) -> Result<String, NameError> {
         let full = self.expand(name)?;
         for rule in &self.rules {
@@ -158,7 +158,7 @@ impl Names {
         Ok(full)
     }
 
-    /// The full name of `name` in this node: `x` is in its namespace, `~/x` below its name, `/x` as it is.
+    /// The full name of `name` in this node: `x` is in its namespace, `~/x` below its name, `/x` is absolute.
     fn expand(&self, name: &str) -> Result<String, NameError> {
         let substituted = name
             .replace("{node}", &self.node)
@@ -195,7 +195,7 @@ fn invalid(name: &str, what: &'static str, reason: &'static str) -> NameError {
     }
 }
 
-/// Node names have no parts: letters, digits and underscores, no digit first.
+/// A node name has a single part: letters, digits and underscores, not beginning with a digit.
 fn check_node_name(name: &str) -> Result<(), NameError> {
     check_token(name).map_err(|reason| invalid(name, "node name", reason))
 }
@@ -219,13 +219,13 @@ fn check_full_name(name: &str) -> Result<(), &'static str> {
 
 fn check_token(token: &str) -> Result<(), &'static str> {
     if token.is_empty() {
-        return Err("there must be a name before and behind each `/`");
+        return Err("there must be a name before and after each `/`");
     }
     if token.starts_with(|c: char| c.is_ascii_digit()) {
-        return Err("no part of it may begin with a digit");
+        return Err("no part may begin with a digit");
     }
     if !token.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Err("only letters, digits and underscores may stand between its `/`");
+        return Err("only letters, digits and underscores are allowed between `/`");
     }
     if token.contains("__") {
         return Err("underscores must not be repeated");
@@ -256,7 +256,7 @@ mod tests {
 
     /// The table of "Expansion of relative and private names" in the design article.
     #[test]
-    fn names_are_expanded_as_the_design_article_says() {
+    fn names_are_expanded_as_in_the_design_article() {
         let in_garage = names(&[]);
         for (name, full) in [
             ("ping", "/garage/a3/ping"),
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_name_is_refused() {
+    fn invalid_names_are_rejected() {
         let names = names(&[]);
         for name in ["", "~x", "x/", "a//b", "1x", "a b", "a__b", "/", "ä", "a-b"] {
             assert!(names.resolve(NameKind::Topic, name).is_err(), "{name:?}");
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn node_and_namespace_are_remapped_before_all_else() {
+    fn node_and_namespace_are_remapped_first() {
         let names = names(&[
             rule(RemapTarget::Namespace, "", "/hall"),
             rule(RemapTarget::NodeName, "", "pillar"),
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_match_expanded_names_and_the_first_one_holds() {
+    fn rules_match_expanded_names_and_the_first_one_applies() {
         let names = names(&[
             rule(
                 RemapTarget::TopicOrService,
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rule_may_be_for_one_node() {
+    fn a_rule_may_apply_to_one_node() {
         let mut for_other = rule(RemapTarget::TopicOrService, "a", "b");
         for_other.node = Some("lidar".to_owned());
         let mut for_us = rule(RemapTarget::TopicOrService, "c", "d");
@@ -351,7 +351,7 @@ mod tests {
         .expect_err("a name with a space");
         assert_eq!(
             error.to_string(),
-            "`a b` is not a valid topic or service name: only letters, digits and underscores may stand between its `/`"
+            "`a b` is not a valid topic or service name: only letters, digits and underscores are allowed between `/`"
         );
     }
 }

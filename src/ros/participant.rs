@@ -8,10 +8,10 @@ use rustdds::DomainParticipantBuilder;
 use super::environment::{DiscoveryRange, Environment};
 use super::node::NodeError;
 
-/// A context on a participant of the domain and the networks that the environment says.
+/// A context with a participant in the domain and on the networks of the environment.
 ///
 /// # Errors
-/// When there are no sockets or no threads to be had.
+/// Sockets or threads are not available.
 pub(super) fn context(environment: &Environment) -> Result<Context, NodeError> {
     let builder = DomainParticipantBuilder::new(environment.domain_id);
     let builder = match environment.discovery_range {

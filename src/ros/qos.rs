@@ -1,4 +1,4 @@
-//! The quality of service of every endpoint as ros2-client wants it. The table itself: [`crate::endpoints`].
+//! Converts the quality of service of every endpoint for ros2-client. The table is in [`crate::endpoints`].
 
 use ros2_client::qos::{Durability, History, Liveliness, QosProfile, Reliability, WhenFull};
 
@@ -7,10 +7,10 @@ use super::names::NameKind;
 pub use crate::endpoints::*;
 
 impl Qos {
-    /// As ros2-client wants it.
+    /// The profile for ros2-client.
     ///
-    /// A writer whose reader does not keep up refuses at once instead of waiting: the sample is lost and counted, and
-    /// the others go on. RustDDS lets 8192 unacknowledged samples be under way before that.
+    /// A writer whose reader cannot keep up fails immediately instead of waiting: the sample is lost and counted. RustDDS
+    /// allows 8192 unacknowledged samples before that.
     #[must_use]
     pub fn profile(&self) -> QosProfile {
         QosProfile {
@@ -34,7 +34,7 @@ impl Qos {
 }
 
 impl Endpoint {
-    /// Topic or service.
+    /// Whether the name is that of a topic or a service.
     #[must_use]
     pub fn kind(&self) -> NameKind {
         match self.direction {
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
     use crate::messages;
 
-    /// The table of the contract (interfaces.md, section 1), where it says the quality of service.
+    /// The table of the interface specification, with the quality of service where it is specified.
     const CONTRACT: &str = "
         impact_event column_twin/msg/ImpactEvent In reliable volatile 100
         column_parameters column_twin/msg/ColumnParameters In reliable volatile 10
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_that_of_the_contract() {
+    fn the_table_follows_the_specification() {
         let rows: Vec<_> = ENDPOINTS.iter().map(row).collect();
         for expected in CONTRACT
             .lines()
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn every_name_stands_once_and_every_own_type_exists() {
+    fn names_are_unique_and_all_own_types_exist() {
         for (index, endpoint) in ENDPOINTS.iter().enumerate() {
             assert!(
                 ENDPOINTS[..index]
@@ -110,7 +110,7 @@ mod tests {
                     .all(|other| other.name != endpoint.name)
             );
             let (package, _) = endpoint.package_and_type();
-            // Of the parameter services ros2-client has the types.
+            // The types of the parameter services come from ros2-client.
             if package != "rcl_interfaces" || endpoint.direction == Direction::Out {
                 let known = match endpoint.direction {
                     Direction::Service => format!("{}_Request", endpoint.type_name),
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn no_writer_waits_inside_publish() {
+    fn no_writer_blocks_in_publish() {
         for endpoint in ENDPOINTS.iter().filter(|it| it.qos.reliable) {
             assert_eq!(
                 endpoint.qos.profile().reliability,

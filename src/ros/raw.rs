@@ -1,4 +1,4 @@
-//! Messages as bytes: written without looking at them, read without understanding them.
+//! Messages as encoded bytes.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,28 +7,28 @@ use serde::de::{SeqAccess, Visitor};
 use serde::ser::SerializeTuple;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Encapsulation header of plain CDR, little endian: what RustDDS writes, and what peers on common processors send.
+/// Encapsulation header of plain CDR, little endian, which RustDDS writes and peers on common processors send.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// The bytes of a message, encapsulation header included.
+/// The bytes of a message, including the encapsulation header.
 ///
-/// Its serde implementations are for CDR alone: they hand the bytes behind the header to the writer as they are, and
-/// take all that there are from a reader.
+/// The serde implementations are for CDR only: they write the bytes after the header unchanged, and read all remaining
+/// bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Raw(Arc<[u8]>);
 
-/// Bytes that cannot be sent.
+/// The bytes have another encapsulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "expected plain CDR, little endian (00 01), found the first bytes {0:02x?}; write the recording anew"
+    "expected plain CDR, little endian (00 01), found the first bytes {0:02x?}; rewrite the recording with that encoding"
 )]
 pub struct NotPlainCdr([u8; 2]);
 
 impl Raw {
-    /// Bytes that begin with the header of plain CDR, little endian.
+    /// From bytes that begin with the header of plain CDR, little endian.
     ///
     /// # Errors
-    /// They begin otherwise: the header on the wire would not be theirs.
+    /// They begin with another header, which would differ from the one on the wire.
     pub fn new(bytes: Arc<[u8]>) -> Result<Self, NotPlainCdr> {
         match *bytes {
             [0, 1, _, _, ..] => Ok(Self(bytes)),
@@ -37,7 +37,7 @@ impl Raw {
         }
     }
 
-    /// All bytes, header included.
+    /// All bytes, including the header.
     #[must_use]
     pub fn bytes(&self) -> &Arc<[u8]> {
         &self.0
@@ -46,7 +46,7 @@ impl Raw {
 
 impl Serialize for Raw {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        // Bytes one by one have no length and no alignment in CDR.
+        // Single bytes have neither length prefix nor alignment in CDR.
         let content = &self.0[HEADER.len()..];
         let mut tuple = serializer.serialize_tuple(content.len())?;
         for byte in content {
@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for Raw {
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<Raw, A::Error> {
                 let mut all = HEADER.to_vec();
-                // The end of the input is an error to a reader of CDR, and here the end.
+                // The end of the input is an error for a CDR reader; here it ends the message.
                 while let Ok(Some(byte)) = bytes.next_element::<u8>() {
                     all.push(byte);
                 }
@@ -85,7 +85,7 @@ mod tests {
     use byteorder::LittleEndian;
 
     #[test]
-    fn bytes_pass_as_they_are() {
+    fn bytes_are_unchanged() {
         let bytes: Arc<[u8]> = [&HEADER[..], &[7, 0, 255, 3, 9]].concat().into();
         let raw = Raw::new(Arc::clone(&bytes)).expect("plain");
         let mut written = HEADER.to_vec();
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn other_encapsulations_are_refused() {
+    fn other_encapsulations_are_rejected() {
         for bytes in [&[0, 0, 0, 0, 1][..], &[0, 7, 0, 0], &[0, 1, 0], &[]] {
             assert!(Raw::new(bytes.into()).is_err(), "{bytes:?}");
         }

@@ -1,4 +1,4 @@
-//! SIGINT and SIGTERM: the first asks to stop, the second ends the program at once.
+//! SIGINT and SIGTERM: the first signal asks the program to stop, the second ends it immediately.
 
 use std::io;
 use std::sync::Arc;
@@ -16,14 +16,14 @@ pub struct StopSignals {
 }
 
 impl StopSignals {
-    /// Listens from now on.
+    /// Installs the handlers.
     ///
     /// # Errors
-    /// When the system lets no handler be set.
+    /// The system rejects a handler.
     pub fn listen() -> io::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal finds the flag unset and sets it, the second one ends the program.
+            // The order matters: the first signal finds the flag unset and sets it, the second one ends the program.
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&asked))?;
             flag::register(signal, Arc::clone(&asked))?;
         }

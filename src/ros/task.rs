@@ -1,4 +1,4 @@
-//! Named threads that run futures until they are told to stop.
+//! Named threads that run futures until they are stopped.
 
 use std::thread::{self, JoinHandle};
 
@@ -14,14 +14,14 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Starts a thread of that name; the future is made in the thread, so that it need not be `Send`.
+    /// Starts a thread; the future is created in it and need not be `Send`.
     pub fn start<F: Future<Output = ()>>(
         name: &'static str,
         make: impl FnOnce() -> F + Send + 'static,
     ) -> Result<Self, NodeError> {
         let (abort, registration) = AbortHandle::new_pair();
         let run = move || {
-            // Aborted is how it is meant to end.
+            // Abortion is the normal end.
             let _ = futures::executor::block_on(Abortable::new(make(), registration));
         };
         let thread = thread::Builder::new()
@@ -35,11 +35,11 @@ impl Task {
         })
     }
 
-    /// Ends the future where it waits and joins the thread.
+    /// Ends the future at its next await point and joins the thread.
     pub fn stop(self) {
         self.abort.abort();
         if self.thread.join().is_err() {
-            tracing::error!("the thread {} has panicked", self.name);
+            tracing::error!("the thread {} panicked", self.name);
         }
     }
 }

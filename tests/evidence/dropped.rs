@@ -121,7 +121,7 @@ fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
     assert_eq!(of_recording.level, DiagnosticStatus::ERROR);
     assert_eq!(
         of_recording.message,
-        format!("{} messages are missing in the recording", lost + 2)
+        format!("{} messages are missing from the recording", lost + 2)
     );
 }
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# A ROS 2 workspace with the repository as its package, built by colcon with the ament and rosidl of the environment's wheels.
+# Builds a ROS 2 workspace that contains the repository as a package, with colcon and the ament and rosidl wheels of the environment.
 #
 #   tests/interop/build_workspace.sh ENVIRONMENT FOLDER
 #
-# ENVIRONMENT is what tests/interop/environment.sh prints; the workspace is made in FOLDER. Afterwards everything must stand
-# where `ros2 run`, `ros2 launch`, C++ and Python look for it, and the node must start. What only an installed ROS 2 can show,
-# that its commands find it, this cannot show.
+# ENVIRONMENT is the path printed by tests/interop/environment.sh; the workspace is created in FOLDER. Afterwards all files must
+# be where `ros2 run`, `ros2 launch`, C++ and Python look for them, and the program must start. Only an installed ROS 2 could
+# show that its commands find the package.
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -17,7 +17,7 @@ cd "$workspace"
 export AMENT_PREFIX_PATH=$environment PATH=$environment/bin:$PATH PYTHONDONTWRITEBYTECODE=1
 LD_LIBRARY_PATH=$environment/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
-# The repository where it stands, so that cargo compiles nothing anew.
+# The repository is used in place, so that cargo recompiles nothing.
 colcon --log-level error build --base-paths "$repository" --event-handlers console_direct- --cmake-args \
   -DCMAKE_PREFIX_PATH="$environment" -DPython3_EXECUTABLE="$environment/bin/python" -DBUILD_TESTING=OFF -G Ninja
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The IDL that `column-twin idl` prints, compiled by Cyclone DDS's own compiler, and its C compiled: every topic's type must be
-# there under the name that is on the wire.
+# Compiles the IDL printed by `column-twin idl` with the compiler of Cyclone DDS, and the generated C code: the type of every topic
+# must have the name that is used on the wire.
 #
 #   tests/interop/check_idl.sh COLUMN_TWIN
 #
@@ -27,8 +27,8 @@ types=$(sed -n 's#^// \(from\|to\) .* \([a-z_]*::msg::dds_::[A-Za-z]*_\):.*#\2#p
 }
 for type in $types; do
   grep -q "m_typename = \"$type\"" column_twin.c || {
-    echo "expected a topic type called $type in what idlc made, found none" >&2
+    echo "expected a topic type called $type in the output of idlc, found none" >&2
     exit 1
   }
 done
-echo "idlc and cc take $(grep -c '^struct' column_twin.idl) types, of which topics have $(wc -w <<<"$types")"
+echo "idlc and cc accept $(grep -c '^struct' column_twin.idl) types, of which $(wc -w <<<"$types") belong to topics"

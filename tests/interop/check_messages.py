@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds msg/ and srv/, and the golden data made from them, to ROS 2 itself.
+"""Checks msg/ and srv/, and the golden data generated from them, against ROS 2.
 
 Run by the Python of tests/interop/environment.sh:
 
@@ -24,7 +24,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 GOLDEN = REPOSITORY / "tests/data/messages/golden.json"
-# The byte that rosidl sends, always zero and out of sight, for a type without fields.
+# The hidden byte, always zero, that rosidl sends for a type without fields.
 PLACEHOLDER = "structure_needs_at_least_one_member"
 # RTPS pads a payload to a multiple of four bytes.
 LONGEST_PADDING = 3
@@ -52,12 +52,12 @@ def definitions():
 
 
 def rosbags_name(package, name):
-    """rosbags knows messages only, so that the halves of a service are some more of them."""
+    """rosbags supports only messages, so the halves of a service are treated as messages."""
     return f"{package}/msg/{name}"
 
 
 class Writer:
-    """Fills and writes messages with rosbags, knowing nothing but our definitions."""
+    """Fills and writes messages with rosbags, using only our definitions."""
 
     def __init__(self):
         self.store = get_typestore(Stores.EMPTY)
@@ -70,14 +70,14 @@ class Writer:
                 self.store.register({known: types[known]})
 
     def sample(self, name):
-        """A message in which every value is another one, so that no two fields can change places unnoticed."""
+        """A message with distinct values, so that swapped fields are detected."""
         return self._fill(name, itertools.count(1))
 
     def write(self, name, sample):
         return bytes(self.store.serialize_cdr(self._message(name, sample), name, little_endian=True))
 
     def rewrite(self, name, cdr):
-        """The same message in other bytes: Fast CDR leaves whatever was in memory where CDR has padding."""
+        """The same message with other padding: Fast CDR leaves the contents of memory in padding bytes."""
         return bytes(self.store.serialize_cdr(self.store.deserialize_cdr(cdr, name), name, little_endian=True))
 
     def _fill(self, name, numbers):
@@ -110,11 +110,11 @@ class Writer:
 
 
 def base_value(base, field, number):
-    """A value of a base type; fractions are exact in binary, so that every reader of the JSON gets the same bits."""
+    """A value of a base type; fractions are exact in binary, so that every JSON reader gets the same bits."""
     if field == PLACEHOLDER:
         return 0
     if base == "string":
-        # Of all lengths modulo eight, and with characters of two and three bytes.
+        # Lengths cover all residues modulo eight; some characters have two or three bytes.
         return f"{field} {'ü€' * (number % 4)}{'x' * (number % 7)}"
     if base == "bool":
         return True
@@ -131,13 +131,13 @@ def base_value(base, field, number):
     if base == "uint8":
         return 128 + number % 128
     if base == "byte":
-        # rosbags takes it for signed, rosidl for unsigned.
+        # rosbags reads it as signed, rosidl as unsigned.
         return number % 128
     raise ValueError(f"expected a base type that a definition uses, found {base}; add a sample value for it")
 
 
 def numpy_array(element, values):
-    """rosbags wants arrays of numbers as numpy arrays, all others as lists."""
+    """rosbags expects arrays of numbers as numpy arrays, all others as lists."""
     import numpy
 
     node, detail = element
@@ -182,7 +182,7 @@ def element_class(kind, field):
 
 
 def installed_hash(package, folder, name):
-    """The type hash that rosidl wrote."""
+    """The type hash written by rosidl."""
     stem = name if folder == "msg" else name.rsplit("_", 1)[0]
     hashes = json.loads((SHARE / package / folder / f"{stem}.json").read_text())["type_hashes"]
     return next(entry["hash_string"] for entry in hashes if entry["type_name"] == f"{package}/{folder}/{name}")
@@ -202,14 +202,14 @@ def make_golden(writer):
 
 
 def differences(golden):
-    """What differs between golden.json, the repository and the installed ROS 2, as lines to read."""
+    """Lines that describe the differences between golden.json, the repository and the installed ROS 2."""
     writer = Writer()
     fresh = make_golden(writer)
     if fresh.keys() != golden.keys():
         yield f"types: expected {sorted(fresh)}, found {sorted(golden)}; run with --write"
     for ros_name, entry in fresh.items():
         if golden.get(ros_name) != entry:
-            yield f"{ros_name}: golden.json is not what rosbags and rosidl write now; run with --write and look at the change"
+            yield f"{ros_name}: golden.json differs from the output of rosbags and rosidl; run with --write and review the change"
         package, folder, name = ros_name.split("/")
         known = rosbags_name(package, name)
         kind = rclpy_class(package, folder, name)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node under use_sim_time follows /clock as rclpy plays it: a response at any rate is that of the simulation.
+"""A node with use_sim_time follows /clock as played by rclpy: at any rate, the response equals that of the simulation.
 
 Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
 
@@ -19,12 +19,12 @@ from rosgraph_msgs.msg import Clock
 from node_with_rclpy import PATIENCE, Peer, check_response, end, event_of, faults
 
 START = 12345 * 10**9
-# One message of the clock to the next, not a multiple of the samples' period: as a bag is played, faster than real time.
+# Interval between clock messages, not a multiple of the sampling period: a bag is played faster than real time.
 JUMP = 7_300_000
 
 
 class Player:
-    """Plays the clock until something has happened."""
+    """Plays the clock until the condition holds."""
 
     def __init__(self, peer):
         self.peer, self.now = peer, START
@@ -35,10 +35,10 @@ class Player:
         clock = Clock()
         while not condition():
             if time.monotonic() > deadline:
-                faults.append(f"waited in vain for {what}")
+                faults.append(f"timeout while waiting for {what}")
                 return
             clock.clock.sec, clock.clock.nanosec = divmod(self.now, 10**9)
-            # The node's reader is best effort: one message alone would not do.
+            # The node's reader is best effort, so a single message is not enough.
             self.publisher.publish(clock)
             self.peer.executor.spin_once(timeout_sec=0.01)
             self.now += jump
@@ -57,7 +57,7 @@ def main():
         faults.append(f"/clock has the types {types}")
     event, stamp = event_of(expected, "of the bag", START)
     peer.events.publish(event)
-    # The time stands still: the forecast comes all the same, and nothing after the first sample.
+    # The clock is stopped: the forecast arrives nevertheless, and nothing after the first sample.
     player.play("the forecast", 0, lambda: peer.seen["impact_forecast"])
     player.play("the report", JUMP, lambda: peer.seen["impact_report"])
     check_response(peer, expected, "of the bag", stamp)

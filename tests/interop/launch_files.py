@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The launch files without an installed ROS 2: read with stand-ins for `launch` and `launch_ros`, started as these would.
+"""Tests the launch files without an installed ROS 2: loads them with stand-ins for `launch` and `launch_ros` and starts the nodes.
 
     launch_files.py COLUMN_TWIN
 
@@ -25,7 +25,7 @@ PATIENCE = 30.0
 
 
 class Substitution:
-    """Text that is known when the launch runs."""
+    """A text that is resolved when the launch runs."""
 
     def __init__(self, perform):
         self.perform = perform
@@ -53,7 +53,7 @@ class Node:
         self.parameters, self.ros_arguments = parameters, ros_arguments
 
     def command(self, program, context, folder):
-        """As launch_ros does: parameters given by value go into files of their own, strings in YAML's sense."""
+        """As launch_ros does: parameters given by value are written to files, with YAML types."""
         line = [program, *self.arguments, "--ros-args", "-r", f"__node:={performed(self.name, context)}"]
         namespace = performed(self.namespace, context)
         if namespace:
@@ -96,7 +96,7 @@ def description_of(path):
 
 
 def start(line, folder, domain):
-    """Starts the node and ends it; what is wrong, or nothing."""
+    """Starts the node and stops it; returns a fault or nothing."""
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     process = subprocess.Popen(line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     watchdog = threading.Timer(PATIENCE, process.kill)
@@ -130,7 +130,7 @@ def main():
             faults += [f"{path.name}: {fault}"] if fault else []
         if nodes == 0:
             faults.append(f"{path.name}: starts no node")
-    print("\n".join(faults) or "all launch files start what they say")
+    print("\n".join(faults) or "all launch files start their nodes")
     return 1 if faults else 0
 
 

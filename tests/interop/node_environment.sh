@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Installs the packages of npm/package.json at the versions of its lock file, unless they are there already, and prints
+# Installs the packages of npm/package.json in the versions of the lock file, unless they are already installed, and prints
 # their folder:
 #
 #   NODE_PATH=$(tests/interop/node_environment.sh) node tests/interop/read_recording.js DIRECTORY EXPECTED
 #
-# They stand in the user's cache directory under a hash of the lock file. Needs node 18 or newer with npm; on Debian:
+# They are in the user's cache directory under a hash of the lock file. Needs node 18 or newer with npm; on Debian:
 # apt-get install nodejs npm.
 set -euo pipefail
 
@@ -20,16 +20,16 @@ done
 
 folder=$cache/npm-$(sha256sum "$here/npm/package-lock.json" | cut -c1-16)
 mkdir -p "$cache"
-# One installs at a time; the others wait and find it done.
+# Only one process installs at a time; the others wait for it.
 exec 9>"$cache/npm.lock"
 flock 9
 if [[ ! -f $folder/.complete ]]; then
   rm -rf "$folder" && mkdir -p "$folder"
   cp "$here/npm/package.json" "$here/npm/package-lock.json" "$folder/"
-  # No script of a package is run.
+  # Scripts of packages are not run.
   npm ci --prefix "$folder" --ignore-scripts --no-audit --no-fund >"$folder/install.log" 2>&1 || {
     tail -n 30 "$folder/install.log" >&2
-    echo "interop: npm ci failed; all of its output stands in $folder/install.log" >&2
+    echo "interop: npm ci failed; its complete output is in $folder/install.log" >&2
     exit 1
   }
   touch "$folder/.complete"

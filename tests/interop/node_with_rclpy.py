@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A ROS 2 program (rclpy, Fast DDS) uses every part of the node's contract.
+"""A ROS 2 program (rclpy, Fast DDS) that uses the complete interface of the node.
 
 Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
 
     node_with_rclpy.py EXPECTED.json
 
-EXPECTED.json holds the event to send, and every number of the samples and the report that must come of it. Exit code 1 and
-a line for each fault when something differs. Waits for what it needs and never sleeps.
+EXPECTED.json contains the event to send and every number of the samples and the report that must result. On differences, the
+program prints one line per fault and exits with code 1. It waits for conditions and never sleeps.
 """
 
 import json
@@ -57,7 +57,7 @@ def check(what, found, expected):
 
 
 def check_fields(what, message, expected):
-    """Every number bit for bit; null stands for not a number. All fields must be expected but those that the node fills in."""
+    """Compares every number bit for bit; null means NaN. All fields must be expected except those that the node fills in."""
     told = {"header", "column_id", "event_id", "kind", "compute_time"}
     check(f"fields of {what}", set(message.get_fields_and_field_types()) - told, set(expected))
     for name, value in expected.items():
@@ -97,11 +97,11 @@ class Peer:
         self.sets = self.node.create_publisher(ColumnParameters, "column_parameters", reliable)
 
     def until(self, what, condition):
-        """Spins until the condition holds; a fault, and False, when it does not in time."""
+        """Spins until the condition holds; adds a fault and returns False after a timeout."""
         deadline = time.monotonic() + PATIENCE
         while not condition():
             if time.monotonic() > deadline:
-                faults.append(f"waited in vain for {what}")
+                faults.append(f"timeout while waiting for {what}")
                 return False
             self.executor.spin_once(timeout_sec=0.1)
         return True
@@ -110,18 +110,18 @@ class Peer:
         return future.result() if self.until(what, future.done) else None
 
     def meet(self):
-        """Publishers and subscriptions have found the node's."""
+        """Waits until publishers and subscriptions are matched with those of the node."""
         for publisher in [self.events, self.sets]:
             self.until(f"a match of {publisher.topic_name}", lambda: publisher.get_subscription_count() > 0)
         for subscription in self.node.subscriptions:
             if subscription.topic_name in TOPICS:
                 self.until(f"a publisher of {subscription.topic_name}",
                            lambda: self.node.count_publishers(subscription.topic_name) > 0)
-        # The node has met the subscriptions that were made before this one: it sends it what is kept for late joiners.
+        # The node is matched with the subscriptions created before this one: it has sent this one the latched status.
         self.until("a status", lambda: self.seen["twin_status"])
 
     def of_node(self, name):
-        """Messages but those of this node itself."""
+        """Messages of the tested node, without those of this one."""
         return [it for it in self.seen[name] if getattr(it, "name", NODE) == NODE and getattr(it, "node", "/" + NODE) == "/" + NODE]
 
 
@@ -138,7 +138,7 @@ def graph(peer):
     for name, type_name in SERVICES.items():
         check(name, services().get(name), [type_name])
     check_that("/clock is not subscribed without use_sim_time", "/clock" not in topics())
-    # This node's publishers and subscriptions must have found theirs before anything is sent.
+    # This node's publishers and subscriptions must be matched before anything is sent.
     for name in ["/impact_event", "/column_parameters"]:
         peer.until(f"a reader of {name}", lambda: node.count_subscribers(name) > 0)
     peer.meet()
@@ -168,7 +168,7 @@ def parameters(peer):
     types = peer.result("types", client.get_parameter_types(["top.load", "no.such"])).types
     check("types", list(types), [ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_NOT_SET])
 
-    # A reply of many datagrams.
+    # A reply of several datagrams.
     every = [it.type for it in peer.result("get", client.get_parameters(names)).values]
     check_that(f"all values at once: {every}", len(every) == len(names) and ParameterType.PARAMETER_NOT_SET not in every)
     described = peer.result("describe", client.describe_parameters(names)).descriptors
@@ -181,13 +181,13 @@ def parameters(peer):
     check("a whole number", set_one("top.load", 400000).successful, True)
     for name, value, reason in [
         ("top.load", -1.0, "is out of range; allowed: 0 to 1e9 N"), ("top.load", math.nan, "is not a finite number"),
-        ("top.load", "heavy", "is a text, not a number"), ("top.laod", 1.0, "did you mean top.load?"),
+        ("top.load", "heavy", "is a string, not a number"), ("top.laod", 1.0, "did you mean top.load?"),
         ("column_id", "other", "read-only"), ("section.name", "HEB225", "did you mean HEB220?"),
     ]:
         result = set_one(name, value)
-        check_that(f"{name} = {value!r} is refused with {reason!r}: {result}",
+        check_that(f"{name} = {value!r} is rejected with {reason!r}: {result}",
                    not result.successful and reason in result.reason)
-    # Alone neither would do: a semi-rigid base needs its stiffness.
+    # Neither is valid alone: a semi-rigid base requires its stiffness.
     check("half of a pair", set_one("support.base", "semi_rigid").successful, False)
     pair = [Parameter("support.base", value="semi_rigid"), Parameter("support.base_stiffness", value=1e7)]
     check("a pair", peer.result("set", client.set_parameters_atomically(pair)).result.successful, True)
@@ -212,12 +212,12 @@ def parameters(peer):
     peer.sets.publish(message)
     peer.until("a set by topic", lambda: get_load() == 5e5)
     refused = peer.seen["twin_status"][-1].parameters_refused
-    check_that(f"all refusals are counted: {refused}", refused >= 8)
+    check_that(f"all rejections are counted: {refused}", refused >= 8)
     message.column_id, message.top_load = "another", 1e5
     peer.sets.publish(message)
     reason = 'they are for the column "another", and this is "column"'
-    peer.until("its refusal in /rosout", lambda: any(reason in it.msg for it in peer.of_node("/rosout")))
-    peer.until("its refusal in twin_status",
+    peer.until("its rejection in /rosout", lambda: any(reason in it.msg for it in peer.of_node("/rosout")))
+    peer.until("its rejection in twin_status",
                lambda: any(reason in it.last_refusal_reason for it in peer.seen["twin_status"]))
     check("nothing is changed", get_load(), 5e5)
 
@@ -231,7 +231,7 @@ def event_of(expected, event_id, stamp=None):
 
 
 def whole_response(peer, expected, event_id):
-    """The stream of an impact on the virgin column is that of the simulation: nothing is missing, every number is equal."""
+    """The stream of an impact on the virgin column equals that of the simulation: complete and bit for bit."""
     event, stamp = event_of(expected, event_id)
     peer.events.publish(event)
     check_response(peer, expected, event_id, stamp)

@@ -1,5 +1,5 @@
-// Reads a recording with @mcap/core and @foxglove/rosmsg2-serialization, as Foxglove does, and holds every message and
-// value to what was written.
+// Reads a recording with @mcap/core and @foxglove/rosmsg2-serialization, as Foxglove does, and compares every message and
+// value with what was written.
 //
 //     NODE_PATH=$(tests/interop/node_environment.sh) node read_recording.js DIRECTORY EXPECTED
 //

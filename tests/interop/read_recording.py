@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads a recording with readers that are not ours and holds every message and value to what was written.
+"""Reads a recording with independent readers and compares every message and value with what was written.
 
     read_recording.py DIRECTORY EXPECTED
 
@@ -22,7 +22,7 @@ from rosbags.typesys import Stores, get_typestore
 
 
 def same(found, expected):
-    """Whether a value of a reader is what was written."""
+    """Whether a value equals the one that was written."""
     if expected is None:
         return isinstance(found, float) and not math.isfinite(found)
     if isinstance(expected, dict):
@@ -34,7 +34,7 @@ def same(found, expected):
 
 
 class Comparison:
-    """Holds messages, one after the other, to the expected ones."""
+    """Compares messages one by one with the expected ones."""
 
     def __init__(self, reader, expected):
         self.reader, self.expected, self.read = reader, expected, 0
@@ -62,7 +62,7 @@ class Comparison:
 
 def with_rosbags(path, expected):
     comparison = Comparison(f"rosbags, {'directory' if path.is_dir() else 'bare file'}", expected)
-    # No type is known beforehand: the definitions in the recording have to do.
+    # No type is known in advance: the definitions in the recording must suffice.
     with AnyReader([path], default_typestore=get_typestore(Stores.EMPTY)) as reader:
         for connection, log_time, data in reader.messages():
             decoded = reader.deserialize(data, connection.msgtype)
@@ -71,7 +71,7 @@ def with_rosbags(path, expected):
 
 
 def metadata_with_rosbags(path, expected):
-    """The directory's metadata.yaml says the same as the file."""
+    """metadata.yaml agrees with the file."""
     with Reader(path) as reader:
         counts = {}
         for message in expected:
@@ -80,7 +80,7 @@ def metadata_with_rosbags(path, expected):
         if (found, reader.message_count) != (counts, len(expected)):
             sys.exit(f"rosbags, metadata.yaml: expected {counts}, found {found} and {reader.message_count}")
         times = [int(it["log_time"]) for it in expected]
-        # Its end is the first nanosecond after the last message.
+        # The end is the first nanosecond after the last message.
         if (reader.start_time, reader.end_time) != (min(times), max(times) + 1):
             sys.exit(f"rosbags, metadata.yaml: times {reader.start_time} to {reader.end_time}")
         for connection in reader.connections:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ROS 2 program (rclpy, Fast DDS) receives a recording that is replayed.
+"""A ROS 2 program (rclpy, Fast DDS) that receives a replayed recording.
 
 Started by tests/evidence/replayed.rs in the domain of ROS_DOMAIN_ID, on loopback, before the replay begins:
 
@@ -33,7 +33,7 @@ def main():
         received.append((info["received_timestamp"], message.header.stamp.sec * 10**9 + message.header.stamp.nanosec,
                          message.v1))
 
-    # As deep as it takes: at ten times its rate a recording is faster than Python.
+    # Deep enough for everything: at ten times its rate, a replay is faster than Python.
     qos = QoSProfile(depth=100_000, reliability=ReliabilityPolicy.RELIABLE)
     node.create_subscription(ColumnState, "/column_state", take, qos)
     deadline = time.monotonic() + PATIENCE
@@ -44,15 +44,15 @@ def main():
     if len(received) != wanted:
         faults.append(f"expected {wanted} messages, received {len(received)}")
     if [it[1] for it in received] != expected["stamps"][:len(received)]:
-        faults.append("the messages are not in their order")
+        faults.append("the messages are out of order")
     if [it[2] for it in received] != expected["v1"][:len(received)]:
         faults.append("values of v1 differ")
     rate = expected["rate"]
     late = sorted(it[0] - time_recorded / rate for it, time_recorded in zip(received, expected["log_times"]))
     if late:
         after = [1e-6 * (it - late[0]) for it in late]
-        print(f"rate {rate}: {len(received)} messages, later than the earliest: {after[len(after) // 2]:.3f} ms half of them, "
-              f"{after[int(0.99 * (len(after) - 1))]:.3f} ms 99 of 100, {after[-1]:.3f} ms at most")
+        print(f"rate {rate}: {len(received)} messages, latency relative to the earliest: {after[len(after) // 2]:.3f} ms median, "
+              f"{after[int(0.99 * (len(after) - 1))]:.3f} ms 99th percentile, {after[-1]:.3f} ms maximum")
     for fault in faults:
         print(f"FAULT: {fault}")
     node.destroy_node()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A DDS program that knows no ROS (Cyclone DDS) receives rt/column_state with default settings but its reliability.
+"""A DDS program without ROS (Cyclone DDS) that receives rt/column_state with default settings except for the reliability.
 
 Started by tests/ros/real_peers.rs with a running node in the domain of ROS_DOMAIN_ID, on loopback:
 
@@ -95,7 +95,7 @@ def main():
     deadline = time.monotonic() + PATIENCE
     while not reader.get_matched_publications():
         if time.monotonic() > deadline:
-            sys.exit("waited in vain for a publisher of rt/column_state")
+            sys.exit("timeout while waiting for a publisher of rt/column_state")
         waitset.wait(duration(milliseconds=20))
     print("found", flush=True)
     states, ready = [], False

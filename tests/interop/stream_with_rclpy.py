@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""rclpy receives streams of ColumnState and HingeForces and tells when each message came.
+"""Receives streams of ColumnState and HingeForces with rclpy and prints when each message arrived.
 
 Started by benches/live with its publishers in the domain of ROS_DOMAIN_ID, on loopback:
 
@@ -45,7 +45,7 @@ def main():
     deadline = time.monotonic() + PATIENCE
     while not all(node.count_publishers(topic) for topic in topics):
         if time.monotonic() > deadline:
-            sys.exit("waited in vain for publishers of " + ", ".join(topics))
+            sys.exit("timeout while waiting for publishers of " + ", ".join(topics))
         executor.spin_once(timeout_sec=0.05)
     print("ready", flush=True)
     ended = threading.Event()

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Installs the real Rerun viewer from PyPI, unless it is there already, and prints the path of its program:
+# Installs the Rerun viewer from PyPI, unless it is already installed, and prints the path of its program:
 #
 #   viewer=$(tests/interop/viewer.sh) && "$viewer" --version
 #
-# It stands in the cache directory of the user; what it would tell of its use is switched off for the HOME `home` beside its
-# `.complete`. Pictures need a Vulkan driver; without a graphics card that of mesa-vulkan-drivers of Debian will do.
+# It is in the user's cache directory; its usage statistics are switched off for the HOME `home` beside `.complete`. Pictures
+# need a Vulkan driver; without a graphics card the one in Debian's mesa-vulkan-drivers is sufficient.
 set -euo pipefail
 
 version=0.36.3
@@ -18,7 +18,7 @@ fail() {
 }
 
 mkdir -p "$cache"
-# One installer at a time; the others wait and find it there.
+# Only one process installs at a time; the others wait for it.
 exec 9>"$cache/viewer.lock"
 flock 9
 if [[ ! -f $venv/.complete ]]; then

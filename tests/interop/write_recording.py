@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a recording as rosbag2 does, by a writer that is not ours: 500 states of a column at 1 kHz, and 100 texts.
+"""Writes a recording in the format of rosbag2 with an independent writer: 500 states of a column at 1 kHz and 100 texts.
 
     write_recording.py DIRECTORY
 

@@ -73,7 +73,7 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
                 return it;
             }
         }
-        panic!("waited in vain for {what}");
+        panic!("timeout while waiting for {what}");
     }
 
     /// The last of the messages that are here already.

@@ -107,7 +107,7 @@ fn an_impact_from_the_command_line_is_answered_or_refused() {
     assert!(
         nobody
             .unwrap_err()
-            .contains("no twin listens on /impact_event in domain")
+            .contains("no twin subscribes to /impact_event in domain")
     );
     let twin = RunningTwin::start(&domain, &[]);
     match impact(&domain, 1500.0, PATIENCE) {
