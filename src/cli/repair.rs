@@ -57,5 +57,11 @@ pub(super) fn failure(error: RecordingError) -> Failure {
         true => Exit::BadInput,
         false => Exit::Failed,
     };
-    Failure::plain(exit, error)
+    match error.repairable() {
+        Some(path) => {
+            let command = format!("column-twin repair {}", path.display());
+            Failure::plain(exit, format!("{error}, with: {command}"))
+        }
+        None => Failure::plain(exit, error),
+    }
 }
