@@ -57,7 +57,13 @@ impl From<crate::recording::RecordingError> for Failure {
             true => Exit::BadInput,
             false => Exit::Failed,
         };
-        Self::plain(exit, error)
+        match error.repairable() {
+            Some(path) => {
+                let command = format!("column-twin repair {}", path.display());
+                Self::plain(exit, format!("{error}, with: {command}"))
+            }
+            None => Self::plain(exit, error),
+        }
     }
 }
 

@@ -122,7 +122,7 @@ impl RunRecording {
             ReportLevel::Error => tracing::error!("{report}"),
         };
         let told = |options| RecorderOptions {
-            tell: Some(Arc::new(say)),
+            on_report: Some(Arc::new(say)),
             ..options
         };
         NodeRecording::start(&parameters.settings().record, &topics, told)

@@ -7,16 +7,16 @@ use serde_yaml_ng::Value;
 
 use crate::error::RecordingError;
 
-/// The file's name.
+/// Name of the file.
 pub(crate) const METADATA_FILE: &str = "metadata.yaml";
 
-/// Longest `metadata.yaml` that is read \[bytes\].
-const LONGEST: u64 = 16 << 20;
+/// Maximum length of a `metadata.yaml` that is read \[bytes\].
+const MAX_LENGTH: u64 = 16 << 20;
 
 /// The version that is written.
 const VERSION: u32 = 9;
 
-/// What stands in `metadata.yaml` under `rosbag2_bagfile_information`.
+/// The content of `metadata.yaml` under `rosbag2_bagfile_information`.
 #[derive(Debug, Serialize)]
 pub(crate) struct BagMetadata {
     version: u32,
@@ -37,7 +37,7 @@ pub(crate) struct BagMetadata {
 pub(crate) struct BagSummary {
     /// Name of the program that recorded it.
     pub application: String,
-    /// The file's name.
+    /// Name of the MCAP file.
     pub file: String,
     /// First and last time; `None` without messages.
     pub span: Option<(u64, u64)>,
@@ -120,7 +120,7 @@ impl From<BagSummary> for BagMetadata {
             starting_time,
             message_count,
             topics_with_message_count: topics.collect(),
-            // Chunks are compressed by MCAP; these are for what rosbag2 compresses itself.
+            // MCAP compresses the chunks; these entries are for compression by rosbag2.
             compression_format: "",
             compression_mode: "",
             relative_file_paths: [summary.file.clone()],
@@ -144,7 +144,7 @@ impl BagMetadata {
         })
     }
 
-    /// The text of the record `rosbag2` inside the file.
+    /// The text of the metadata record `rosbag2` in the MCAP file.
     pub fn record(&self) -> Result<String, serde_yaml_ng::Error> {
         serde_yaml_ng::to_string(self)
     }
@@ -164,7 +164,7 @@ struct ReadMetadata {
     compression_mode: String,
 }
 
-/// The names of the files of the recording whose `metadata.yaml` is at `path`, in their order; plain names, no paths.
+/// The names of the MCAP files that the `metadata.yaml` at `path` lists, in order, without directories.
 pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError> {
     let bad = |reason: String| RecordingError::BadMetadata {
         path: path.to_path_buf(),
@@ -172,14 +172,13 @@ pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
     };
     let read = |source| RecordingError::io("read", path, source);
     let length = std::fs::metadata(path).map_err(read)?.len();
-    if length > LONGEST {
+    if length > MAX_LENGTH {
         return Err(bad(format!(
-            "expected at most {LONGEST} bytes, found {length}"
+            "expected at most {MAX_LENGTH} bytes, found {length}"
         )));
     }
     let bytes = std::fs::read(path).map_err(read)?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| bad("expected text, found other bytes".to_owned()))?;
+    let text = String::from_utf8(bytes).map_err(|_| bad("expected valid UTF-8".to_owned()))?;
     let document: ReadDocument = serde_yaml_ng::from_str(&text).map_err(|error| {
         bad(format!(
             "expected the metadata of a rosbag2 recording: {error}"
@@ -200,7 +199,7 @@ pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
         });
     }
     let names = metadata.relative_file_paths.into_iter();
-    // Older versions wrote paths; the files lie beside metadata.yaml in any case.
+    // Older versions wrote paths; the files are in the same directory as metadata.yaml in any case.
     let plain = |name: String| {
         let file_name = Path::new(&name).file_name();
         file_name.map(|it| it.to_string_lossy().into_owned())

@@ -1,153 +1,38 @@
-//! Takes messages apart by the definition that the recording itself holds, of whatever type they are.
+//! Decodes messages of any type by the definition that the recording holds.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use re_ros_msg::MessageSchema;
-use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, MessageSpecification, Type};
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use re_ros_msg::message_spec::BuiltInType;
 
+use crate::definition::Shape;
 use crate::error::RecordingError;
 use crate::reader::{Message, RecordedTopic};
 use crate::table;
+use crate::value::Decoded;
 
-/// Longest definition that is read \[bytes\].
-const MAX_DEFINITION: usize = 4 << 20;
-
-/// Most types inside each other.
-const DEEPEST: usize = 32;
-
-/// Values of a message beyond which it is refused, for each byte that it has: a definition may say arrays of nothing.
+/// Maximum number of values of a message per byte: a definition may contain arrays of nothing.
 const VALUES_PER_BYTE: usize = 2;
 
-/// Values that a message of any length may have.
-const VALUES_AT_LEAST: usize = 10_000;
+/// Number of values that a message of any length may have.
+const MIN_VALUES: usize = 10_000;
 
-/// Name of the byte that a message without fields has.
-const NO_FIELDS: &str = "structure_needs_at_least_one_member";
-
-/// A value of a message.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Decoded {
-    /// `bool`.
-    Bool(bool),
-    /// A signed integer.
-    Integer(i64),
-    /// An unsigned integer, `byte` or `char`.
-    Unsigned(u64),
-    /// `float32`.
-    Float32(f32),
-    /// `float64`.
-    Float64(f64),
-    /// `string`.
-    Text(String),
-    /// An array or a sequence.
-    List(Vec<Decoded>),
-    /// A message: its fields in their order.
-    Fields(Vec<(Arc<str>, Decoded)>),
-}
-
-impl Decoded {
-    /// The field of that name, `header.stamp.sec`.
-    #[must_use]
-    pub fn field(&self, path: &str) -> Option<&Decoded> {
-        path.split('.').try_fold(self, |value, name| match value {
-            Self::Fields(fields) => fields
-                .iter()
-                .find(|(field, _)| **field == *name)
-                .map(|(_, value)| value),
-            _ => None,
-        })
-    }
-
-    /// The number that it is, if it is one.
-    #[must_use]
-    pub fn as_f64(&self) -> Option<f64> {
-        match self {
-            Self::Float64(value) => Some(*value),
-            Self::Float32(value) => Some(f64::from(*value)),
-            Self::Integer(value) => Some(*value as f64),
-            Self::Unsigned(value) => Some(*value as f64),
-            _ => None,
-        }
-    }
-
-    /// The text that it is, if it is one.
-    #[must_use]
-    pub fn as_text(&self) -> Option<&str> {
-        match self {
-            Self::Text(text) => Some(text),
-            _ => None,
-        }
-    }
-}
-
-impl Serialize for Decoded {
-    /// Numbers that are not finite become the words that Python and JavaScript read: "NaN", "Infinity", "-Infinity".
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Bool(value) => serializer.serialize_bool(*value),
-            Self::Integer(value) => serializer.serialize_i64(*value),
-            Self::Unsigned(value) => serializer.serialize_u64(*value),
-            Self::Float32(value) if value.is_finite() => serializer.serialize_f32(*value),
-            Self::Float64(value) if value.is_finite() => serializer.serialize_f64(*value),
-            Self::Float32(value) => serializer.serialize_str(not_finite(f64::from(*value))),
-            Self::Float64(value) => serializer.serialize_str(not_finite(*value)),
-            Self::Text(text) => serializer.serialize_str(text),
-            Self::List(values) => serializer.collect_seq(values),
-            Self::Fields(fields) => {
-                let mut map = serializer.serialize_map(Some(fields.len()))?;
-                for (name, value) in fields {
-                    map.serialize_entry(&**name, value)?;
-                }
-                map.end()
-            }
-        }
-    }
-}
-
-/// The word for a number that JSON cannot write.
-pub(crate) fn not_finite(value: f64) -> &'static str {
-    if value.is_nan() {
-        "NaN"
-    } else if value > 0.0 {
-        "Infinity"
-    } else {
-        "-Infinity"
-    }
-}
-
-/// Reads the messages of one topic.
+/// Decodes the messages of one topic.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     topic: Arc<str>,
     type_name: Arc<str>,
     shape: Shape,
-    /// Whether such messages are rows of a table.
+    /// Whether a table has a column for each value.
     fits: bool,
 }
 
-/// What a type is made of.
-#[derive(Debug, Clone)]
-pub(crate) enum Shape {
-    One(BuiltInType),
-    Fields(Arc<[(Arc<str>, Shape)]>),
-    Array(Box<Shape>, usize),
-    Sequence(Box<Shape>),
-}
-
 impl Decoder {
-    /// For the messages of `topic`.
+    /// A decoder for the messages of `topic`.
     ///
     /// # Errors
-    /// The recording's definition of its type is missing, of another language, or wrong.
+    /// The recording's definition of the type is missing, in an unknown encoding, or wrong.
     pub fn new(topic: &RecordedTopic) -> Result<Self, RecordingError> {
-        let schema = parse_schema(topic)?;
-        let definitions = Definitions::new(&schema);
-        let mut shapes = BTreeMap::new();
-        let shape = definitions
-            .shape_of(&schema.spec, &mut shapes, &mut Vec::new())
-            .map_err(|reason| wrong_schema(topic, reason))?;
+        let shape = Shape::of(topic)?;
         Ok(Self {
             topic: Arc::clone(&topic.name),
             type_name: Arc::clone(&topic.type_name),
@@ -159,7 +44,7 @@ impl Decoder {
     /// The content of a message.
     ///
     /// # Errors
-    /// It does not fit the definition.
+    /// The message does not match the definition.
     pub fn decode(&self, message: &Message) -> Result<Decoded, RecordingError> {
         self.decode_bytes(&message.data)
             .map_err(|reason| RecordingError::Content {
@@ -170,8 +55,8 @@ impl Decoder {
             })
     }
 
-    /// Names of the columns of a table of such messages: `header.stamp.sec`, `moment[0]`. A sequence is one column, and
-    /// so is a message that would have thousands.
+    /// Names of the columns of a table of the messages: `header.stamp.sec`, `values[0]`. A sequence is a single column, and
+    /// so is a message that would have thousands of columns.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         match self.fits {
@@ -180,12 +65,12 @@ impl Decoder {
         }
     }
 
-    /// The cells of a message under these [`columns`](Self::columns); sequences in JSON.
+    /// The cells of a message in the order of [`columns`](Self::columns); sequences as JSON.
     #[must_use]
     pub fn cells(&self, content: &Decoded) -> Vec<String> {
         match self.fits {
             true => table::cells(&self.shape, content),
-            // Written by serde from plain values, which does not fail.
+            // Serializing plain values does not fail.
             false => vec![serde_json::to_string(content).unwrap_or_default()],
         }
     }
@@ -211,127 +96,13 @@ impl Decoder {
             body,
             at: 0,
             big_endian,
-            values_left: VALUES_AT_LEAST + VALUES_PER_BYTE * body.len(),
+            values_left: MIN_VALUES + VALUES_PER_BYTE * body.len(),
         };
         cdr.read(&self.shape)
     }
 }
 
-fn wrong_schema(topic: &RecordedTopic, reason: String) -> RecordingError {
-    RecordingError::Schema {
-        topic: topic.name.to_string(),
-        type_name: topic.type_name.to_string(),
-        reason,
-    }
-}
-
-fn parse_schema(topic: &RecordedTopic) -> Result<MessageSchema, RecordingError> {
-    let wrong = |reason: String| wrong_schema(topic, reason);
-    if topic.encoding != "cdr" || topic.schema_encoding != "ros2msg" {
-        let (messages, schema) = (&topic.encoding, &topic.schema_encoding);
-        return Err(wrong(format!(
-            "expected messages in cdr and a definition in ros2msg, found {messages:?} and {schema:?}"
-        )));
-    }
-    if topic.schema.len() > MAX_DEFINITION {
-        return Err(wrong(format!(
-            "expected at most {MAX_DEFINITION} bytes, found {}",
-            topic.schema.len()
-        )));
-    }
-    let text = std::str::from_utf8(&topic.schema).map_err(|_| wrong("it is no text".to_owned()))?;
-    MessageSchema::parse(&topic.type_name, text).map_err(|error| wrong(format!("{error:#}")))
-}
-
-/// Package and name of a type, whether or not `msg` stands between them.
-fn key(name: &str) -> (&str, &str) {
-    let package = name.split('/').next().unwrap_or_default();
-    (package, name.rsplit('/').next().unwrap_or_default())
-}
-
-/// The definitions that a type is made of.
-struct Definitions<'a>(BTreeMap<(&'a str, &'a str), &'a MessageSpecification>);
-
-impl<'a> Definitions<'a> {
-    fn new(schema: &'a MessageSchema) -> Self {
-        Self(
-            schema
-                .dependencies
-                .iter()
-                .map(|it| (key(&it.name), it))
-                .collect(),
-        )
-    }
-
-    fn find(
-        &self,
-        user: &'a MessageSpecification,
-        wanted: &'a ComplexType,
-    ) -> Result<&'a MessageSpecification, String> {
-        let (package, name) = match wanted {
-            ComplexType::Absolute { package, name } => (key(package).0, name.as_str()),
-            ComplexType::Relative { name } => (key(&user.name).0, name.as_str()),
-        };
-        let found = self.0.get(&(package, name)).copied();
-        found.ok_or_else(|| format!("{} needs {package}/{name}, which is not defined", user.name))
-    }
-
-    /// Each type once; `inside` are the types that are being looked at, none of which may come again.
-    fn shape_of(
-        &self,
-        definition: &'a MessageSpecification,
-        done: &mut BTreeMap<(&'a str, &'a str), Shape>,
-        inside: &mut Vec<(&'a str, &'a str)>,
-    ) -> Result<Shape, String> {
-        let key = key(&definition.name);
-        if let Some(shape) = done.get(&key) {
-            return Ok(shape.clone());
-        }
-        if inside.contains(&key) {
-            return Err(format!("{} contains itself", definition.name));
-        }
-        if inside.len() >= DEEPEST {
-            return Err(format!(
-                "expected at most {DEEPEST} types inside each other, found more"
-            ));
-        }
-        inside.push(key);
-        let mut fields = Vec::with_capacity(definition.fields.len().max(1));
-        for field in &definition.fields {
-            let shape = self.shape(definition, &field.ty, done, inside)?;
-            fields.push((Arc::from(field.name.as_str()), shape));
-        }
-        if fields.is_empty() {
-            fields.push((Arc::from(NO_FIELDS), Shape::One(BuiltInType::UInt8)));
-        }
-        inside.pop();
-        let shape = Shape::Fields(fields.into());
-        done.insert(key, shape.clone());
-        Ok(shape)
-    }
-
-    fn shape(
-        &self,
-        user: &'a MessageSpecification,
-        kind: &'a Type,
-        done: &mut BTreeMap<(&'a str, &'a str), Shape>,
-        inside: &mut Vec<(&'a str, &'a str)>,
-    ) -> Result<Shape, String> {
-        Ok(match kind {
-            Type::BuiltIn(built_in) => Shape::One(built_in.clone()),
-            Type::Complex(wanted) => self.shape_of(self.find(user, wanted)?, done, inside)?,
-            Type::Array { ty, size } => {
-                let element = Box::new(self.shape(user, ty, done, inside)?);
-                match size {
-                    ArraySize::Fixed(length) => Shape::Array(element, *length),
-                    ArraySize::Bounded(_) | ArraySize::Unbounded => Shape::Sequence(element),
-                }
-            }
-        })
-    }
-}
-
-/// Reads plain CDR (XCDR1).
+/// A reader of plain CDR (XCDR1).
 struct Cdr<'a> {
     body: &'a [u8],
     at: usize,
@@ -344,7 +115,7 @@ impl Cdr<'_> {
         self.values_left = self
             .values_left
             .checked_sub(1)
-            .ok_or("it has far more values than bytes")?;
+            .ok_or("the message has far more values than bytes")?;
         Ok(match shape {
             Shape::One(built_in) => self.read_one(built_in)?,
             Shape::Fields(fields) => {
@@ -363,7 +134,7 @@ impl Cdr<'_> {
         })
     }
 
-    /// Takes memory for what comes, not for what is announced.
+    /// Allocates memory for the elements that are there, not for the announced number.
     fn read_list(&mut self, element: &Shape, length: usize) -> Result<Decoded, String> {
         let mut values = Vec::new();
         for _ in 0..length {
@@ -389,7 +160,9 @@ impl Cdr<'_> {
             BuiltInType::Float64 => Decoded::Float64(f64::from_ne_bytes(self.array()?)),
             BuiltInType::String(_) => Decoded::Text(self.text()?),
             BuiltInType::WString(_) => {
-                return Err("it has a wstring, whose bytes differ from vendor to vendor".to_owned());
+                return Err(
+                    "the message has a wstring, whose encoding differs between vendors".to_owned(),
+                );
             }
         })
     }
@@ -398,7 +171,7 @@ impl Cdr<'_> {
         Ok(u32::from_ne_bytes(self.array()?))
     }
 
-    /// With the zero at its end, which its length counts.
+    /// A string ends with a zero, which its length includes.
     fn text(&mut self) -> Result<String, String> {
         let length = usize::try_from(self.u32()?).unwrap_or(usize::MAX);
         let bytes = self.take(length)?;
@@ -408,7 +181,7 @@ impl Cdr<'_> {
         Ok(text.to_owned())
     }
 
-    /// A number, at a multiple of its length, turned into the order of this machine.
+    /// The bytes of a number in the byte order of this machine; a number is aligned to its length.
     fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
         self.at = self.at.next_multiple_of(N);
         let mut bytes = [0; N];
@@ -431,82 +204,4 @@ impl Cdr<'_> {
 
 fn within(name: &str, reason: String) -> String {
     format!("{name}: {reason}")
-}
-
-impl RecordedTopic {
-    /// Whether the recording defines the type as `expected` does (a schema in the encoding `ros2msg`), so that a
-    /// program with that definition reads the messages as they were meant.
-    ///
-    /// # Errors
-    /// Fields, their types or constants differ; the error names the first difference.
-    pub fn check_definition(&self, expected: &str) -> Result<(), RecordingError> {
-        let other = |difference: String| RecordingError::OtherDefinition {
-            topic: self.name.to_string(),
-            type_name: self.type_name.to_string(),
-            difference,
-        };
-        let expected = MessageSchema::parse(&self.type_name, expected)
-            .map_err(|error| wrong_schema(self, format!("{error:#}")))?;
-        let (expected, found) = (lines(&expected), lines(&parse_schema(self)?));
-        if expected == found {
-            return Ok(());
-        }
-        let none = || "nothing".to_owned();
-        let differs = (0..)
-            .find(|index| expected.get(*index) != found.get(*index))
-            .unwrap_or(0);
-        let line = |lines: &[String]| lines.get(differs).cloned().unwrap_or_else(none);
-        Err(other(format!(
-            "expected {}, found {}",
-            line(&expected),
-            line(&found)
-        )))
-    }
-}
-
-/// What a definition says, without comments and defaults: fields and constants, the type itself first.
-fn lines(schema: &MessageSchema) -> Vec<String> {
-    let mut dependencies: Vec<_> = schema.dependencies.iter().collect();
-    dependencies.sort_by_key(|it| key(&it.name));
-    let mut lines = Vec::new();
-    for definition in std::iter::once(&schema.spec).chain(dependencies) {
-        let (package, name) = key(&definition.name);
-        let constants = definition.constants.iter();
-        lines.extend(constants.map(|it| {
-            format!(
-                "{package}/{name}: {} {} = {:?}",
-                type_text(&it.ty),
-                it.name,
-                it.value
-            )
-        }));
-        let fields = definition.fields.iter();
-        lines.extend(
-            fields.map(|it| format!("{package}/{name}: {} {}", type_text(&it.ty), it.name)),
-        );
-    }
-    lines
-}
-
-/// A type as it stands in a definition.
-fn type_text(kind: &Type) -> String {
-    match kind {
-        Type::BuiltIn(built_in) => format!("{built_in:?}").to_lowercase(),
-        Type::Complex(ComplexType::Absolute { package, name }) => {
-            format!("{}/{name}", key(package).0)
-        }
-        Type::Complex(ComplexType::Relative { name }) => name.clone(),
-        Type::Array {
-            ty,
-            size: ArraySize::Fixed(length),
-        } => format!("{}[{length}]", type_text(ty)),
-        Type::Array {
-            ty,
-            size: ArraySize::Bounded(length),
-        } => format!("{}[<={length}]", type_text(ty)),
-        Type::Array {
-            ty,
-            size: ArraySize::Unbounded,
-        } => format!("{}[]", type_text(ty)),
-    }
 }

@@ -1,60 +1,60 @@
-//! What can go wrong with a recording, and what to do then.
+//! The errors of recordings, each with what to do next.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why a recording cannot be written or read. Each says what was expected, what was found, where, and what to do.
+/// Why a recording cannot be written or read.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// The system refuses.
+    /// The operating system reported an error.
     #[error("cannot {doing} {}: {source}", path.display())]
     Io {
-        /// What was to be done.
+        /// The operation.
         doing: &'static str,
-        /// With what.
+        /// The file or directory.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// No room, a quota or a limit is reached.
-    #[error("no room for the recording {}: {source}; free some, the rest goes into a new recording then", path.display())]
+    /// The disk is full, or a quota or limit is reached.
+    #[error("no room for the recording {}: {source}; free some space, then recording goes on in a new recording", path.display())]
     NoRoom {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The recordings' directory cannot be used.
-    #[error("cannot write recordings to {}: {source}; make it writable or set record.directory to another", path.display())]
+    #[error("cannot write recordings to {}: {source}; make it writable or choose another directory", path.display())]
     Directory {
         /// The directory.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Something is in the way.
+    /// The output exists already.
     #[error("{} exists already; nothing is overwritten: choose another name, or move it away", path.display())]
     Exists {
-        /// What exists.
+        /// The output.
         path: PathBuf,
     },
-    /// A name twice.
+    /// Two topics have the same name.
     #[error("topic {topic} is declared twice; declare it once")]
     DuplicateTopic {
-        /// The name.
+        /// The topic.
         topic: String,
     },
-    /// A message of a topic that was not declared.
+    /// The topic of a message was not declared.
     #[error("expected the index of one of {topics} declared topics, found {index}")]
     UndeclaredTopic {
-        /// What was found.
+        /// The index of the message.
         index: usize,
-        /// Number of topics.
+        /// Number of declared topics.
         topics: usize,
     },
-    /// The MCAP library refuses.
+    /// The mcap crate reported an error.
     #[error("cannot write {}: {source}", path.display())]
     Write {
         /// The file.
@@ -62,7 +62,7 @@ pub enum RecordingError {
         /// Why.
         source: mcap::McapError,
     },
-    /// The text of the metadata cannot be made.
+    /// The text of the metadata cannot be serialized.
     #[error("cannot write the metadata of {}: {reason}", path.display())]
     WriteMetadata {
         /// The recording.
@@ -70,152 +70,150 @@ pub enum RecordingError {
         /// Why.
         reason: String,
     },
-    /// The system gives no thread.
+    /// The operating system provides no thread.
     #[error("cannot start the recorder's thread: {0}")]
     Thread(#[source] io::Error),
-    /// Nothing there.
-    #[error("there is no {}; give the directory of a recording, or its .mcap file", path.display())]
+    /// The path does not exist.
+    #[error("{} does not exist; give the directory of a recording, or its .mcap file", path.display())]
     Missing {
-        /// What was asked for.
+        /// The path.
         path: PathBuf,
     },
-    /// Zero bytes.
-    #[error("{} is empty (0 bytes): nothing was recorded in it; there is nothing to repair", path.display())]
+    /// The file is empty.
+    #[error("{} is empty (0 bytes): it contains no messages, and there is nothing to repair", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
     },
-    /// Another format.
-    #[error("{} is not an MCAP file: expected it to begin with 89 4d 43 41 50 30 0d 0a, found {found}{hint}", path.display())]
+    /// The file has another format.
+    #[error("{} is not an MCAP file: expected 89 4d 43 41 50 30 0d 0a at the beginning, found {found}{hint}", path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
         /// Its first bytes.
         found: String,
-        /// What it is, where it is known.
+        /// What the file is instead, if it was recognised.
         hint: &'static str,
     },
-    /// A directory that is no finished recording.
-    #[error("{} has no metadata.yaml, so it is no finished recording; {advice}", path.display())]
+    /// The directory is not a finished recording.
+    #[error("{} has no metadata.yaml, so it is not a finished recording; {advice}", path.display())]
     NoMetadata {
         /// The directory.
         path: PathBuf,
-        /// What can be done with what is there.
+        /// What to do with the files in it.
         advice: String,
     },
-    /// Its writer has not finished.
-    #[error("{} is being recorded just now; stop the program that records it, which finishes it", path.display())]
+    /// The writer of the recording has not finished.
+    #[error("{} is still being recorded; stop the program that records it, which finishes the recording", path.display())]
     BeingWritten {
         /// The recording.
         path: PathBuf,
     },
-    /// metadata.yaml is not what rosbag2 writes.
-    #[error("{}: {reason}; read the .mcap file itself, or write the recording anew with: column-twin repair", path.display())]
+    /// metadata.yaml is not as rosbag2 writes it.
+    #[error("{}: {reason}; read the .mcap file itself, or repair the recording", path.display())]
     BadMetadata {
-        /// The file.
+        /// metadata.yaml.
         path: PathBuf,
         /// What is wrong.
         reason: String,
     },
-    /// Another storage.
+    /// The recording uses another storage plugin of rosbag2.
     #[error("{}: expected storage_identifier mcap, found {found}; convert it with: ros2 bag convert", path.display())]
     OtherStorage {
         /// metadata.yaml.
         path: PathBuf,
-        /// What was found.
+        /// The storage plugin.
         found: String,
     },
-    /// Whole files or messages are compressed by rosbag2 on top of MCAP.
-    #[error("{}: rosbag2 compressed {mode} by itself, which this program does not read; convert it with: ros2 bag convert", path.display())]
+    /// rosbag2 compressed whole files or messages in addition to MCAP.
+    #[error("{}: rosbag2 compressed by {mode}, which this program cannot read; convert it with: ros2 bag convert", path.display())]
     OuterCompression {
         /// metadata.yaml.
         path: PathBuf,
-        /// What is compressed.
+        /// The compression mode of rosbag2.
         mode: String,
     },
-    /// A file that metadata.yaml names is not there.
-    #[error("{}: names the file {name}, which is not beside it; bring it back, or read the other .mcap files one by one", path.display())]
+    /// A file that metadata.yaml names is missing.
+    #[error("{}: names the file {name}, which is not in the same directory; restore it, or read the other .mcap files one by one", path.display())]
     MissingFile {
         /// metadata.yaml.
         path: PathBuf,
-        /// The name.
+        /// The missing file.
         name: String,
     },
-    /// Something in the file is not what it should be.
-    #[error("{}: at byte {offset}: {reason}; what can be read of it is written anew by: column-twin repair {}", path.display(), path.display())]
+    /// A part of the file is damaged.
+    #[error("{}: at byte {offset}: {reason}; repair the recording to save what can be read", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Where in the file.
+        /// Position in the file.
         offset: u64,
         /// What was expected and what was found.
         reason: String,
     },
-    /// Messages are too far out of order to be put in order.
+    /// Messages are too far out of order to be sorted.
     #[error(
-        "{}: more than {} MiB of messages are recorded before others that are older; put it in order with: mcap sort {} -o OUT.mcap", path.display(), crate::reader::MAX_OUT_OF_ORDER >> 20, path.display()
+        "{}: more than {} MiB of messages are recorded before older ones; sort the file with: mcap sort {} -o OUT.mcap", path.display(), crate::reordering::MAX_OUT_OF_ORDER >> 20, path.display()
     )]
     OutOfOrder {
         /// The file.
         path: PathBuf,
     },
-    /// The file changed while it was read.
-    #[error("{} changed while it was read; read it again when its writer has finished", path.display())]
+    /// The file changed while it was being read.
+    #[error("{} changed while it was being read; read it again when its writer has finished", path.display())]
     Changed {
         /// The file.
         path: PathBuf,
     },
-    /// A schema that cannot be understood.
-    #[error(
-        "topic {topic}: the definition of {type_name} in the recording cannot be read: {reason}"
-    )]
+    /// A definition cannot be read.
+    #[error("topic {topic}: the definition of {type_name} cannot be read: {reason}")]
     Schema {
-        /// Its name.
+        /// The topic.
         topic: String,
-        /// Its type.
+        /// ROS name of its type.
         type_name: String,
         /// What is wrong.
         reason: String,
     },
-    /// A message that does not fit its definition.
+    /// A message does not match its definition.
     #[error(
-        "topic {topic}, message at {log_time} ns: {reason}; it does not fit the definition of {type_name} in the recording"
+        "topic {topic}, message at {log_time} ns: {reason}; it does not match the definition of {type_name} in the recording"
     )]
     Content {
-        /// Its name.
+        /// The topic.
         topic: String,
-        /// Its type.
+        /// ROS name of its type.
         type_name: String,
-        /// Which message.
+        /// Log time of the message \[ns\].
         log_time: i64,
         /// What is wrong.
         reason: String,
     },
-    /// The recording's definition of one of our types is not that of this program.
+    /// The recording defines a type differently from the reading program.
     #[error(
         "topic {topic}: the recording's definition of {type_name} differs from this program's: {difference}; \
-         read it with the version that recorded it, or export it, which uses the recording's own definition"
+         read it with the version that recorded it, or by the definition in the recording, as an export does"
     )]
     OtherDefinition {
-        /// Its name.
+        /// The topic.
         topic: String,
-        /// Its type.
+        /// ROS name of its type.
         type_name: String,
-        /// What differs first.
+        /// The first difference.
         difference: String,
     },
-    /// Repair found nothing to keep.
+    /// Repair found nothing to save.
     #[error("{}: nothing in it can be saved: {reason}", path.display())]
     NothingToSave {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Why.
         reason: String,
     },
 }
 
 impl RecordingError {
-    /// An error of the system; one that says that there is no room is told apart.
+    /// An error of the operating system; a lack of room becomes [`NoRoom`](Self::NoRoom).
     pub(crate) fn io(doing: &'static str, path: &Path, source: io::Error) -> Self {
         let path = path.to_path_buf();
         if is_no_room(&source) {
@@ -229,7 +227,7 @@ impl RecordingError {
         }
     }
 
-    /// An error of the MCAP library while writing.
+    /// An error of the mcap crate while writing.
     pub(crate) fn write(path: &Path, source: mcap::McapError) -> Self {
         match source {
             mcap::McapError::Io(source) => Self::io("write", path, source),
@@ -240,7 +238,17 @@ impl RecordingError {
         }
     }
 
-    /// Whether the input is at fault, and not what was to be done with it: exit code 2 and not 1.
+    /// The path that [`repair`](fn@crate::repair) may be able to save, if the recording is incomplete or damaged.
+    #[must_use]
+    pub fn repairable(&self) -> Option<&Path> {
+        match self {
+            Self::NoMetadata { path, .. } | Self::Damaged { path, .. } => Some(path),
+            Self::BadMetadata { path, .. } => path.parent(),
+            _ => None,
+        }
+    }
+
+    /// Whether the input is wrong, rather than the operation having failed.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
         !matches!(
@@ -254,7 +262,7 @@ impl RecordingError {
     }
 }
 
-/// Whether there is no room for what was to be written: a full disk, a quota, a limit on the size of files.
+/// Whether there was no room to write: a full disk, a quota, or a limit on the size of files.
 pub(crate) fn is_no_room(error: &io::Error) -> bool {
     matches!(
         error.kind(),

@@ -1,4 +1,4 @@
-//! Reads recordings: ours and those of others, whole or cut off.
+//! Reads recordings of this crate and of other writers, whole or cut off.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
@@ -11,22 +11,19 @@ use crate::bag_metadata::{METADATA_FILE, read_file_names};
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
 use crate::records::{FileEnd, RecordReader};
-use crate::reordering::{Blocks, Reordering};
+use crate::reordering::{Blocks, MAX_OUT_OF_ORDER, Reordering};
 use crate::retention::mcap_files;
 use crate::storage::is_being_written;
 use crate::topic::OfferedQos;
 use crate::writer::{LOSSES, QOS_KEY, REPAIR, START};
 
-/// Most bytes of messages that are held to put them in order.
-pub const MAX_OUT_OF_ORDER: usize = 256 << 20;
-
-/// Most topics of a recording; MCAP numbers them with 16 bits.
+/// Maximum number of topics of a recording; MCAP numbers them with 16 bits.
 const MAX_TOPICS: usize = 65_536;
 
-/// Most bytes of all schemas and metadata together.
+/// Maximum size of all schemas and metadata together \[bytes\].
 const MAX_TEXT: usize = 64 << 20;
 
-/// Most faults of which the words are kept; all are counted.
+/// Maximum number of faults that are described; all are counted.
 const MAX_FAULTS: usize = 20;
 
 /// A message of a recording.
@@ -36,7 +33,7 @@ pub struct Message {
     pub topic: Arc<str>,
     /// ROS name of its type.
     pub type_name: Arc<str>,
-    /// Its place in [`Reader::topics`].
+    /// Index of its topic in [`Reader::topics`].
     pub topic_index: usize,
     /// When it was recorded \[ns\].
     pub log_time: i64,
@@ -51,7 +48,7 @@ pub struct Message {
 pub struct RecordedTopic {
     /// Its name.
     pub name: Arc<str>,
-    /// ROS name of its type; empty where the recording does not say it.
+    /// ROS name of its type; empty if the recording does not contain it.
     pub type_name: Arc<str>,
     /// Encoding of its messages, `cdr` in ROS 2.
     pub encoding: String,
@@ -59,24 +56,24 @@ pub struct RecordedTopic {
     pub schema_encoding: String,
     /// Definition of its type.
     pub schema: Arc<[u8]>,
-    /// What the recording says of it besides.
+    /// Further metadata.
     pub metadata: BTreeMap<String, String>,
-    /// What its publisher offered.
+    /// The quality of service that its publisher offered.
     pub qos: Option<OfferedQos>,
     /// Number of its messages.
     pub messages: u64,
 }
 
-/// Whether all that was written to a recording is there and unharmed.
+/// Whether everything that was written to a recording can be read.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Wholeness {
-    /// Files without an end: name, and what they end with.
+    /// Files without the end of an MCAP file: name, and how they end.
     pub cut_off: Vec<String>,
-    /// Whether one of these ends in the middle of a record.
+    /// Whether one of them ends in the middle of a record.
     pub ends_in_record: bool,
-    /// Records and chunks that are damaged, and are left out.
+    /// Number of damaged records and chunks, which are left out.
     pub damaged: u64,
-    /// What is wrong with the first of them.
+    /// Descriptions of the first of them.
     pub faults: Vec<String>,
 }
 
@@ -105,7 +102,7 @@ impl fmt::Display for Wholeness {
     }
 }
 
-/// Messages and what is missing, counted.
+/// What a pass over all files finds.
 #[derive(Debug, Default)]
 struct Contents {
     profile: String,
@@ -120,22 +117,22 @@ struct Contents {
     wholeness: Wholeness,
 }
 
-/// A recording that was looked through once; its messages can be read as often as wanted.
+/// A recording that was read once; its messages can be read any number of times.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
     files: Vec<PathBuf>,
     contents: Contents,
     /// Smallest time from each block of messages on.
-    least_from: Arc<[u64]>,
+    min_from: Arc<[u64]>,
 }
 
 impl Reader {
-    /// Opens the directory of a recording, or an `.mcap` file, and reads it through. A file that is cut off or damaged is
-    /// opened all the same: see [`wholeness`](Self::wholeness).
+    /// Opens the directory of a recording, or an `.mcap` file, and reads all of it. A file that is cut off or damaged
+    /// can be opened, too: see [`wholeness`](Self::wholeness).
     ///
     /// # Errors
-    /// There is nothing, or nothing that is a recording.
+    /// The path does not exist, or is not a recording.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         Self::open_files(path, files_of(path)?)
     }
@@ -163,11 +160,11 @@ impl Reader {
             path: path.to_path_buf(),
             files,
             contents,
-            least_from: blocks.finish().into(),
+            min_from: blocks.finish().into(),
         })
     }
 
-    /// What was opened.
+    /// The path that was opened.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -179,13 +176,13 @@ impl Reader {
         &self.files
     }
 
-    /// Bytes of all files.
+    /// Size of all files \[bytes\].
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.contents.bytes
     }
 
-    /// Every topic that is declared, also without messages.
+    /// All declared topics, also those without messages.
     #[must_use]
     pub fn topics(&self) -> &[RecordedTopic] {
         &self.contents.topics
@@ -211,13 +208,13 @@ impl Reader {
         &self.contents.profile
     }
 
-    /// Which library wrote the first file.
+    /// The library that wrote the first file.
     #[must_use]
     pub fn library(&self) -> &str {
         &self.contents.library
     }
 
-    /// ChunkCompression of its chunks; that of the last where they differ.
+    /// Compression of the chunks; if they differ, that of the last chunk.
     #[must_use]
     pub fn compression(&self) -> ChunkCompression {
         self.contents.compression.unwrap_or(ChunkCompression::None)
@@ -229,7 +226,7 @@ impl Reader {
         &self.contents.metadata
     }
 
-    /// Whether everything is there.
+    /// Whether everything can be read.
     #[must_use]
     pub fn wholeness(&self) -> &Wholeness {
         &self.contents.wholeness
@@ -279,14 +276,14 @@ impl Reader {
             .map(|(_, entries)| entries)
     }
 
-    /// All messages in the order of their log times; those of equal time in the order in which they were written.
+    /// All messages in the order of their log times; messages with equal times in the order in which they were written.
     #[must_use]
     pub fn messages(&self) -> Messages<'_> {
         Messages {
             reader: self,
             next_file: 0,
             pass: None,
-            reordering: Reordering::new(Arc::clone(&self.least_from)),
+            reordering: Reordering::new(Arc::clone(&self.min_from)),
             scratch: Contents::default(),
             ended: false,
         }
@@ -295,14 +292,14 @@ impl Reader {
     /// All messages in the order in which they were written.
     pub(crate) fn messages_as_written(&self) -> Messages<'_> {
         Messages {
-            // Nothing is waited for.
+            // Without blocks, no message waits for a later one.
             reordering: Reordering::new([].into()),
             ..self.messages()
         }
     }
 }
 
-/// The files of what `path` names.
+/// The files of the recording at `path`.
 fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     if !path.exists() {
         return Err(RecordingError::Missing {
@@ -340,12 +337,11 @@ fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
         });
     }
     let advice = match files.first() {
-        Some(file) => format!(
-            "what its writer left can be read from {}, or written anew with: column-twin repair {}",
-            file.display(),
-            path.display()
-        ),
-        None => "there is no .mcap file in it either; give the directory of a recording, or its .mcap file".to_owned(),
+        Some(file) => format!("read {} itself, or repair the recording", file.display()),
+        None => {
+            "it contains no .mcap file either; give the directory of a recording, or its .mcap file"
+                .to_owned()
+        }
     };
     Ok(RecordingError::NoMetadata {
         path: path.to_path_buf(),
@@ -353,7 +349,7 @@ fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
     })
 }
 
-/// One reading of one file.
+/// One pass over one file.
 struct Pass {
     records: RecordReader,
     schemas: HashMap<u16, (SchemaHeader, Vec<u8>)>,
@@ -380,7 +376,7 @@ impl Pass {
                 Record::Message { header, data } => match self.channels.get(&header.channel_id) {
                     Some(topic) => return Ok(Some((*topic, header, data.into_owned()))),
                     None => Err(format!(
-                        "a message is of channel {}, which the file does not declare",
+                        "a message has channel {}, which the file does not declare",
                         header.channel_id
                     )),
                 },
@@ -396,7 +392,7 @@ impl Pass {
             Record::Header(header) => contents.note_header(header),
             Record::Schema { header, data } => {
                 let (id, schema) = (header.id, (header, data.into_owned()));
-                // Some writers repeat it in every chunk.
+                // Some writers repeat the schemas in every chunk.
                 if self.schemas.get(&id) != Some(&schema) {
                     contents.add_text(schema.1.len() + schema.0.name.len())?;
                     self.schemas.insert(id, schema);
@@ -433,7 +429,7 @@ impl Contents {
         }
     }
 
-    /// Counts text that is kept in memory.
+    /// Counts the text that is kept in memory.
     fn add_text(&mut self, bytes: usize) -> Result<(), String> {
         self.text += bytes;
         match self.text <= MAX_TEXT {
@@ -445,7 +441,7 @@ impl Contents {
         }
     }
 
-    /// The topic of a channel; one and the same for channels that say the same.
+    /// Index of the topic of a channel; equal channels have the same topic.
     fn topic_of(
         &mut self,
         channel: Channel,
@@ -528,20 +524,20 @@ impl Contents {
     }
 }
 
-/// The messages of a recording, in order. After an error it goes on with what follows; only an error that is no
-/// [damage](RecordingError::Damaged) is the last.
+/// The messages of a recording, in order. After [damage](RecordingError::Damaged) the messages that follow can be read;
+/// any other error ends the iteration.
 pub struct Messages<'a> {
     reader: &'a Reader,
     next_file: usize,
     pass: Option<Pass>,
     reordering: Reordering<Message>,
-    /// What was found on the way is known again from the beginning.
+    /// Collects what the first pass has found already.
     scratch: Contents,
     ended: bool,
 }
 
 impl Messages<'_> {
-    /// Reads one message, or comes to the end.
+    /// Reads the next message, or reaches the end.
     fn read(&mut self) -> Result<(), RecordingError> {
         let Some(pass) = &mut self.pass else {
             let Some(file) = self.reader.files.get(self.next_file) else {
@@ -595,7 +591,7 @@ impl Iterator for Messages<'_> {
                 Ok(()) => {}
                 Err(fault @ RecordingError::Damaged { .. }) => return Some(Err(fault)),
                 Err(error) => {
-                    // Nothing follows: what is held is incomplete.
+                    // The messages that are held would not be complete.
                     self.ended = true;
                     while self.reordering.take().is_some() {}
                     return Some(Err(error));
@@ -613,7 +609,7 @@ impl fmt::Debug for Messages<'_> {
     }
 }
 
-/// Times beyond the year 2262 do not fit.
+/// Times after the year 2262 are cut off there.
 fn nanos(time: u64) -> i64 {
     i64::try_from(time).unwrap_or(i64::MAX)
 }

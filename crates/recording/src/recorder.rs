@@ -9,8 +9,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crate::error::RecordingError;
-use crate::repair::repair_unfinished;
 use crate::session::{Counters, RecorderOptions, Session};
+use crate::startup::repair_unfinished;
 use crate::statistics::{QueueStatistics, RecorderStatistics};
 use crate::topic::TopicInfo;
 use crate::writer::{Entry, check_topics};

@@ -1,19 +1,21 @@
-//! Puts messages into the order of their times without holding more than what is out of order.
+//! Sorts messages by time while holding only those that are out of order.
 //!
-//! A first reading notes the smallest time of every block of messages; a second reading may hand out a message as soon as
-//! no later block holds an older one. No index is needed, and none is believed.
+//! A first pass notes the smallest time of every block of messages; a second pass can return a message as soon as no
+//! later block contains an older one. This needs no index.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Messages of a block.
+/// Maximum number of bytes of messages that are held to sort them.
+pub const MAX_OUT_OF_ORDER: usize = 256 << 20;
+
+/// Number of messages in a block.
 const BLOCK_MESSAGES: usize = 1024;
 
-/// Bytes at which a block ends earlier.
+/// Number of bytes at which a block ends earlier.
 const BLOCK_BYTES: usize = 1 << 20;
 
-/// Where blocks end: equal for equal messages.
+/// Finds the ends of blocks, at the same messages in both passes.
 #[derive(Debug, Default)]
 struct BlockEnds {
     messages: usize,
@@ -33,7 +35,7 @@ impl BlockEnds {
     }
 }
 
-/// The smallest time of every block; after the first reading that of all blocks from there on.
+/// The smallest time of every block.
 #[derive(Debug, Default)]
 pub(crate) struct Blocks {
     ends: BlockEnds,
@@ -42,7 +44,7 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// The next message of the first reading.
+    /// Adds the next message of the first pass.
     pub fn add(&mut self, time: u64, bytes: usize) {
         if !self.open {
             self.minima.push(u64::MAX);
@@ -53,118 +55,80 @@ impl Blocks {
         self.open = !self.ends.ends_with(bytes);
     }
 
-    /// The end of the first reading.
+    /// The smallest time from each block on.
     pub fn finish(mut self) -> Vec<u64> {
-        let mut least = u64::MAX;
+        let mut min = u64::MAX;
         for minimum in self.minima.iter_mut().rev() {
-            least = least.min(*minimum);
-            *minimum = least;
+            min = min.min(*minimum);
+            *minimum = min;
         }
         self.minima
     }
 }
 
-/// Puts the messages of the second reading into order; those of equal time stay as they are.
+/// Sorts the messages of the second pass; messages with equal times keep their order.
 #[derive(Debug)]
 pub(crate) struct Reordering<T> {
     ends: BlockEnds,
     block: usize,
     /// Smallest time from each block on.
-    least_from: Arc<[u64]>,
-    held: BinaryHeap<Reverse<Held<T>>>,
+    min_from: Arc<[u64]>,
+    /// The messages that wait, with their bytes, by time and number.
+    held: BTreeMap<(u64, u64), (usize, T)>,
     held_bytes: usize,
     next_number: u64,
 }
 
-#[derive(Debug)]
-struct Held<T> {
-    time: u64,
-    number: u64,
-    bytes: usize,
-    message: T,
-}
-
 impl<T> Reordering<T> {
-    pub fn new(least_from: Arc<[u64]>) -> Self {
+    pub fn new(min_from: Arc<[u64]>) -> Self {
         Self {
             ends: BlockEnds::default(),
             block: 0,
-            least_from,
-            held: BinaryHeap::new(),
+            min_from,
+            held: BTreeMap::new(),
             held_bytes: 0,
             next_number: 0,
         }
     }
 
-    /// The next message of the second reading.
+    /// Adds the next message of the second pass.
     pub fn push(&mut self, time: u64, bytes: usize, message: T) {
-        self.held.push(Reverse(Held {
-            time,
-            number: self.next_number,
-            bytes,
-            message,
-        }));
+        self.held.insert((time, self.next_number), (bytes, message));
         self.next_number += 1;
         self.held_bytes += bytes;
         self.block += usize::from(self.ends.ends_with(bytes));
     }
 
-    /// A message before which none can come any more.
+    /// The first message, if no message that follows can precede it.
     pub fn pop(&mut self) -> Option<T> {
-        // Behind the last block nothing comes; of a block that is open more may.
-        let least = self.least_from.get(self.block).copied().unwrap_or(u64::MAX);
-        // Of equal times the one that was there first comes first, so those that are held may go.
-        let may_go = self
-            .held
-            .peek()
-            .is_some_and(|Reverse(first)| first.time <= least);
-        if may_go { self.take() } else { None }
+        // Nothing follows the last block; more messages of the current block may follow.
+        let min = self.min_from.get(self.block).copied().unwrap_or(u64::MAX);
+        // A later message with an equal time comes after those that are held.
+        let ((first, _), _) = self.held.first_key_value()?;
+        if *first <= min { self.take() } else { None }
     }
 
-    /// The next of those that are left at the end.
+    /// The first message, once all messages were added.
     pub fn take(&mut self) -> Option<T> {
-        let Reverse(first) = self.held.pop()?;
-        self.held_bytes -= first.bytes;
-        Some(first.message)
+        let (_, (bytes, message)) = self.held.pop_first()?;
+        self.held_bytes -= bytes;
+        Some(message)
     }
 
-    /// Bytes that are held: of the messages, and of what is known of each, for a message may be empty.
+    /// Bytes of the messages that are held, and of their entries here, because a message may be empty.
     pub fn held_bytes(&self) -> usize {
-        self.held_bytes + self.held.len() * size_of::<Reverse<Held<T>>>()
+        self.held_bytes + self.held.len() * size_of::<Entry<T>>()
     }
 }
 
-impl<T> Held<T> {
-    fn key(&self) -> (u64, u64) {
-        (self.time, self.number)
-    }
-}
-
-impl<T> PartialEq for Held<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-}
-
-impl<T> Eq for Held<T> {}
-
-impl<T> PartialOrd for Held<T> {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<T> Ord for Held<T> {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.key().cmp(&other.key())
-    }
-}
+/// An entry for a message that is held.
+type Entry<T> = ((u64, u64), (usize, T));
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The order that comes out, and the most that was held.
+    /// The resulting order, and the maximum that was held.
     fn reordered(times: &[u64]) -> (Vec<(u64, usize)>, usize) {
         let mut blocks = Blocks::default();
         times.iter().for_each(|time| blocks.add(*time, 1));
@@ -190,29 +154,29 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_order_is_hardly_held() {
+    fn sorted_messages_are_hardly_held() {
         let times: Vec<u64> = (0..10_000).collect();
         let (out, most) = reordered(&times);
         assert_eq!(out, expected(&times));
-        let each = 1 + size_of::<Reverse<Held<(u64, usize)>>>();
+        let each = 1 + size_of::<Entry<(u64, usize)>>();
         assert!(most <= BLOCK_MESSAGES * each, "{most}");
     }
 
     #[test]
-    fn an_empty_message_takes_memory_too() {
+    fn an_empty_message_counts_too() {
         let mut reordering = Reordering::new(vec![0; 100].into());
         for time in 1..=1000 {
             reordering.push(time, 0, ());
             assert!(reordering.pop().is_none());
         }
-        assert!(reordering.held_bytes() >= 1000 * size_of::<Held<()>>());
+        assert!(reordering.held_bytes() >= 1000 * size_of::<Entry<()>>());
         while reordering.take().is_some() {}
         assert_eq!(reordering.held_bytes(), 0);
     }
 
     #[test]
-    fn whatever_the_order_it_comes_out_sorted_and_stable() {
-        // The simplest generator of numbers that jump: those of Knuth's MMIX.
+    fn any_order_becomes_sorted_and_stable() {
+        // The linear congruential generator of Knuth's MMIX.
         let mut state = 1_u64;
         let mut random = move || {
             state = state

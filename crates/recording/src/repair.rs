@@ -1,4 +1,4 @@
-//! Writes a recording anew that was cut off or damaged. The original stays as it is.
+//! Repairs a recording that was cut off or damaged by writing a new one. The original is not changed.
 
 use std::fmt;
 use std::fs;
@@ -10,37 +10,32 @@ use mcap::records::Metadata;
 use crate::bag_metadata::METADATA_FILE;
 use crate::error::RecordingError;
 use crate::reader::{Reader, RecordedTopic};
-use crate::report::RecorderReport;
-use crate::retention::{find_recordings, mcap_files};
-use crate::session::RecorderOptions;
+use crate::retention::mcap_files;
 use crate::storage::is_being_written;
 use crate::writer::{
-    APPLICATION, Described, Ended, LOSSES, REPAIR, Writer, WriterOptions, record, record_name,
+    APPLICATION, Described, EndReason, LOSSES, REPAIR, Writer, WriterOptions, record, record_name,
 };
 
-/// What the name of a recording that was written anew ends with.
+/// End of the name of a repaired recording.
 const SUFFIX: &str = "_repaired";
 
-/// What the names of directories begin with in which a recording is written anew.
-const WORKSHOP: &str = ".rosbag2-repair-";
+/// Beginning of the names of the temporary directories of repairs.
+pub(crate) const TEMPORARY: &str = ".rosbag2-repair-";
 
-/// Most recordings that are repaired at a start, the newest first.
-const MAX_AT_START: usize = 16;
-
-/// A recording that was written anew.
+/// A recording that was repaired.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Repaired {
-    /// What was read.
+    /// The original.
     pub source: PathBuf,
-    /// What was written.
+    /// The new recording.
     pub directory: PathBuf,
-    /// Messages that were saved.
+    /// Number of saved messages.
     pub messages: u64,
-    /// Records that were damaged and are left out.
+    /// Number of damaged records, which are left out.
     pub left_out: u64,
     /// Whether the file ended in the middle of a record.
     pub in_record: bool,
-    /// What was wrong.
+    /// What was wrong with the original.
     pub fault: String,
 }
 
@@ -56,7 +51,7 @@ impl fmt::Display for Repaired {
         } = self;
         write!(
             f,
-            "{} was {fault}. Its {messages} messages are written anew to {}; the original stays as it was.",
+            "{} was {fault}. Its {messages} messages were saved to {}; the original was not changed.",
             source.display(),
             directory.display()
         )?;
@@ -67,16 +62,16 @@ impl fmt::Display for Repaired {
     }
 }
 
-/// Writes the recording `source` (a directory or an `.mcap` file) anew to the directory `output`, by default beside it with
-/// `_repaired` behind its name. Nothing is overwritten. `None` where there is nothing to repair.
+/// Repairs the recording `source` (a directory or an `.mcap` file) into the new directory `output`; the default is a
+/// directory next to it whose name ends with `_repaired`. Nothing is overwritten. `None`: there is nothing to repair.
 ///
 /// # Errors
-/// There is no recording, nothing in it can be saved, or the new one cannot be written; then none is left behind.
+/// There is no recording, nothing in it can be saved, or the new recording cannot be written; in that case none is left.
 pub fn repair(source: &Path, output: Option<&Path>) -> Result<Option<Repaired>, RecordingError> {
     repair_unless(source, output, &AtomicBool::new(false))
 }
 
-fn repair_unless(
+pub(crate) fn repair_unless(
     source: &Path,
     output: Option<&Path>,
     stop: &AtomicBool,
@@ -98,7 +93,7 @@ fn repair_unless(
     if reader.topics().is_empty() {
         return Err(RecordingError::NothingToSave {
             path: source.to_path_buf(),
-            reason: format!("it declares no topic; it is {}", reader.wholeness()),
+            reason: format!("it declares no topic, and it is {}", reader.wholeness()),
         });
     }
     let directory = output.map_or_else(|| beside(source), Path::to_path_buf);
@@ -109,7 +104,7 @@ fn repair_unless(
         true => "without metadata.yaml".to_owned(),
         false => reader.wholeness().to_string(),
     };
-    let messages = write_anew(&reader, &fault, &directory, stop)?;
+    let messages = write_copy(&reader, &fault, &directory, stop)?;
     Ok(Some(Repaired {
         source: source.to_path_buf(),
         directory,
@@ -120,19 +115,19 @@ fn repair_unless(
     }))
 }
 
-/// A directory that its writer could not finish.
+/// Opens the directory of a recording that its writer did not finish.
 fn open_unfinished(directory: &Path) -> Result<Reader, RecordingError> {
     let files =
         mcap_files(directory).map_err(|source| RecordingError::io("read", directory, source))?;
     if files.is_empty() || files.iter().any(|file| is_being_written(file)) {
-        // Says why.
+        // This fails with the reason.
         return Reader::open(directory);
     }
     Reader::open_files(directory, files)
 }
 
-/// Where the new recording goes.
-fn beside(source: &Path) -> PathBuf {
+/// The default path of the new recording.
+pub(crate) fn beside(source: &Path) -> PathBuf {
     let whole = fs::canonicalize(source).unwrap_or_else(|_| source.to_path_buf());
     let name = match source.is_dir() {
         true => whole.file_name(),
@@ -143,8 +138,8 @@ fn beside(source: &Path) -> PathBuf {
     parent.join(format!("{name}{SUFFIX}"))
 }
 
-/// Writes it in a directory of another name, which gets its own when it is complete.
-fn write_anew(
+/// Writes the recording to a temporary directory, which is renamed when it is complete.
+fn write_copy(
     reader: &Reader,
     fault: &str,
     directory: &Path,
@@ -155,19 +150,20 @@ fn write_anew(
         _ => Path::new("."),
     };
     let failed = |source| RecordingError::io("write to", parent, source);
-    let workshop = tempfile::Builder::new()
-        .prefix(WORKSHOP)
+    let temporary = tempfile::Builder::new()
+        .prefix(TEMPORARY)
         .tempdir_in(parent)
         .map_err(failed)?;
     let name = directory.file_name().unwrap_or_default();
-    let unnamed = workshop.path().join(name);
+    let unfinished = temporary.path().join(name);
     let topics = reader.topics().iter().map(Described::from).collect();
     let options = WriterOptions {
         compression: reader.compression(),
         application: application(reader).to_owned(),
         ..WriterOptions::default()
     };
-    let mut writer = Writer::create_with(&unnamed, &options, topics, &records(reader, fault), 0)?;
+    let mut writer =
+        Writer::create_with(&unfinished, &options, topics, &records(reader, fault), 0)?;
     writer.add_lost(reader.lost_messages().unwrap_or(0));
     for message in reader.messages_as_written() {
         if stop.load(Ordering::Relaxed) {
@@ -175,7 +171,7 @@ fn write_anew(
                 std::io::ErrorKind::Interrupted,
             )));
         }
-        // Damage was counted when the recording was opened.
+        // The damage was counted when the recording was opened.
         let message = match message {
             Ok(message) => message,
             Err(RecordingError::Damaged { .. }) => continue,
@@ -186,24 +182,24 @@ fn write_anew(
         writer.write_message(message.topic_index, log_time, publish_time, &message.data)?;
     }
     let finished = writer
-        .finish_because(Ended::Repaired)
+        .finish_because(EndReason::Repaired)
         .map_err(|(error, _)| error)?;
     if directory.symlink_metadata().is_ok() {
         return Err(RecordingError::Exists {
             path: directory.to_path_buf(),
         });
     }
-    fs::rename(&unnamed, directory)
+    fs::rename(&unfinished, directory)
         .map_err(|source| RecordingError::io("name", directory, source))?;
     Ok(finished.messages)
 }
 
-/// The program that recorded it.
+/// Name of the program that recorded the original.
 fn application(reader: &Reader) -> &str {
     reader.application().unwrap_or(APPLICATION)
 }
 
-/// The metadata that is kept, and that of the repair.
+/// The metadata that is kept, and the record of the repair.
 fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
     let kept = reader
         .metadata()
@@ -243,52 +239,6 @@ impl From<&RecordedTopic> for Described {
             schema: topic.schema.to_vec(),
             message_encoding: topic.encoding.clone(),
             metadata: topic.metadata.clone(),
-        }
-    }
-}
-
-/// Repairs what crashes have left in the directory of the recordings.
-pub(crate) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
-    remove_workshops(&options.directory);
-    let unfinished: Vec<PathBuf> = find_recordings(&options.application, &options.directory)
-        .into_iter()
-        .map(|found| found.directory)
-        .filter(|directory| is_unfinished(directory))
-        .collect();
-    for directory in unfinished.into_iter().rev().take(MAX_AT_START) {
-        let report = match repair_unless(&directory, None, stop) {
-            Ok(None) => continue,
-            Ok(Some(repaired)) => RecorderReport::Repaired(repaired),
-            Err(_) if stop.load(Ordering::Relaxed) => return,
-            Err(error) => RecorderReport::NotRepaired {
-                directory,
-                reason: error.to_string(),
-            },
-        };
-        options.say(&report);
-    }
-}
-
-fn is_unfinished(directory: &Path) -> bool {
-    let files = mcap_files(directory).unwrap_or_default();
-    !files.is_empty()
-        && !directory.join(METADATA_FILE).exists()
-        && !beside(directory).exists()
-        && !files.iter().any(|file| is_being_written(file))
-}
-
-/// Removes what repairs have left that were themselves cut off.
-fn remove_workshops(parent: &Path) {
-    let entries = fs::read_dir(parent).into_iter().flatten().flatten();
-    for workshop in entries.filter(|it| it.file_name().to_string_lossy().starts_with(WORKSHOP)) {
-        let inside = fs::read_dir(workshop.path())
-            .into_iter()
-            .flatten()
-            .flatten();
-        let mut files = inside.flat_map(|it| mcap_files(&it.path()).unwrap_or_default());
-        if !files.any(|file| is_being_written(&file)) {
-            // Should it stay, it is tried again at the next start.
-            let _ = fs::remove_dir_all(workshop.path());
         }
     }
 }

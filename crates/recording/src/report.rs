@@ -1,4 +1,4 @@
-//! What happens to a recorder, for those who listen.
+//! Reports of what happens to a recorder.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,13 +11,13 @@ use crate::writer::Finished;
 pub enum ReportLevel {
     /// Normal operation.
     Info,
-    /// Something went wrong, and nothing more was lost by it.
+    /// Something went wrong earlier and was put right.
     Warning,
-    /// Messages are lost, or could be.
+    /// Messages are lost, or recording is not possible.
     Error,
 }
 
-/// Something that happened to a recorder. Displayed, it is a line for a log.
+/// Something that happened to a recorder; its display text is a line for a log.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecorderReport {
     /// A recording began.
@@ -27,14 +27,14 @@ pub enum RecorderReport {
     },
     /// A recording was finished.
     Finished(Finished),
-    /// An old recording was deleted, because of the limits.
+    /// An old recording was deleted to keep within the limits.
     Deleted {
         /// Its directory.
         directory: PathBuf,
     },
-    /// A recording that a crash had cut off was written anew.
+    /// A recording that a crash had cut off was repaired.
     Repaired(Repaired),
-    /// A recording that a crash had cut off could not be written anew.
+    /// A recording that a crash had cut off could not be repaired.
     NotRepaired {
         /// Its directory.
         directory: PathBuf,
@@ -46,16 +46,16 @@ pub enum RecorderReport {
         /// Why, and what to do.
         reason: String,
     },
-    /// It is recorded again.
+    /// Recording goes on after a failure.
     Resumed {
-        /// Where.
+        /// The new recording.
         directory: PathBuf,
-        /// Messages that are in no file and of which no report has said so.
+        /// Messages that are in no file, not counting those that were reported before.
         lost: u64,
     },
     /// The queue was full, or writing failed.
     Lost {
-        /// Messages that are in no file and of which no report has said so.
+        /// Messages that are in no file, not counting those that were reported before.
         messages: u64,
     },
 }
@@ -103,22 +103,22 @@ impl fmt::Display for RecorderReport {
             Self::NotRepaired { directory, reason } => {
                 write!(
                     f,
-                    "the recording {} was cut off and is not repaired: {reason}",
+                    "the recording {} was cut off and cannot be repaired: {reason}",
                     directory.display()
                 )
             }
-            Self::Failing { reason } => write!(f, "nothing is recorded: {reason}"),
+            Self::Failing { reason } => write!(f, "recording has stopped: {reason}"),
             Self::Resumed { directory, lost } => {
                 write!(
                     f,
-                    "recording again, to {}; {lost} messages are in no recording",
+                    "recording to {} again; {lost} messages were lost",
                     directory.display()
                 )
             }
             Self::Lost { messages } => {
                 write!(
                     f,
-                    "{messages} messages are in no recording: the queue was full, or they could not be written"
+                    "{messages} messages were lost: the queue was full, or they could not be written"
                 )
             }
         }

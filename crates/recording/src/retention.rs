@@ -1,4 +1,4 @@
-//! Which of the old recordings stay.
+//! Deletes old recordings to keep within the limits.
 
 use std::fs;
 use std::io;
@@ -9,21 +9,21 @@ use crate::bag_metadata::METADATA_FILE;
 use crate::names::directory_time;
 use crate::storage::is_being_written;
 
-/// Most recordings that are looked at.
-const MOST: usize = 1_000_000;
+/// Maximum number of directory entries that are examined.
+const MAX_ENTRIES: usize = 1_000_000;
 
-/// What may be kept; `None`: without limit.
+/// Limits of what is kept; `None` is no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Kept {
-    /// Recordings.
+pub(crate) struct Limits {
+    /// Number of recordings.
     pub files: Option<u64>,
-    /// Bytes of all together.
+    /// Size of all recordings together \[bytes\].
     pub total_size: Option<u64>,
-    /// Time since the beginning.
+    /// Time since a recording began.
     pub age: Option<Duration>,
 }
 
-/// A recording of ours on the disk.
+/// A recording on the disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Found {
     pub directory: PathBuf,
@@ -31,13 +31,13 @@ pub(crate) struct Found {
     pub bytes: u64,
 }
 
-/// Our recordings in a directory, the oldest first; others are not looked at.
+/// The recordings of `application` in a directory, the oldest first; everything else is ignored.
 pub(crate) fn find_recordings(application: &str, parent: &Path) -> Vec<Found> {
     let Ok(entries) = fs::read_dir(parent) else {
         return Vec::new();
     };
     let mut found: Vec<Found> = entries
-        .take(MOST)
+        .take(MAX_ENTRIES)
         .filter_map(Result::ok)
         .filter_map(|entry| {
             let began = directory_time(application, &entry.file_name().to_string_lossy())?;
@@ -59,7 +59,7 @@ pub(crate) fn find_recordings(application: &str, parent: &Path) -> Vec<Found> {
     found
 }
 
-/// Files of a recording; `None` where there is anything else, which then is none of ours.
+/// Files of a recording; `None` if the directory contains anything else, and so was not written by a recorder.
 fn files_of(directory: &Path) -> Option<Vec<PathBuf>> {
     if directory.symlink_metadata().ok()?.file_type().is_symlink() {
         return None;
@@ -79,7 +79,7 @@ fn files_of(directory: &Path) -> Option<Vec<PathBuf>> {
     Some(files)
 }
 
-/// The MCAP files of a recording, by name.
+/// The MCAP files of a recording, sorted by name.
 pub(crate) fn mcap_files(directory: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(directory)? {
@@ -96,17 +96,17 @@ pub(crate) fn mcap_files(directory: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Deletes the oldest recordings until no more is kept than may be, but never `current` nor one that another program
-/// writes. Says which.
-pub(crate) fn delete_what_is_too_much(
+/// Deletes the oldest recordings until the limits are kept, but never `current` nor one that is being written.
+/// Returns what was deleted.
+pub(crate) fn enforce_limits(
     application: &str,
     parent: &Path,
     current: &Path,
     now: SystemTime,
-    kept: Kept,
+    limits: Limits,
 ) -> Vec<PathBuf> {
-    if kept
-        == (Kept {
+    if limits
+        == (Limits {
             files: None,
             total_size: None,
             age: None,
@@ -115,7 +115,7 @@ pub(crate) fn delete_what_is_too_much(
         return Vec::new();
     }
     let found = find_recordings(application, parent);
-    let superfluous = superfluous(&found, now, kept);
+    let superfluous = superfluous(&found, now, limits);
     let is_idle = |directory: &Path| {
         let files = mcap_files(directory).unwrap_or_default();
         directory != current && !files.iter().any(|file| is_being_written(file))
@@ -126,16 +126,16 @@ pub(crate) fn delete_what_is_too_much(
         .collect()
 }
 
-/// Those that are too old, and the oldest of those that are too many or too large together.
-fn superfluous(found: &[Found], now: SystemTime, kept: Kept) -> Vec<Found> {
+/// The recordings that are too old, and the oldest of those that are too many or too large together.
+fn superfluous(found: &[Found], now: SystemTime, limits: Limits) -> Vec<Found> {
     let mut files = found.len() as u64;
     let mut bytes: u64 = found.iter().map(|it| it.bytes).sum();
     let mut superfluous = Vec::new();
     for it in found {
         let age = now.duration_since(it.began).unwrap_or_default();
-        let too_much = kept.files.is_some_and(|most| files > most)
-            || kept.total_size.is_some_and(|most| bytes > most)
-            || kept.age.is_some_and(|most| age > most);
+        let too_much = limits.files.is_some_and(|max| files > max)
+            || limits.total_size.is_some_and(|max| bytes > max)
+            || limits.age.is_some_and(|max| age > max);
         if too_much {
             files -= 1;
             bytes -= it.bytes;
@@ -145,7 +145,7 @@ fn superfluous(found: &[Found], now: SystemTime, kept: Kept) -> Vec<Found> {
     superfluous
 }
 
-/// Removes the files one by one: should somebody have put something there meanwhile, it stays.
+/// Removes the files one by one, so that a file of another program that appeared meanwhile is not deleted.
 fn delete(directory: &Path) -> io::Result<()> {
     for file in files_of(directory).unwrap_or_default() {
         fs::remove_file(file)?;
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
     use std::time::UNIX_EPOCH;
 
-    const NONE: Kept = Kept {
+    const NONE: Limits = Limits {
         files: None,
         total_size: None,
         age: None,
@@ -168,7 +168,7 @@ mod tests {
         UNIX_EPOCH + Duration::from_secs(3600 * hours)
     }
 
-    fn deleted(kept: Kept) -> Vec<u64> {
+    fn deleted(limits: Limits) -> Vec<u64> {
         let found: Vec<Found> = (0..5)
             .map(|index| Found {
                 directory: PathBuf::from(index.to_string()),
@@ -177,7 +177,7 @@ mod tests {
             })
             .collect();
         let name = |it: &Found| it.directory.to_string_lossy().parse().unwrap();
-        superfluous(&found, hour(5), kept)
+        superfluous(&found, hour(5), limits)
             .iter()
             .map(name)
             .collect()
@@ -187,21 +187,21 @@ mod tests {
     fn the_oldest_go_first() {
         assert!(deleted(NONE).is_empty());
         assert_eq!(
-            deleted(Kept {
+            deleted(Limits {
                 files: Some(3),
                 ..NONE
             }),
             [0, 1]
         );
         assert_eq!(
-            deleted(Kept {
+            deleted(Limits {
                 total_size: Some(25),
                 ..NONE
             }),
             [0, 1, 2]
         );
         assert_eq!(
-            deleted(Kept {
+            deleted(Limits {
                 age: Some(Duration::from_secs(2 * 3600)),
                 ..NONE
             }),
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_but_idle_recordings_of_ours_is_deleted() {
+    fn only_idle_recordings_of_the_application_are_deleted() {
         let parent = tempfile::tempdir().unwrap();
         let make = |name: &str, file: &str| {
             let directory = parent.path().join(name);
@@ -228,16 +228,16 @@ mod tests {
             .open(written.join("a_0.mcap"))
             .unwrap();
         file.lock().unwrap();
-        let kept = Kept {
+        let limits = Limits {
             files: Some(0),
             ..NONE
         };
-        let deleted = delete_what_is_too_much(
+        let deleted = enforce_limits(
             "column_twin",
             parent.path(),
             &current,
             SystemTime::now(),
-            kept,
+            limits,
         );
         assert_eq!(deleted, std::slice::from_ref(&old));
         assert!(!old.exists());

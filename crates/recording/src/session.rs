@@ -1,5 +1,5 @@
-//! What a recorder does with each message, driven by the time it is given: begins recordings at checkpoints, ends them
-//! at their limits, goes on after a full disk, keeps to what may be kept.
+//! What a recorder does with each message. It begins recordings at checkpoints, ends them at their limits, goes on after a
+//! full disk, and deletes old recordings. The caller provides the time.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,70 +13,71 @@ use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
 use crate::names::directory_name;
 use crate::report::RecorderReport;
-use crate::retention::{Kept, delete_what_is_too_much};
+use crate::retention::{Limits, enforce_limits};
 use crate::syncing::Syncing;
 use crate::topic::TopicInfo;
-use crate::writer::{APPLICATION, Ended, Entry, Unsaved, Writer, WriterOptions};
+use crate::writer::{APPLICATION, EndReason, Entry, Unsaved, Writer, WriterOptions};
 
-/// Longest time for which messages stay in memory. With the recorder's nap and the time that writing takes it stays below
+/// How long messages stay in memory. Together with the recorder's nap and the time of a write it is shorter than
 /// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).
 const FLUSH_PERIOD: Duration = Duration::from_millis(25);
 
-/// Shortest time between two notes of losses in the file.
+/// Minimum time between two records of losses in the file.
 const NOTE_PERIOD: Duration = Duration::from_secs(1);
 
-/// Where no checkpoint comes, a recording ends at this multiple of its limits.
+/// Without a checkpoint, a recording ends at this multiple of its limits.
 const HARD_LIMIT: u32 = 2;
 
-/// Most chunks of one recording: each takes some 300 bytes of memory until its end.
+/// Maximum number of chunks of one recording: each needs about 300 bytes of memory until the end of the recording.
 const MAX_CHUNKS: u64 = 250_000;
 
-/// Room that must be there before recording goes on after a full disk \[bytes\].
+/// Free space that is required before recording goes on after a full disk \[bytes\].
 const ROOM_TO_RESUME: u64 = 2 << 20;
 
-/// Most recordings that begin in one second.
+/// Maximum number of recordings that begin in the same second.
 const MAX_PER_SECOND: u32 = 100;
 
-/// Is told what happens to a recorder.
-pub type Telling = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
+/// Receives the reports of a recorder.
+pub type OnReport = Arc<dyn Fn(&RecorderReport) + Send + Sync>;
 
-/// How to record.
+/// Options of a recorder.
 #[derive(Clone)]
 pub struct RecorderOptions {
-    /// Directory of the recordings; it is made where it is missing.
+    /// Directory of the recordings; it is created if it does not exist.
     pub directory: PathBuf,
-    /// ChunkCompression of the chunks.
+    /// Compression of the chunks.
     pub compression: ChunkCompression,
-    /// Whether every [`FLUSH_WITHIN`](crate::FLUSH_WITHIN) what was written is made to survive a loss of power.
+    /// Whether the written data is synced to the disk every [`FLUSH_WITHIN`](crate::FLUSH_WITHIN), so that it survives a
+    /// loss of power.
     pub sync: bool,
     /// Name of the recording program; the names of recordings and threads begin with it.
     pub application: String,
-    /// Notes of the recording program, which each recording begins with: its version, for example.
+    /// Notes of the recording program at the beginning of each recording: its version, for example.
     pub notes: BTreeMap<String, String>,
-    /// Size at which a recording goes on in a new one \[bytes\].
+    /// Size at which a new recording begins \[bytes\].
     pub max_file_size: u64,
-    /// Age at which a recording goes on in a new one.
+    /// Duration after which a new recording begins.
     pub max_duration: Option<Duration>,
-    /// Most recordings that are kept, this one included.
+    /// Maximum number of recordings that are kept, including the current one.
     pub max_files: Option<u64>,
-    /// Most bytes of recordings that are kept, this one included.
+    /// Maximum size of all recordings that are kept, including the current one \[bytes\].
     pub max_total_size: Option<u64>,
     /// Age at which recordings are deleted.
     pub max_age: Option<Duration>,
-    /// The time of day now; from here on the recorder counts by itself.
+    /// The current time; the recorder adds the time since its start.
     pub started: SystemTime,
-    /// How long after a failure it is tried again.
+    /// Time after a failure until the next attempt.
     pub retry_after: Duration,
-    /// Most messages that wait for the recorder.
+    /// Maximum number of messages in the queue.
     pub queue_messages: usize,
-    /// Most bytes of messages that wait for the recorder.
+    /// Maximum size of the messages in the queue \[bytes\].
     pub queue_bytes: usize,
-    /// Is called in the recorder's thread with what happens; must not take long.
-    pub tell: Option<Telling>,
+    /// Called in the recorder's thread with each report; must return quickly.
+    pub on_report: Option<OnReport>,
 }
 
 impl RecorderOptions {
-    /// Records to `directory` without limits but those of the queue.
+    /// Options to record to `directory`, with no limits except those of the queue.
     #[must_use]
     pub fn new(directory: impl Into<PathBuf>, started: SystemTime) -> Self {
         Self {
@@ -94,7 +95,7 @@ impl RecorderOptions {
             retry_after: Duration::from_secs(5),
             queue_messages: 65_536,
             queue_bytes: 64 << 20,
-            tell: None,
+            on_report: None,
         }
     }
 
@@ -107,9 +108,9 @@ impl RecorderOptions {
         }
     }
 
-    pub(crate) fn say(&self, report: &RecorderReport) {
-        if let Some(tell) = &self.tell {
-            tell(report);
+    pub(crate) fn report(&self, report: &RecorderReport) {
+        if let Some(on_report) = &self.on_report {
+            on_report(report);
         }
     }
 }
@@ -122,12 +123,12 @@ impl fmt::Debug for RecorderOptions {
     }
 }
 
-/// What others may look at while the recorder works.
+/// Counters that other threads read while the recorder works.
 #[derive(Debug, Default)]
 pub(crate) struct Counters {
     pub written: AtomicU64,
     pub written_bytes: AtomicU64,
-    /// Messages that did not get into the queue.
+    /// Messages that did not fit into the queue.
     pub refused: AtomicU64,
     /// Messages that were taken from the queue and could not be written.
     pub unwritten: AtomicU64,
@@ -141,20 +142,20 @@ fn set<T>(place: &Mutex<Option<T>>, value: Option<T>) {
     *place.lock().unwrap_or_else(PoisonError::into_inner) = value;
 }
 
-/// One recording after the other.
+/// Writes one recording after the other.
 pub(crate) struct Session {
     options: RecorderOptions,
     topics: Vec<TopicInfo>,
     counters: Arc<Counters>,
     syncing: Syncing,
     writer: Option<Current>,
-    /// The newest checkpoint, with which a recording begins that could not wait for one.
+    /// The newest checkpoint; a recording that cannot wait for the next one begins with it.
     checkpoint: Option<Entry>,
     retry_at: Option<Duration>,
-    /// Losses that stand in a file.
+    /// Losses that are recorded in a file.
     noted: u64,
-    /// Losses that were told.
-    told: u64,
+    /// Losses that were reported.
+    reported: u64,
     last_note: Option<Duration>,
 }
 
@@ -162,7 +163,7 @@ struct Current {
     writer: Writer,
     began: Duration,
     last_flush: Duration,
-    /// Whether there is something to flush.
+    /// Whether messages wait to be flushed.
     unflushed: bool,
 }
 
@@ -181,12 +182,12 @@ impl Session {
             checkpoint: None,
             retry_at: None,
             noted: 0,
-            told: 0,
+            reported: 0,
             last_note: None,
         })
     }
 
-    /// Records a message at `now`, counted from the start.
+    /// Records a message at the time `now` since the start.
     pub fn take(&mut self, entry: Entry, now: Duration) {
         if entry.checkpoint {
             self.checkpoint = Some(entry.clone());
@@ -197,7 +198,7 @@ impl Session {
             .as_ref()
             .is_some_and(|current| self.is_past_limits(current, now, times))
         {
-            self.end(Ended::Rotated);
+            self.end(EndReason::Rotated);
         }
         if self.writer.is_none() && !self.begin(&entry, now) {
             self.counters.unwritten.fetch_add(1, Ordering::Relaxed);
@@ -217,7 +218,7 @@ impl Session {
             || current.writer.chunks() >= MAX_CHUNKS * u64::from(times)
     }
 
-    /// Begins a recording, if it is time to try; `first` is what it is begun for.
+    /// Begins a recording with the message `first`, unless it is too early for the next attempt.
     fn begin(&mut self, first: &Entry, now: Duration) -> bool {
         if self.retry_at.is_some_and(|at| now < at) {
             return false;
@@ -252,10 +253,10 @@ impl Session {
             },
             Some(_) => RecorderReport::Resumed {
                 directory: directory.clone(),
-                lost: self.losses_to_tell(),
+                lost: self.losses_to_report(),
             },
         };
-        self.options.say(&report);
+        self.options.report(&report);
         self.writer = Some(Current {
             writer,
             began: now,
@@ -274,13 +275,13 @@ impl Session {
             room,
         );
         if created.is_err() {
-            // It was made a moment ago; what is not there need not be removed.
+            // The directory was created just now; if it is gone, there is nothing to remove.
             let _ = fs::remove_dir_all(&directory);
         }
         created
     }
 
-    /// Makes a directory that nobody else has.
+    /// Creates a directory with a new name.
     fn claim_directory(&self, now: Duration) -> Result<PathBuf, RecordingError> {
         let parent = &self.options.directory;
         let name = directory_name(&self.options.application, self.options.started + now);
@@ -307,19 +308,19 @@ impl Session {
     }
 
     fn delete_old(&self, current: &Path, now: Duration) {
-        let kept = Kept {
+        let limits = Limits {
             files: self.options.max_files,
             total_size: self.options.max_total_size,
             age: self.options.max_age,
         };
-        for directory in delete_what_is_too_much(
+        for directory in enforce_limits(
             &self.options.application,
             &self.options.directory,
             current,
             self.options.started + now,
-            kept,
+            limits,
         ) {
-            self.options.say(&RecorderReport::Deleted { directory });
+            self.options.report(&RecorderReport::Deleted { directory });
         }
     }
 
@@ -342,14 +343,14 @@ impl Session {
         }
     }
 
-    /// Ends what is being written, as well as it goes, and waits before it tries again.
+    /// Ends the current recording as well as possible, and schedules the next attempt.
     fn fail(&mut self, error: &RecordingError, now: Duration) {
         self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
         let reason: Arc<str> = error.to_string().into();
         let first = self.retry_at.is_none();
         self.retry_at = Some(now + self.options.retry_after);
         if matches!(error, RecordingError::NoRoom { .. }) {
-            self.end(Ended::NoRoom);
+            self.end(EndReason::NoRoom);
         } else if let Some(current) = self.writer.take() {
             let unsaved = current.writer.abandon();
             self.cut_off(unsaved);
@@ -357,14 +358,14 @@ impl Session {
         set(&self.counters.current, None);
         set(&self.counters.failing, Some(Arc::clone(&reason)));
         if first {
-            self.options.say(&RecorderReport::Failing {
+            self.options.report(&RecorderReport::Failing {
                 reason: reason.to_string(),
             });
         }
     }
 
     /// Finishes the recording, if there is one.
-    fn end(&mut self, reason: Ended) {
+    fn end(&mut self, reason: EndReason) {
         let losses = self.new_losses();
         let Some(mut current) = self.writer.take() else {
             return;
@@ -374,25 +375,25 @@ impl Session {
         match current.writer.finish_because(reason) {
             Ok(finished) => {
                 self.noted += losses;
-                // What is lost is an error, also where it is only now that a file says so.
-                let messages = self.losses_to_tell();
+                // A loss is an error even if only the end of the file records it.
+                let messages = self.losses_to_report();
                 if messages > 0 {
-                    self.options.say(&RecorderReport::Lost { messages });
+                    self.options.report(&RecorderReport::Lost { messages });
                 }
                 self.counters.finished.fetch_add(1, Ordering::Relaxed);
-                self.options.say(&RecorderReport::Finished(finished));
+                self.options.report(&RecorderReport::Finished(finished));
             }
             Err((error, unsaved)) => {
                 self.cut_off(unsaved);
                 self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
-                self.options.say(&RecorderReport::Failing {
+                self.options.report(&RecorderReport::Failing {
                     reason: error.to_string(),
                 });
             }
         }
     }
 
-    /// Counts what was taken for written when it came, and has not reached the file.
+    /// Counts messages as lost that were counted as written and did not reach the file.
     fn cut_off(&self, unsaved: Unsaved) {
         let counters = &self.counters;
         counters
@@ -406,13 +407,13 @@ impl Session {
             .fetch_sub(unsaved.bytes, Ordering::Relaxed);
     }
 
-    /// Losses of which no report has said anything; from now on one has.
-    fn losses_to_tell(&mut self) -> u64 {
+    /// Losses that were not reported yet; they count as reported from now on.
+    fn losses_to_report(&mut self) -> u64 {
         let lost = self.lost();
-        lost - std::mem::replace(&mut self.told, lost)
+        lost - std::mem::replace(&mut self.reported, lost)
     }
 
-    /// Messages that are lost and of which no file says so.
+    /// Losses that are not recorded in a file yet.
     fn new_losses(&self) -> u64 {
         self.lost().saturating_sub(self.noted)
     }
@@ -423,7 +424,7 @@ impl Session {
             + self.counters.unwritten.load(Ordering::Relaxed)
     }
 
-    /// Does what is due: hands data to the system, notes losses. To be called again and again.
+    /// Does what is due: hands data to the operating system, records losses. Has to be called regularly.
     pub fn tick(&mut self, now: Duration) {
         if let Some(error) = self.syncing.take_failure() {
             self.fail(&error, now);
@@ -455,9 +456,9 @@ impl Session {
         self.last_note = Some(now);
         current.writer.add_lost(losses);
         let noted = current.writer.note_lost();
-        let messages = self.losses_to_tell();
+        let messages = self.losses_to_report();
         if messages > 0 {
-            self.options.say(&RecorderReport::Lost { messages });
+            self.options.report(&RecorderReport::Lost { messages });
         }
         match noted {
             Ok(()) => self.noted += losses,
@@ -465,9 +466,9 @@ impl Session {
         }
     }
 
-    /// Finishes everything.
+    /// Finishes the current recording.
     pub fn finish(&mut self) {
-        self.end(Ended::Stopped);
+        self.end(EndReason::Stopped);
     }
 }
 
@@ -504,7 +505,7 @@ mod tests {
         (session, counters)
     }
 
-    /// Messages of the recordings in `folder`, and those that are missing as they say, by name.
+    /// The numbers of messages and of lost messages of the recordings in `folder`, by name.
     fn contents(folder: &Path) -> Vec<(u64, Option<u64>)> {
         let mut directories: Vec<_> = fs::read_dir(folder)
             .unwrap()
@@ -520,12 +521,12 @@ mod tests {
     }
 
     #[test]
-    fn what_a_failed_write_cuts_off_is_lost_and_said_once() {
+    fn what_a_failed_write_cuts_off_is_lost_and_reported_once() {
         let folder = tempfile::tempdir().unwrap();
         let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
         let told = Arc::new(Mutex::new(Vec::new()));
         let telling = Arc::clone(&told);
-        options.tell = Some(Arc::new(move |it| {
+        options.on_report = Some(Arc::new(move |it| {
             telling.lock().unwrap().push(it.clone());
         }));
         let (mut session, counters) = session(options);
@@ -541,7 +542,7 @@ mod tests {
         session.writer.as_ref().unwrap().writer.break_disk();
         session.tick(at(200));
         assert_eq!(counted(), (4, 3));
-        // Before it is tried again.
+        // Before the next attempt.
         session.take(entry(false), at(300));
         assert_eq!(counted(), (4, 4));
         session.take(entry(false), at(6000));
@@ -571,7 +572,7 @@ mod tests {
     }
 
     #[test]
-    fn an_old_recording_goes_on_at_a_starting_point_or_at_its_hard_limit() {
+    fn a_new_recording_begins_at_a_checkpoint_or_at_the_hard_limit() {
         let folder = tempfile::tempdir().unwrap();
         let mut options = RecorderOptions::new(folder.path(), SystemTime::UNIX_EPOCH);
         options.max_duration = Some(Duration::from_secs(10));

@@ -1,4 +1,4 @@
-//! How a recorder does.
+//! The state of a recorder.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub struct QueueStatistics {
     /// Maximum number of messages.
     pub capacity: usize,
-    /// Messages that wait now.
+    /// Messages in the queue.
     pub len: usize,
     /// Messages that were offered since the start.
     pub pushed: u64,
@@ -16,27 +16,27 @@ pub struct QueueStatistics {
     pub dropped: u64,
 }
 
-/// A recorder as it is now.
+/// The state of a recorder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecorderStatistics {
-    /// The queue in front of its thread.
+    /// The queue in front of the recorder's thread.
     pub queue: QueueStatistics,
-    /// Bytes of messages that wait in the queue.
+    /// Size of the messages in the queue \[bytes\].
     pub waiting_bytes: usize,
-    /// Most bytes that may wait.
+    /// Maximum size of the messages in the queue \[bytes\].
     pub capacity_bytes: usize,
-    /// Messages that were written.
+    /// Messages written so far.
     pub written: u64,
-    /// Bytes of these messages.
+    /// Size of the written messages \[bytes\].
     pub written_bytes: u64,
-    /// Messages that are in no file: the queue was full, or they could not be written.
+    /// Messages lost so far: the queue was full, or they could not be written.
     pub lost: u64,
-    /// Times that writing failed.
+    /// Number of failed writes.
     pub write_errors: u64,
-    /// Why nothing can be written now, and what to do.
+    /// Why recording is not possible at the moment, and what to do.
     pub failing: Option<Arc<str>>,
-    /// The recording that is being written.
+    /// The current recording.
     pub current: Option<PathBuf>,
-    /// Recordings that were finished.
+    /// Number of finished recordings.
     pub finished: u64,
 }

@@ -1,18 +1,18 @@
-//! The file under a recording: room is set aside ahead of what is written, so that a disk that fills up is noticed before
-//! a record is cut in two, and what ends the file still fits.
+//! The file of a recording. Disk space is reserved ahead of the writing, so that a full disk is noticed before a record is cut
+//! in two, and the end of the file still fits.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use crate::error::is_no_room;
+use crate::error::{RecordingError, is_no_room};
 
-/// How much room is set aside at a time \[bytes\].
+/// How much space is reserved at a time \[bytes\].
 const STEP: u64 = 4 << 20;
 
-/// A file that is written from its beginning to its end. Clones write to the same file.
+/// A file that is written sequentially. Clones write to the same file.
 #[derive(Debug, Clone)]
 pub(crate) struct Storage(Arc<Shared>);
 
@@ -25,7 +25,7 @@ struct Shared {
 }
 
 impl Storage {
-    /// A new file, locked against a repair by another program for as long as it is open.
+    /// Creates a file and locks it while it is open, so that no other program repairs it.
     pub fn create(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path)?;
         lock(&file);
@@ -37,15 +37,15 @@ impl Storage {
         })))
     }
 
-    /// Bytes that were written.
+    /// Bytes written so far.
     pub fn position(&self) -> u64 {
         self.0.position.load(Ordering::Relaxed)
     }
 
-    /// Sets room aside up to `end` bytes from the beginning, and some more.
+    /// Reserves space up to `end` bytes from the beginning, and some more.
     ///
     /// # Errors
-    /// There is no room. Where the file system cannot tell beforehand, it is said when writing.
+    /// There is no room. If the file system cannot reserve space, the write itself reports that.
     pub fn reserve(&self, end: u64) -> io::Result<()> {
         let reserved = self.0.reserved.load(Ordering::Relaxed);
         if end <= reserved {
@@ -57,31 +57,31 @@ impl Storage {
                 allocate(&self.0.file, reserved, end)?;
                 end
             }
-            // A file system without this; then it is as if it had been granted.
+            // The file system cannot reserve space: go on as if it had.
             Err(_) | Ok(()) => generous,
         };
         self.0.reserved.store(upto, Ordering::Relaxed);
         Ok(())
     }
 
-    /// Gives back the room that was set aside and not used.
+    /// Releases the reserved space that was not used.
     pub fn release(&self) -> io::Result<()> {
         self.0.reserved.store(self.position(), Ordering::Relaxed);
         self.0.file.set_len(self.position())
     }
 
-    /// Writes nothing any more, and cuts off what stands behind `length`.
+    /// Rejects further writes, and truncates the file to `length`.
     pub fn close_at(&self, length: u64) -> io::Result<()> {
         self.0.closed.store(true, Ordering::Relaxed);
         self.0.file.set_len(length)
     }
 
-    /// Waits until what was written would survive a loss of power.
+    /// Waits until the written data would survive a loss of power.
     pub fn sync_data(&self) -> io::Result<()> {
         self.0.file.sync_data()
     }
 
-    /// As [`sync_data`](Self::sync_data), with all that is known of the file.
+    /// As [`sync_data`](Self::sync_data), with the metadata of the file.
     pub fn sync_all(&self) -> io::Result<()> {
         self.0.file.sync_all()
     }
@@ -103,7 +103,7 @@ impl Write for Storage {
 }
 
 impl Seek for Storage {
-    /// Says where it is; goes nowhere else.
+    /// Reports the position; cannot seek anywhere else.
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match to {
             SeekFrom::Current(0) => Ok(self.position()),
@@ -112,9 +112,9 @@ impl Seek for Storage {
     }
 }
 
-/// Not every file system has locks; without one a running recording could be taken for a crashed one.
+/// Locks the file. Some file systems have no locks; there, a running recording could be mistaken for a crashed one.
 fn lock(file: &File) {
-    // Who looks whether it is locked holds it for a moment.
+    // A program that tests the lock holds it for a moment.
     const ATTEMPTS: usize = 1000;
     for _ in 0..ATTEMPTS {
         match file.try_lock() {
@@ -124,13 +124,47 @@ fn lock(file: &File) {
     }
 }
 
-/// Whether another program writes this file.
+/// Whether a program is writing this file.
 pub(crate) fn is_being_written(path: &Path) -> bool {
-    // A lock for reading, which two programs that look at the same time do not refuse each other.
+    // A shared lock, so that two programs can test at the same time.
     let Ok(file) = File::open(path) else {
         return false;
     };
     matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))
+}
+
+/// Data that was handed to the operating system and has to reach the disk.
+#[derive(Debug, Clone)]
+pub(crate) struct Unsynced {
+    pub storage: Storage,
+    pub path: PathBuf,
+    /// The directory, if its entry for the file is new.
+    pub directory: Option<PathBuf>,
+}
+
+impl Unsynced {
+    /// Waits until the data is on the disk.
+    pub fn sync(&self) -> Result<(), RecordingError> {
+        self.storage
+            .sync_data()
+            .map_err(|source| RecordingError::io("sync", &self.path, source))?;
+        self.directory.as_deref().map_or(Ok(()), sync_directory)
+    }
+}
+
+/// Makes a new name survive a loss of power, which needs its directory to be synced.
+pub(crate) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
+    for folder in [Some(directory), directory.parent()].into_iter().flatten() {
+        let folder = if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        };
+        File::open(folder)
+            .and_then(|opened| opened.sync_all())
+            .map_err(|source| RecordingError::io("sync", folder, source))?;
+    }
+    Ok(())
 }
 
 #[cfg(target_os = "linux")]
@@ -149,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn room_is_set_aside_and_given_back() {
+    fn space_is_reserved_and_released() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let mut storage = Storage::create(&path).unwrap();

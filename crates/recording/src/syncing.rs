@@ -1,33 +1,12 @@
-//! Makes data survive a loss of power, in a thread of its own: a disk may take half a second for that.
+//! Makes data survive a loss of power, in a separate thread, because a disk may need half a second for it.
 
-use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use crate::error::RecordingError;
-use crate::storage::Storage;
-use crate::writer::sync_directory;
+use crate::storage::Unsynced;
 
-/// What was handed to the system and is to reach the disk.
-#[derive(Debug, Clone)]
-pub(crate) struct Unsynced {
-    pub storage: Storage,
-    pub path: PathBuf,
-    /// The directory, whose entry of the file is new.
-    pub directory: Option<PathBuf>,
-}
-
-impl Unsynced {
-    /// Waits until it is on the disk.
-    pub fn sync(&self) -> Result<(), RecordingError> {
-        self.storage
-            .sync_data()
-            .map_err(|source| RecordingError::io("sync", &self.path, source))?;
-        self.directory.as_deref().map_or(Ok(()), sync_directory)
-    }
-}
-
-/// The thread, and what it is to do next: only the newest matters, for it holds what was before.
+/// The thread and its next task. Only the newest task matters, because it includes the ones before.
 #[derive(Debug)]
 pub(crate) struct Syncing {
     shared: Arc<Shared>,
@@ -62,17 +41,17 @@ impl Syncing {
         })
     }
 
-    /// Does not wait.
+    /// Requests synchronization without waiting for it.
     pub fn request(&self, mut unsynced: Unsynced) {
         let mut state = self.shared.lock();
-        // A new directory entry that is still to be synced stays so.
+        // A new directory entry that has not been synced yet is kept.
         let waiting = state.next.take().filter(|it| it.path == unsynced.path);
         unsynced.directory = unsynced.directory.or(waiting.and_then(|it| it.directory));
         state.next = Some(unsynced);
         self.shared.changed.notify_one();
     }
 
-    /// What went wrong since this was asked last.
+    /// The failure since the last call, if there was one.
     pub fn take_failure(&self) -> Option<RecordingError> {
         self.shared.lock().failure.take()
     }
@@ -83,7 +62,7 @@ impl Drop for Syncing {
         self.shared.lock().stop = true;
         self.shared.changed.notify_one();
         if let Some(thread) = self.thread.take() {
-            let _ = thread.join(); // a panic has been written by its thread
+            let _ = thread.join(); // a panic was reported by the thread itself
         }
     }
 }

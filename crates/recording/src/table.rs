@@ -1,11 +1,12 @@
-//! Messages as rows of a table: fixed arrays become columns, sequences a cell.
+//! Messages as rows of a table: the elements of a fixed array become columns, a sequence becomes one cell.
 
-use crate::decode::{Decoded, Shape, not_finite};
+use crate::definition::Shape;
+use crate::value::{Decoded, not_finite};
 
-/// Most columns of a table; an array that would make more becomes a cell.
+/// Maximum number of columns of a table; a message with more becomes one cell.
 const MAX_COLUMNS: usize = 4096;
 
-/// Most shapes inside each other that are looked at for these columns.
+/// Maximum number of shapes that are visited to count the columns.
 const MAX_SHAPES: usize = 4 * MAX_COLUMNS;
 
 /// Names of the columns below `shape`, `header.stamp.sec`, `moment[0]`.
@@ -32,12 +33,12 @@ fn add_columns(shape: &Shape, name: String, names: &mut Vec<String>) {
     }
 }
 
-/// Whether an array of that length is spread over columns. A matrix is; what is longer is no table any more.
+/// Whether the elements of an array with this length become columns: those of a 6 x 6 matrix do, those of a longer array do not.
 fn is_spread(length: usize) -> bool {
     length <= 36
 }
 
-/// Whether a table of that shape has few enough columns.
+/// Whether a table of this shape has few enough columns.
 pub(crate) fn fits(shape: &Shape) -> bool {
     let mut left = Left {
         columns: MAX_COLUMNS,
@@ -46,15 +47,15 @@ pub(crate) fn fits(shape: &Shape) -> bool {
     left.spend(shape).is_some()
 }
 
-/// What a shape may still have. Types inside each other are shared: followed to its end a small definition would be a
-/// tree of any size, also one without a single column.
+/// How many columns and shapes may still follow. Nested types are shared in memory: written out, a small definition can
+/// become a tree of any size, even one without a single column.
 struct Left {
     columns: usize,
     shapes: usize,
 }
 
 impl Left {
-    /// `None` as soon as there is too much.
+    /// `None` as soon as there are too many.
     fn spend(&mut self, shape: &Shape) -> Option<()> {
         self.shapes = self.shapes.checked_sub(1)?;
         match shape {
@@ -70,7 +71,7 @@ impl Left {
     }
 }
 
-/// The cells of a message under [`columns`] of its shape.
+/// The cells of a message in the order of the [`columns`] of its shape.
 pub(crate) fn cells(shape: &Shape, value: &Decoded) -> Vec<String> {
     let mut cells = Vec::new();
     add_cells(shape, value, &mut cells);
@@ -93,7 +94,7 @@ fn add_cells(shape: &Shape, value: &Decoded, cells: &mut Vec<String>) {
     }
 }
 
-/// Numbers read back to the last bit.
+/// The text of a value; numbers read back bit for bit.
 fn cell(value: &Decoded) -> String {
     match value {
         Decoded::Bool(value) => value.to_string(),
@@ -104,7 +105,7 @@ fn cell(value: &Decoded) -> String {
         Decoded::Float32(value) => not_finite(f64::from(*value)).to_owned(),
         Decoded::Float64(value) => not_finite(*value).to_owned(),
         Decoded::Text(text) => text.clone(),
-        // Written by serde from plain values, which does not fail.
+        // Serializing plain values does not fail.
         list => serde_json::to_string(list).unwrap_or_default(),
     }
 }
@@ -133,9 +134,9 @@ mod tests {
         assert_eq!(columns(&fields(&long, 2)), ["f0", "f1"]);
     }
 
-    /// 10^30 columns, and as many times nothing, in definitions of a kilobyte.
+    /// 10^30 columns, or 10^30 empty arrays, in definitions of a kilobyte.
     #[test]
-    fn types_that_are_nested_without_end_do_not_fit() {
+    fn exponentially_nested_types_do_not_fit() {
         let number = Shape::One(BuiltInType::Int32);
         let nothing = Shape::Array(Box::new(number.clone()), 0);
         for innermost in [number, nothing] {

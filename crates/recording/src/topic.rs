@@ -1,4 +1,4 @@
-//! A topic of a recording and its quality of service, in the words of rosbag2.
+//! A topic of a recording and its quality of service, in the terms of rosbag2.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,11 +9,11 @@ pub struct TopicInfo {
     pub name: String,
     /// ROS name of the type, `std_msgs/msg/String`.
     pub type_name: String,
-    /// Definition of the type with all that it depends on, in the encoding `ros2msg`.
+    /// Definition of the type and its dependencies in the encoding `ros2msg`.
     pub schema: String,
     /// Hash of the type, `RIHS01_...`; may be empty.
     pub type_hash: String,
-    /// What its publisher offers.
+    /// The quality of service that its publisher offers.
     pub qos: OfferedQos,
 }
 
@@ -28,7 +28,7 @@ pub struct OfferedQos {
     pub depth: usize,
 }
 
-/// Seconds and nanoseconds by which ROS 2 says "for ever".
+/// The duration that ROS 2 treats as infinite.
 const INFINITE: Span = Span {
     sec: 9_223_372_036,
     nsec: 854_775_807,
@@ -40,7 +40,7 @@ struct Span {
     nsec: u64,
 }
 
-/// One profile as rosbag2 writes it in version 9: with words.
+/// A profile as rosbag2 writes it in version 9: with words for the policies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct QosProfile {
     history: &'static str,
@@ -54,7 +54,7 @@ pub(crate) struct QosProfile {
     avoid_ros_namespace_conventions: bool,
 }
 
-/// A profile as it is read: of any version, as far as it matters here.
+/// The part of a profile that is read, of any version.
 #[derive(Debug, Deserialize)]
 struct ReadProfile {
     #[serde(default)]
@@ -65,7 +65,7 @@ struct ReadProfile {
     durability: WordOrNumber,
 }
 
-/// Up to version 8 the values of `rmw/types.h`, from then on words.
+/// A policy: up to version 8 a number of `rmw/types.h`, later a word.
 #[derive(Debug, Default, Deserialize)]
 #[serde(untagged)]
 enum WordOrNumber {
@@ -108,12 +108,12 @@ impl OfferedQos {
         }
     }
 
-    /// The text of the channel metadata `offered_qos_profiles`.
+    /// The text for the channel metadata `offered_qos_profiles`.
     pub(crate) fn to_yaml(self) -> Result<String, serde_yaml_ng::Error> {
         serde_yaml_ng::to_string(&[self.profile()])
     }
 
-    /// The first profile of such a text, of whatever version; `None` where there is none that can be read.
+    /// The first profile of such a text, of any version; `None` if none can be read.
     pub(crate) fn from_yaml(text: &str) -> Option<Self> {
         let profiles: Vec<ReadProfile> = serde_yaml_ng::from_str(text).ok()?;
         profiles.first().map(|profile| Self {

@@ -1,7 +1,7 @@
 //! Writes one recording.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,14 +13,13 @@ use mcap::{WriteOptions, Writer as McapWriter};
 use crate::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
-use crate::storage::Storage;
-use crate::syncing::Unsynced;
+use crate::storage::{Storage, Unsynced, sync_directory};
 use crate::topic::TopicInfo;
 
-/// Most that a program that is killed loses: what it recorded within this time before.
+/// A killed program loses at most the messages of this time before the kill.
 pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 
-/// Name of the recording program where none is given.
+/// Name of the recording program if none is given.
 pub(crate) const APPLICATION: &str = "recording";
 
 /// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
@@ -38,52 +37,52 @@ pub(crate) fn record_name(application: &str, kind: &str) -> String {
     format!("{application}{kind}")
 }
 
-/// Key of the metadata of a channel that holds the offered quality of service.
+/// Key of the offered quality of service in the metadata of a channel.
 pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
 
-/// Key of the metadata of a channel that holds the hash of its type.
+/// Key of the type hash in the metadata of a channel.
 const TYPE_HASH_KEY: &str = "topic_type_hash";
 
 /// Size at which a chunk ends, before compression \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
 
-/// Small records are gathered before they go to the system \[bytes\].
+/// Size of the buffer for small records \[bytes\].
 const WRITE_BUFFER: usize = 256 << 10;
 
-/// What a message needs in the file beside its bytes: its record's head and its place in the index \[bytes\].
+/// Space that a message needs besides its bytes: head of the record and index entry \[bytes\].
 const MESSAGE_OVERHEAD: u64 = 31 + 16;
 
-/// What a chunk needs at the end of the file, and around itself, beside what each topic needs \[bytes\].
+/// Space that a chunk needs for its head and at the end of the file, besides that of each topic \[bytes\].
 const CHUNK_OVERHEAD: u64 = 512;
 
-/// What each topic needs for each chunk: its index record, its place in the chunk's index \[bytes\].
+/// Space that each topic needs for each chunk: message index and entry in the chunk index \[bytes\].
 const TOPIC_IN_CHUNK: u64 = 32;
 
-/// What each topic needs at the end of the file besides its schema: twice its metadata \[bytes\].
+/// Space that each topic needs at the end of the file besides its schema: twice its metadata \[bytes\].
 const TOPIC_AT_END: u64 = 4096;
 
-/// What the end of the file and `metadata.yaml` need besides \[bytes\].
+/// Further space for the end of the file and `metadata.yaml` \[bytes\].
 const END: u64 = 64 << 10;
 
-/// One message to be recorded.
+/// A message to be recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Which of the declared topics, counted from 0.
+    /// Index of the topic among the declared topics.
     pub topic: usize,
-    /// When it was received or sent \[ns since 1970\]; not before.
+    /// When it was received or sent \[ns since 1970\]; not negative.
     pub log_time: i64,
-    /// When its publisher sent it \[ns since 1970\]; not before.
+    /// When its publisher sent it \[ns since 1970\]; not negative.
     pub publish_time: i64,
     /// Its bytes on the wire: encapsulation header, then CDR.
     pub data: Arc<[u8]>,
-    /// Whether a recording may begin with it: it says all that is needed to understand what follows.
+    /// Whether a recording may begin with this message, because the messages that follow need no earlier ones.
     pub checkpoint: bool,
 }
 
-/// How a recording is written.
+/// Options of a writer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WriterOptions {
-    /// ChunkCompression of the chunks.
+    /// Compression of the chunks.
     pub compression: ChunkCompression,
     /// Whether [`Writer::flush`] waits until the data would survive a loss of power.
     pub sync: bool,
@@ -109,37 +108,37 @@ impl Default for WriterOptions {
 pub struct Finished {
     /// Its directory.
     pub directory: PathBuf,
-    /// Its messages.
+    /// Number of its messages.
     pub messages: u64,
-    /// Bytes of its file.
+    /// Size of its file \[bytes\].
     pub bytes: u64,
-    /// Messages that are missing.
+    /// Number of messages that were lost.
     pub lost: u64,
 }
 
-/// What was taken and is in memory only: when the file ends here, it is lost.
+/// Messages that are only in memory; they are lost if the file ends here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Unsaved {
-    /// Messages.
+    /// Their number.
     pub messages: u64,
-    /// Their bytes.
+    /// Their size \[bytes\].
     pub bytes: u64,
 }
 
 /// Why a recording ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Ended {
-    /// Its writer had no more to write.
+pub(crate) enum EndReason {
+    /// The recorder was stopped, or the writer was finished.
     Stopped,
-    /// It was long enough.
+    /// The recording reached its limits.
     Rotated,
-    /// No room.
+    /// The disk was full.
     NoRoom,
-    /// It was cut off, and written anew.
+    /// The recording is the result of a repair.
     Repaired,
 }
 
-impl Ended {
+impl EndReason {
     fn word(self) -> &'static str {
         match self {
             Self::Stopped => "stopped",
@@ -150,8 +149,8 @@ impl Ended {
     }
 }
 
-/// Writes one recording: a directory with `metadata.yaml` and one MCAP file. To be [finished](Self::finish); dropped
-/// before, it ends the file if it can, says nothing of errors, and leaves no `metadata.yaml`.
+/// Writes one recording: a directory with `metadata.yaml` and one MCAP file. It has to be [finished](Self::finish); if it is
+/// dropped before, it ends the file if possible, ignores errors, and writes no `metadata.yaml`.
 pub struct Writer {
     inner: McapWriter<BufWriter<Storage>>,
     storage: Storage,
@@ -163,16 +162,16 @@ pub struct Writer {
     span: Option<(u64, u64)>,
     messages: u64,
     lost: u64,
-    /// Bytes of the open chunk and of its index, at the most.
+    /// Maximum size of the open chunk and its index \[bytes\].
     open_chunk: u64,
-    /// Its messages.
+    /// The messages of the open chunk.
     unsaved: Unsaved,
     chunks: u64,
-    /// What the end of the file needs, beside what each chunk needs.
+    /// Space that the end of the file needs, besides that of each chunk \[bytes\].
     end: u64,
-    /// Length of the file up to which it consists of whole records.
+    /// Length of the part of the file that consists of whole records \[bytes\].
     whole: u64,
-    /// Length of the file that was synced, or given to somebody who does.
+    /// Length of the part of the file that was synced, or handed out to be synced \[bytes\].
     synced: u64,
 }
 
@@ -182,7 +181,7 @@ struct Topic {
     messages: u64,
 }
 
-/// A topic with the texts that the file holds of it.
+/// A topic with all its texts in the file.
 pub(crate) struct Described {
     pub name: String,
     pub type_name: String,
@@ -222,7 +221,7 @@ impl Described {
     }
 }
 
-/// Whether these topics can be recorded: every name once.
+/// Checks that all names differ.
 pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
     for (index, topic) in topics.iter().enumerate() {
         if topics[..index].iter().any(|other| other.name == topic.name) {
@@ -235,10 +234,10 @@ pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
 }
 
 impl Writer {
-    /// Begins the recording `directory`, which must not exist, or be empty.
+    /// Begins the recording `directory`, which must not exist or must be empty.
     ///
     /// # Errors
-    /// The directory holds something or cannot be made, a type is unknown, a topic stands twice, or there is no room.
+    /// The directory is not empty or cannot be created, a topic is declared twice, or there is no room.
     pub fn create(
         directory: &Path,
         options: &WriterOptions,
@@ -247,7 +246,7 @@ impl Writer {
         Self::create_with_room(directory, options, topics, 0)
     }
 
-    /// As [`create`](Self::create), where at least so much room \[bytes\] is left.
+    /// As [`create`](Self::create), and requires this much free space \[bytes\].
     pub(crate) fn create_with_room(
         directory: &Path,
         options: &WriterOptions,
@@ -266,7 +265,7 @@ impl Writer {
         Self::create_with(directory, options, described, &[start], room)
     }
 
-    /// As [`create`](Self::create), with topics that need not be ours.
+    /// As [`create`](Self::create), with topics of any encoding.
     pub(crate) fn create_with(
         directory: &Path,
         options: &WriterOptions,
@@ -328,16 +327,16 @@ impl Writer {
             whole: 0,
             synced: 0,
         };
-        // From now on the file says what it is.
+        // From now on the file can be recognised.
         writer.end_chunk()?;
         Ok(writer)
     }
 
-    /// Adds a message.
+    /// Writes a message.
     ///
     /// # Errors
-    /// The topic was not declared; there is no room, and then the message is not in the file, which can still be
-    /// [finished](Self::finish); or writing fails.
+    /// The topic was not declared, or writing fails. If there is no room, the message is not in the file, and the file can
+    /// still be [finished](Self::finish).
     pub fn write(&mut self, entry: &Entry) -> Result<(), RecordingError> {
         let time = |nanos: i64| u64::try_from(nanos).unwrap_or(0);
         self.write_message(
@@ -387,9 +386,9 @@ impl Writer {
         Ok(())
     }
 
-    /// Sets room aside for a chunk of so many bytes and the end of the file.
+    /// Reserves space for a chunk of this size \[bytes\] and for the end of the file.
     fn reserve(&self, chunk: u64) -> Result<(), RecordingError> {
-        // What cannot be compressed becomes a little longer.
+        // Compression makes incompressible data a little longer.
         let chunk = chunk + chunk / 128 + CHUNK_OVERHEAD;
         let per_chunk = CHUNK_OVERHEAD + TOPIC_IN_CHUNK * self.topics.len() as u64;
         let end = self.whole + chunk + self.end + (self.chunks + 1) * per_chunk;
@@ -398,8 +397,8 @@ impl Writer {
             .map_err(|source| RecordingError::io("write", &self.path, source))
     }
 
-    /// Hands everything to the system, and waits for the disk if that is wanted: what was written so far survives the end
-    /// of this program, or also a loss of power.
+    /// Hands all messages to the operating system, so that they survive the end of this program; with the option `sync` it
+    /// waits for the disk, so that they survive a loss of power.
     ///
     /// # Errors
     /// Writing fails.
@@ -408,7 +407,7 @@ impl Writer {
         self.unsynced().map_or(Ok(()), |unsynced| unsynced.sync())
     }
 
-    /// Hands everything to the system; what is to be synced then, if anything, is for the caller.
+    /// Hands all messages to the operating system; returns what the caller has to sync.
     pub(crate) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
         self.end_chunk()?;
         Ok(self.unsynced())
@@ -438,12 +437,12 @@ impl Writer {
         Ok(())
     }
 
-    /// Counts messages that should be here and are not.
+    /// Counts messages that were lost.
     pub fn add_lost(&mut self, messages: u64) {
         self.lost += messages;
     }
 
-    /// Writes the count of what is missing down, before the end does.
+    /// Writes the count of lost messages before the end of the recording.
     ///
     /// # Errors
     /// Writing fails.
@@ -454,7 +453,7 @@ impl Writer {
         self.end_chunk()
     }
 
-    fn losses_record(&self, ended: Option<Ended>) -> Metadata {
+    fn losses_record(&self, ended: Option<EndReason>) -> Metadata {
         let name = record_name(&self.application, LOSSES);
         let mut losses = record(name, [("lost_messages", self.lost.to_string())]);
         let ended = ended.map(|reason| ("ended".to_owned(), reason.word().to_owned()));
@@ -474,19 +473,19 @@ impl Writer {
         &self.directory
     }
 
-    /// Messages so far.
+    /// Number of messages so far.
     #[must_use]
     pub fn messages(&self) -> u64 {
         self.messages
     }
 
-    /// Bytes of the file so far, those of the open chunk before their compression.
+    /// Size of the file so far, with the open chunk before its compression \[bytes\].
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.whole + self.open_chunk
     }
 
-    /// Chunks so far; each needs memory until the end of the recording.
+    /// Number of chunks so far; each needs memory until the end of the recording.
     pub(crate) fn chunks(&self) -> u64 {
         self.chunks
     }
@@ -494,36 +493,36 @@ impl Writer {
     /// Ends the file and writes `metadata.yaml`.
     ///
     /// # Errors
-    /// Writing fails. The file then ends with the last whole record; [`repair`](fn@crate::repair) writes it anew.
+    /// Writing fails. The file then ends with the last whole record and can be [repaired](fn@crate::repair).
     pub fn finish(self) -> Result<Finished, RecordingError> {
-        self.finish_because(Ended::Stopped)
+        self.finish_because(EndReason::Stopped)
             .map_err(|(error, _)| error)
     }
 
-    /// As [`finish`](Self::finish); with an error comes what was not yet in the file.
+    /// As [`finish`](Self::finish), with the reason; an error comes with the messages that did not reach the file.
     pub(crate) fn finish_because(
         mut self,
-        reason: Ended,
+        reason: EndReason,
     ) -> Result<Finished, (RecordingError, Unsaved)> {
         let done = self.end_file(reason);
-        // What stands behind the last whole record would only confuse.
+        // An incomplete record at the end would count as damage.
         done.map_err(|error| (error, self.abandon()))
     }
 
-    /// Cuts the file off behind its last whole record, and writes nothing any more. Gives what is lost by that.
+    /// Truncates the file to its last whole record and closes it. Returns the messages that are lost.
     pub(crate) fn abandon(self) -> Unsaved {
-        // The file may be gone; then there is nothing to cut off.
+        // If the file is gone, there is nothing to truncate.
         let _ = self.storage.close_at(self.whole);
         self.unsaved
     }
 
-    /// From now on every write fails.
+    /// Makes every further write fail.
     #[cfg(test)]
     pub(crate) fn break_disk(&self) {
         self.storage.close_at(self.whole).unwrap();
     }
 
-    fn end_file(&mut self, reason: Ended) -> Result<Finished, RecordingError> {
+    fn end_file(&mut self, reason: EndReason) -> Result<Finished, RecordingError> {
         let path = &self.path;
         let unwritable = |error: serde_yaml_ng::Error| RecordingError::WriteMetadata {
             path: path.clone(),
@@ -543,7 +542,7 @@ impl Writer {
         self.unsaved = Unsaved::default();
         self.whole = self.storage.position();
         let told = |source| RecordingError::io("end", &self.path, source);
-        // The room that was left is room for metadata.yaml.
+        // The rest of the reserved space is for metadata.yaml.
         self.storage.release().map_err(told)?;
         if self.sync {
             self.storage.sync_all().map_err(told)?;
@@ -599,7 +598,7 @@ impl std::fmt::Debug for Writer {
     }
 }
 
-/// The name of the MCAP file of a recording, after its directory.
+/// The name of the MCAP file of a recording, which follows from that of its directory.
 pub(crate) fn file_name(directory: &Path) -> String {
     let name = directory
         .file_name()
@@ -607,19 +606,19 @@ pub(crate) fn file_name(directory: &Path) -> String {
     format!("{name}_0.mcap")
 }
 
-/// Every option that matters, written out.
+/// The options of the mcap crate, all of them explicit.
 fn write_options(compression: ChunkCompression) -> WriteOptions {
     WriteOptions::new()
         .profile("ros2")
         .library(concat!("rosbag2_mcap ", env!("CARGO_PKG_VERSION")))
         .compression(compression.into())
-        // Its default is the number of cores.
+        // The default is the number of cores.
         .compression_threads(0)
         .compression_level(0)
-        // Chunks are ended here, after room was set aside for them.
+        // This writer ends the chunks, after it has reserved space for them.
         .chunk_size(None)
         .use_chunks(true)
-        // A chunk is written in one piece when it is complete: a kill loses what is open, and no more.
+        // A complete chunk is written at once, so that a kill loses only the open chunk.
         .disable_seeking(true)
         .emit_summary_records(true)
         .emit_summary_offsets(true)
@@ -642,21 +641,6 @@ fn make_directory(directory: &Path) -> Result<(), RecordingError> {
     }
 }
 
-/// A new name survives a loss of power when its directory does.
-pub(crate) fn sync_directory(directory: &Path) -> Result<(), RecordingError> {
-    for folder in [Some(directory), directory.parent()].into_iter().flatten() {
-        let folder = if folder.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            folder
-        };
-        File::open(folder)
-            .and_then(|opened| opened.sync_all())
-            .map_err(|source| RecordingError::io("sync", folder, source))?;
-    }
-    Ok(())
-}
-
 pub(crate) fn record<const N: usize>(name: String, entries: [(&str, String); N]) -> Metadata {
     Metadata {
         name,
@@ -664,7 +648,7 @@ pub(crate) fn record<const N: usize>(name: String, entries: [(&str, String); N])
     }
 }
 
-/// Writes a file that has its name only once it is complete, with the permissions of any new file.
+/// Writes a file that gets its name when it is complete, with the permissions of any new file.
 fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

@@ -78,11 +78,11 @@ fn what_is_no_recording() {
     let folder = tempfile::tempdir().unwrap();
     assert_says(
         &said_of_path(&folder.path().join("nowhere")),
-        &["there is no", "give the directory"],
+        &["does not exist", "give the directory"],
     );
     assert_says(
         &said_of_path(folder.path()),
-        &["no metadata.yaml", "no .mcap file in it either"],
+        &["no metadata.yaml", "no .mcap file either"],
     );
 }
 
@@ -116,13 +116,13 @@ fn metadata_that_says_something_else() {
     );
     assert_says(
         &said_with(&good.replace("bag_0.mcap", "bag_7.mcap")),
-        &["bag_7.mcap, which is not beside it"],
+        &["bag_7.mcap, which is not in the same directory"],
     );
     let modes = good.replace("compression_mode: ''", "compression_mode: FILE");
     assert_ne!(modes, good);
     assert_says(
         &said_with(&modes),
-        &["compressed file by itself", "ros2 bag convert"],
+        &["compressed by file", "ros2 bag convert"],
     );
     // A path that leads out of the directory is taken for the name behind it.
     fs::write(

@@ -47,7 +47,7 @@ pub struct Told(Arc<Mutex<Vec<RecorderReport>>>);
 impl Told {
     pub fn listen(&self, options: &mut RecorderOptions) {
         let told = self.clone();
-        options.tell = Some(Arc::new(move |report| {
+        options.on_report = Some(Arc::new(move |report| {
             told.0.lock().unwrap().push(report.clone())
         }));
     }
@@ -277,7 +277,7 @@ fn what_a_crash_left_is_repaired_at_the_next_start() {
         if let Some(report) = repairs.first() {
             assert_eq!(report.level(), ReportLevel::Warning);
             assert!(
-                report.to_string().contains("100 messages are written anew"),
+                report.to_string().contains("100 messages were saved"),
                 "{report}"
             );
         }
