@@ -14,7 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::yield_surface::{Branch, YieldSurface};
+use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
 const MAX_RETURN_ITERATIONS: usize = 120;
@@ -23,6 +23,9 @@ const MAX_RETURN_ITERATIONS: usize = 120;
 /// of its square. (The stress lies on the surface and the energy balance holds whatever the error is.) A bisection step
 /// gives no such bound and goes on to the last bit.
 const RETURN_TOLERANCE: f64 = 1e-9;
+
+/// A last Newton step below this fraction of the coordinate is followed by Taylor's series, to round-off.
+const MAX_TAYLOR_STEP: f64 = 1e-6;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -120,7 +123,7 @@ impl PlasticFlow {
 }
 
 /// Derivative of the forces of a bar with respect to its deformation; symmetric.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct BarTangent {
     /// `dN` with the elongation.
     pub axial: f64,
@@ -176,6 +179,44 @@ enum Place {
         tangent_moment: f64,
         stiffness: f64,
     },
+}
+
+/// The stress of a bar in the course of an iteration.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct BarStress {
+    /// The last stress, and the flow that it took.
+    pub returned: Returned,
+    /// Deformation less the plastic deformation before the flow.
+    strain: BarStrain,
+    tangent: BarTangent,
+    /// Expected normal force \[N\].
+    near: f64,
+}
+
+impl BarStress {
+    /// Begins an iteration in which the normal force `near` \[N\] is expected.
+    pub(crate) fn expect(&mut self, near: f64) {
+        self.near = near;
+        self.tangent = BarTangent::default();
+    }
+
+    /// Returns the stress of a deformation to the yield surface. The last tangent predicts its normal force, which saves
+    /// iterations of the return.
+    pub(crate) fn update(&mut self, bar: &Bar, strain: BarStrain) {
+        let [first, second] = self.tangent.mixed;
+        self.near += self.tangent.axial * (strain.elongation - self.strain.elongation)
+            + first * (strain.rotation[0] - self.strain.rotation[0])
+            + second * (strain.rotation[1] - self.strain.rotation[1]);
+        self.returned = bar.return_stress(bar.elastic(&strain), self.near);
+        self.near = self.returned.forces.normal;
+        self.strain = strain;
+    }
+
+    /// Consistent tangent of the last stress.
+    pub(crate) fn linearise(&mut self, bar: &Bar) -> BarTangent {
+        self.tangent = bar.tangent(&self.returned);
+        self.tangent
+    }
 }
 
 /// Rotations that bring trial moments within a cap, and how much of them a smaller cap would add.
@@ -281,11 +322,11 @@ impl Bar {
         let search = Search {
             bar: self,
             moments: trial.moment,
-            trial: trial.normal.abs() / self.surface.resistance_axial,
+            trial: self.surface.relative_axial(trial.normal).abs(),
         };
-        match search.run((sign * near) / self.surface.resistance_axial) {
+        match search.run(self.surface.relative_axial(sign * near)) {
             Root::Vertex { axial, cap } => self.at_vertex(trial, sign, axial, cap),
-            Root::Curve { branch, t } => self.on_curve(trial, sign, branch, t),
+            Root::Curve { branch, t, point } => self.on_curve(trial, sign, branch, t, point),
         }
     }
 
@@ -309,9 +350,16 @@ impl Bar {
         })
     }
 
-    fn on_curve(&self, trial: BarForces, sign: f64, branch: Branch, t: f64) -> Returned {
+    #[inline(always)]
+    fn on_curve(
+        &self,
+        trial: BarForces,
+        sign: f64,
+        branch: Branch,
+        t: f64,
+        point: CurvePoint,
+    ) -> Returned {
         let surface = &self.surface;
-        let point = surface.point(branch, t);
         let (axial, cap) = match branch {
             Branch::Axial => (t, point.other),
             Branch::Moment => (point.other, t),
@@ -384,6 +432,7 @@ impl Bar {
 
     /// The plastic rotations that bring `trial` moments within `[-cap, cap]` with the least complementary energy:
     /// `min 1/2 p' C p - trial' p + cap (|p_0| + |p_1|)`, solved by cases.
+    #[inline]
     fn cap_moments(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
         let c = &self.rotational;
         let flexibility = self.flexibility_alone;
@@ -452,7 +501,7 @@ impl Bar {
     }
 
     /// Consistent tangent of the returned stress.
-    pub(crate) fn tangent(&self, returned: &Returned) -> BarTangent {
+    fn tangent(&self, returned: &Returned) -> BarTangent {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
@@ -526,16 +575,23 @@ struct Search<'a> {
 }
 
 enum Root {
-    Vertex { axial: f64, cap: f64 },
-    Curve { branch: Branch, t: f64 },
+    Vertex {
+        axial: f64,
+        cap: f64,
+    },
+    Curve {
+        branch: Branch,
+        t: f64,
+        point: CurvePoint,
+    },
 }
 
 impl Search<'_> {
-    /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative. Positive: the root
-    /// lies at a smaller coordinate.
-    fn derivative(&self, branch: Branch, t: f64) -> (f64, f64) {
+    /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative, at the point `point` with
+    /// coordinate `t`. Positive: the root lies at a smaller coordinate.
+    #[inline(always)]
+    fn derivative(&self, branch: Branch, t: f64, point: &CurvePoint) -> (f64, f64) {
         let surface = &self.bar.surface;
-        let point = surface.point(branch, t);
         let scale = self.bar.return_scale;
         match branch {
             Branch::Axial => {
@@ -562,43 +618,38 @@ impl Search<'_> {
     }
 
     fn run(&self, near: f64) -> Root {
-        let split = self.bar.surface.split();
+        let surface = &self.bar.surface;
+        let split = surface.split();
+        let derivative_at = |branch, t| self.derivative(branch, t, &surface.point(branch, t)).0;
         // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
-        if self.trial <= split || self.derivative(Branch::Axial, split).0 >= 0.0 {
-            let high = self.trial.min(split);
-            if self.bar.surface.has_corner_at_zero_axial()
-                && self.derivative(Branch::Axial, 0.0).0 >= 0.0
-            {
+        if self.trial <= split || derivative_at(Branch::Axial, split) >= 0.0 {
+            if surface.has_corner_at_zero_axial() && derivative_at(Branch::Axial, 0.0) >= 0.0 {
                 return Root::Vertex {
                     axial: 0.0,
                     cap: 1.0,
                 };
             }
-            return Root::Curve {
-                branch: Branch::Axial,
-                t: self.bisect_newton(Branch::Axial, 0.0, high, near),
-            };
+            return self.bisect_newton(Branch::Axial, self.trial.min(split), near);
         }
-        if self.trial >= 1.0 && self.derivative(Branch::Moment, 0.0).0 >= 0.0 {
+        if self.trial >= 1.0 && derivative_at(Branch::Moment, 0.0) >= 0.0 {
             return Root::Vertex {
                 axial: 1.0,
                 cap: 0.0,
             };
         }
-        let start = self.bar.surface.point(Branch::Axial, split).other;
         let near = if near >= split && near < 1.0 {
-            self.bar.surface.cap_of(near)
+            surface.cap_of(near)
         } else {
-            start
+            surface.point(Branch::Axial, split).other
         };
-        Root::Curve {
-            branch: Branch::Moment,
-            t: self.bisect_newton(Branch::Moment, 0.0, split, near),
-        }
+        self.bisect_newton(Branch::Moment, split, near)
     }
 
-    /// Newton's method kept within a shrinking bracket of the monotone derivative.
-    fn bisect_newton(&self, branch: Branch, mut low: f64, mut high: f64, near: f64) -> f64 {
+    /// Newton's method on the monotone derivative, kept within a shrinking bracket that begins as `0..high`.
+    #[inline(always)]
+    fn bisect_newton(&self, branch: Branch, mut high: f64, near: f64) -> Root {
+        let surface = &self.bar.surface;
+        let mut low = 0.0;
         let mut t = if near > low && near < high {
             near
         } else {
@@ -606,33 +657,38 @@ impl Search<'_> {
         };
         let mut last_step = high - low;
         for _ in 0..MAX_RETURN_ITERATIONS {
-            let (value, slope) = self.derivative(branch, t);
+            let point = surface.point(branch, t);
+            let (value, slope) = self.derivative(branch, t, &point);
             if value > 0.0 {
                 high = t;
             } else if value < 0.0 {
                 low = t;
             } else {
-                return t;
+                return Root::Curve { branch, t, point };
             }
             let newton = value / slope;
             let inside = t - newton >= low && t - newton <= high;
-            let converges = inside && newton.abs() <= 0.5 * last_step;
-            let next = if converges {
-                t - newton
+            if inside && newton.abs() <= 0.5 * last_step {
+                last_step = newton.abs();
+                t -= newton;
+                if last_step <= RETURN_TOLERANCE * (1.0 + self.trial) {
+                    let point = if last_step <= MAX_TAYLOR_STEP * t {
+                        point.moved_by(-newton)
+                    } else {
+                        surface.point(branch, t)
+                    };
+                    return Root::Curve { branch, t, point };
+                }
             } else {
-                0.5 * (low + high)
-            };
-            last_step = (next - t).abs();
-            t = next;
-            let enough = if converges {
-                RETURN_TOLERANCE * (1.0 + self.trial)
-            } else {
-                f64::EPSILON * f64::EPSILON
-            };
-            if last_step <= enough {
-                return t;
+                let middle = 0.5 * (low + high);
+                last_step = (middle - t).abs();
+                t = middle;
+                if last_step <= f64::EPSILON * f64::EPSILON {
+                    break;
+                }
             }
         }
-        t
+        let point = surface.point(branch, t);
+        Root::Curve { branch, t, point }
     }
 }

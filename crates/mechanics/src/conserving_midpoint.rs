@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow, Returned};
+use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -46,8 +46,6 @@ struct Conserving<'a> {
     start: PerBar<Chord>,
     start_angles: PerBar<f64>,
     motion: Motion<'a>,
-    /// Expected normal forces \[N\].
-    near: PerBar<f64>,
 }
 
 /// One bar at `n + 1`.
@@ -55,30 +53,27 @@ struct Conserving<'a> {
 struct BarPoint {
     chord: Chord,
     gradient: ChordGradient,
-    returned: Returned,
+    stress: BarStress,
     mean: BarForces,
 }
 
 impl BarPoint {
     /// `turn` is the rotation of the hinge at the impact point in addition to the chord.
-    fn new(
+    fn update(
+        &mut self,
         bar: &Bar,
         (start, start_angle): (&Chord, f64),
         chord: Chord,
         turn: f64,
         (plastic, forces): (&PlasticFlow, &BarForces),
-        near: f64,
-    ) -> Self {
+    ) {
         // The angle by which the chord turns comes with the discrete gradient, without another inverse tangent.
         let (gradient, chord_turn) = start.discrete_gradient(&chord);
         let total = BarStrain::of_chord(chord.elongation, start_angle + chord_turn, turn);
-        let returned = bar.return_stress(bar.elastic(&total.minus(plastic)), near);
-        Self {
-            chord,
-            gradient,
-            mean: forces.mean(&returned.forces),
-            returned,
-        }
+        self.stress.update(bar, total.minus(plastic));
+        self.mean = forces.mean(&self.stress.returned.forces);
+        self.chord = chord;
+        self.gradient = gradient;
     }
 }
 
@@ -89,21 +84,19 @@ impl NonlinearSystem for Conserving<'_> {
         let (frame, from) = (&self.model.frame, self.from);
         let end = from.displacement.plus(1.0, *increment);
         let chords = frame.chords(&end);
-        point.below = BarPoint::new(
+        point.below.update(
             &frame.below,
             (&self.start.below, self.start_angles.below),
             chords.below,
             -end.beta1,
             (&from.plastic.below, &from.forces.below),
-            self.near.below,
         );
-        point.above = BarPoint::new(
+        point.above.update(
             &frame.above,
             (&self.start.above, self.start_angles.above),
             chords.above,
             end.beta1,
             (&from.plastic.above, &from.forces.above),
-            self.near.above,
         );
         let mean = PerBar {
             below: point.below.mean,
@@ -117,12 +110,12 @@ impl NonlinearSystem for Conserving<'_> {
         self.motion.residual(increment) + frame.internal_forces(&gradients, &mean, spring_u2)
     }
 
-    fn jacobian(&self, point: &Self::Point) -> Matrix4<f64> {
+    fn jacobian(&self, point: &mut Self::Point) -> Matrix4<f64> {
         let frame = &self.model.frame;
         let PerBar { below, above } = point;
         let tangents = PerBar {
-            below: frame.below.tangent(&below.returned),
-            above: frame.above.tangent(&above.returned),
+            below: below.stress.linearise(&frame.below),
+            above: above.stress.linearise(&frame.above),
         };
         let gradients = PerBar {
             below: below.gradient,
@@ -276,8 +269,10 @@ impl Part<'_> {
             start_angles: frame::angles(&start),
             start,
             motion: Motion::new(model, from, coupling, secs),
-            near: from.predictor.normal(&from.forces),
         };
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.stress.expect(near.below);
+        self.point.above.stress.expect(near.above);
         let guess = from.predictor.increment(&from.velocity, secs);
         let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
         let increment = solved.increment;
@@ -288,8 +283,14 @@ impl Part<'_> {
             if impactor.closed {
                 let resistance = resistance(
                     model,
-                    (&self.point.below.chord, &self.point.below.returned.forces),
-                    (&self.point.above.chord, &self.point.above.returned.forces),
+                    (
+                        &self.point.below.chord,
+                        &self.point.below.stress.returned.forces,
+                    ),
+                    (
+                        &self.point.above.chord,
+                        &self.point.above.stress.returned.forces,
+                    ),
                     velocity.v1,
                 );
                 contact_force = impactor.contact_force(model, resistance);
@@ -315,13 +316,18 @@ impl Part<'_> {
         check_part(self.model, &state.displacement, &trial.end)?;
         let PerBar { below, above } = &self.point;
         state.newton_iterations += u64::from(trial.newton_iterations);
-        state.flow(self.model, &below.returned.flow, &above.returned.flow, 1.0);
+        state.flow(
+            self.model,
+            &below.stress.returned.flow,
+            &above.stress.returned.flow,
+            1.0,
+        );
         state.forces = PerBar {
-            below: below.returned.forces,
-            above: above.returned.forces,
+            below: below.stress.returned.forces,
+            above: above.stress.returned.forces,
         };
-        state.ledger.plastic_work +=
-            below.mean.work(&below.returned.flow) + above.mean.work(&above.returned.flow);
+        state.ledger.plastic_work += below.mean.work(&below.stress.returned.flow)
+            + above.mean.work(&above.stress.returned.flow);
         state.ledger.damping_work += trial.damping_work;
         state.displacement = trial.end;
         state.velocity = trial.velocity;

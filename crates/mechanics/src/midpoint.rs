@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{BarForces, PerBar, Returned};
+use super::bar::{BarForces, BarStress, PerBar};
 use super::contact::{Coupling, Impactor};
 use super::frame;
 use super::geometry::{Chord, Displacement};
@@ -24,22 +24,21 @@ struct Midpoint<'a> {
     model: &'a Model,
     from: &'a State,
     motion: Motion<'a>,
-    /// Expected normal forces \[N\].
-    near: PerBar<f64>,
 }
 
 /// What was evaluated at `n + 1/2`.
 #[derive(Default)]
 struct Point {
     chords: PerBar<Chord>,
-    returned: PerBar<Returned>,
+    below: BarStress,
+    above: BarStress,
 }
 
 impl Point {
     fn forces(&self) -> PerBar<BarForces> {
         PerBar {
-            below: self.returned.below.forces,
-            above: self.returned.above.forces,
+            below: self.below.returned.forces,
+            above: self.above.returned.forces,
         }
     }
 }
@@ -52,20 +51,19 @@ impl NonlinearSystem for Midpoint<'_> {
         let middle = self.from.displacement.plus(0.5, *increment);
         point.chords = frame.chords(&middle);
         let total = frame::strains(&point.chords, &frame::angles(&point.chords), middle.beta1);
-        let below = frame.below.elastic(&total.below.minus(&plastic.below));
-        let above = frame.above.elastic(&total.above.minus(&plastic.above));
-        point.returned.below = frame.below.return_stress(below, self.near.below);
-        point.returned.above = frame.above.return_stress(above, self.near.above);
+        let (below, above) = (&plastic.below, &plastic.above);
+        point.below.update(&frame.below, total.below.minus(below));
+        point.above.update(&frame.above, total.above.minus(above));
         let gradients = frame::gradients(&point.chords);
         self.motion.residual(increment)
             + frame.internal_forces(&gradients, &point.forces(), middle.u2)
     }
 
-    fn jacobian(&self, point: &Point) -> Matrix4<f64> {
+    fn jacobian(&self, point: &mut Point) -> Matrix4<f64> {
         let frame = &self.model.frame;
         let tangents = PerBar {
-            below: frame.below.tangent(&point.returned.below),
-            above: frame.above.tangent(&point.returned.above),
+            below: point.below.linearise(&frame.below),
+            above: point.above.linearise(&frame.above),
         };
         let gradients = frame::gradients(&point.chords);
         let stiffness = frame.stiffness(&gradients, &point.chords, &point.forces(), &tangents);
@@ -157,8 +155,10 @@ impl Part<'_> {
             model,
             from,
             motion: Motion::new(model, from, coupling, self.secs),
-            near: from.predictor.normal(&from.forces),
         };
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.expect(near.below);
+        self.point.above.expect(near.above);
         let guess = first_guess(model, from, self.secs);
         let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
         let increment = solved.increment;
@@ -232,7 +232,7 @@ impl Part<'_> {
 
     /// Moves the column to the end of the last trial.
     fn accept(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
-        let PerBar { below, above } = &self.point.returned;
+        let (below, above) = (&self.point.below.returned, &self.point.above.returned);
         // Plastic strains are extrapolated from n + 1/2 to n + 1.
         let plastic = PerBar {
             below: state.plastic.below.plus(2.0, &below.flow),

@@ -56,8 +56,8 @@ pub(crate) trait NonlinearSystem {
     /// The residual of the equations of motion at an increment \[N, N, N m, N\]; overwrites `point`.
     fn evaluate(&self, increment: &Displacement, point: &mut Self::Point) -> Vector4<f64>;
 
-    /// Its derivative.
-    fn jacobian(&self, point: &Self::Point) -> Matrix4<f64>;
+    /// Its derivative at the last evaluation.
+    fn jacobian(&self, point: &mut Self::Point) -> Matrix4<f64>;
 
     /// Size of the terms of which the residual is the sum, row by row.
     fn scale(&self) -> Vector4<f64>;
@@ -87,7 +87,16 @@ pub(crate) fn solve<S: NonlinearSystem>(
     point: &mut S::Point,
 ) -> Option<Solved> {
     let inverse_scale = system.scale().map(|s| 1.0 / s);
-    let size_of = |residual: &Vector4<f64>| residual.component_mul(&inverse_scale).amax();
+    let size_of = |residual: &Vector4<f64>| {
+        let mut size = 0.0;
+        for row in 0..4 {
+            let relative = (residual[row] * inverse_scale[row]).abs();
+            if relative > size || relative.is_nan() {
+                size = relative;
+            }
+        }
+        size
+    };
     let mut increment = guess;
     let mut residual = system.evaluate(&increment, point);
     let mut size = size_of(&residual);
@@ -278,6 +287,7 @@ fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f
 
 /// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
 /// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
+#[inline(always)]
 fn condensed_solve(
     jacobian: &Matrix4<f64>,
     residual: &Vector4<f64>,

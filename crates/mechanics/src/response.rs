@@ -253,24 +253,14 @@ impl Response {
             above: state.plastic.above.plus(-1.0, &before.plastic.above),
         };
         let below = |k| {
-            let share = share_until_yield(
-                &frame.below,
-                k,
-                &before.forces.below,
-                &state.forces.below,
-                &flow.below,
-            );
-            state.flowing.below[k].then_some(share)
+            let (start, end) = (&before.forces.below, &state.forces.below);
+            let share = || share_until_yield(&frame.below, k, start, end, &flow.below);
+            state.flowing.below[k].then(share)
         };
         let above = |k| {
-            let share = share_until_yield(
-                &frame.above,
-                k,
-                &before.forces.above,
-                &state.forces.above,
-                &flow.above,
-            );
-            state.flowing.above[k].then_some(share)
+            let (start, end) = (&before.forces.above, &state.forces.above);
+            let share = || share_until_yield(&frame.above, k, start, end, &flow.above);
+            state.flowing.above[k].then(share)
         };
         let shares = [below(0), above(0), above(1), below(1)];
         for (first, share) in self.first_yield.iter_mut().zip(shares) {

@@ -52,7 +52,7 @@ impl NonlinearSystem for Frozen<'_> {
         residual
     }
 
-    fn jacobian(&self, point: &Point) -> Matrix4<f64> {
+    fn jacobian(&self, point: &mut Point) -> Matrix4<f64> {
         let frame = &self.model.frame;
         frame.elastic_stiffness(&point.chords, &point.forces)
     }
