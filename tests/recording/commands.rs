@@ -44,7 +44,7 @@ fn info_says_what_is_in_it() {
     let text = out(&output);
     for part in [
         "compression lz4",
-        "column-twin 0.1.0",
+        "column-twin 0.2.0",
         "2026-11-21 07:40:00.000 UTC",
         "/garage/column_state",
         "column_twin/msg/ColumnState",
