@@ -277,7 +277,7 @@ fn what_cannot_be_checked_is_said() {
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
             let line = Line::decode(&message.data).unwrap();
-            if matches!(line.entry, LineEntry::Twin(Journal::CommandRecord(_))) {
+            if matches!(line.entry, LineEntry::Twin(Journal::Command(_))) {
                 inputs += 1;
                 if inputs == 1 {
                     return None;
@@ -330,7 +330,7 @@ fn a_number_beyond_all_others_is_not_equal() {
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
             let mut line = Line::decode(&message.data).unwrap();
-            if let LineEntry::Twin(Journal::CommandRecord(handled)) = &mut line.entry {
+            if let LineEntry::Twin(Journal::Command(handled)) = &mut line.entry {
                 inputs += 1;
                 if inputs == 2 {
                     Arc::make_mut(handled).number = u64::MAX;

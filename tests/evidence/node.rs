@@ -11,7 +11,7 @@ use column_twin::messages::cdr;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
-use column_twin::twin::Command;
+use column_twin::twin::Command as TwinCommand;
 use column_twin::ros::qos;
 use column_twin::ros::{
     ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact,
@@ -105,7 +105,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
             "{outcome:?}"
         );
         reports.messages.recv_timeout(PATIENCE).expect("a report");
-        let load = Command::SetParameters {
+        let load = TwinCommand::SetParameters {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
@@ -116,7 +116,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
             "{refused:?}"
         );
     }
-    let reset = Command::Reset {
+    let reset = TwinCommand::Reset {
         source: "test".into(),
     };
     twin.execute(reset).unwrap();
