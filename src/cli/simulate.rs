@@ -143,48 +143,38 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let report = case.simulate(&mut |_| ())?;
     let solve_time = start.elapsed();
 
-    if let Some(path) = &arguments.csv {
-        if history_to_output {
-            unless_closed(case.write_history(&mut *output).map(drop))
-                .map_err(SimulateError::Output)?;
-        } else {
-            case.write_history_file(path)?;
-        }
+    let mut files = String::new();
+    if history_to_output {
+        unless_closed(case.write_history(&mut *output).map(drop)).map_err(SimulateError::Output)?;
+    } else if let Some(path) = &arguments.csv {
+        case.write_history_file(path)?;
+        files += &format!("History    {}\n", path.display());
     }
     #[cfg(feature = "record")]
-    let recorded = case.record(arguments)?;
-    #[cfg(not(feature = "record"))]
-    let recorded: Option<PathBuf> = None;
-    let files = match &arguments.plots {
-        Some(folder) => case.draw(&report, folder)?,
-        None => Vec::new(),
-    };
+    if let Some(directory) = &arguments.record {
+        case.record(directory, arguments.record_stamp)?;
+        files += &format!("Recording  {}\n", directory.display());
+    }
+    if let Some(folder) = &arguments.plots {
+        let count = case.draw(&report, folder)?.len();
+        files += &format!("Figures    {count} files in {}\n", folder.display());
+    }
     #[cfg(feature = "viewer")]
     if let Some(path) = &arguments.rrd {
         case.write_rrd(&report, path)?;
+        files += &format!("Viewer     rerun {}\n", path.display());
     }
     let summary = Summary {
         title: &case.title,
         report: &report,
         solve_time,
     };
-    #[cfg(feature = "viewer")]
-    let viewer_file = arguments.rrd.as_deref();
-    #[cfg(not(feature = "viewer"))]
-    let viewer_file = None;
-    let text = if arguments.json {
-        summary
+    let text = match arguments.json {
+        true => summary
             .json()
-            .map_err(|fault| SimulateError::Output(fault.into()))?
-            + "\n"
-    } else {
-        listing(
-            &summary,
-            arguments.csv.as_deref().filter(|_| !history_to_output),
-            recorded.as_deref(),
-            viewer_file,
-            &files,
-        )
+            .map(|json| json + "\n")
+            .map_err(|fault| SimulateError::Output(fault.into()))?,
+        false => format!("{summary}{files}"),
     };
     if history_to_output {
         eprint!("{text}");
@@ -194,34 +184,6 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         .write_all(text.as_bytes())
         .and_then(|()| output.flush());
     Ok(unless_closed(written).map_err(SimulateError::Output)?)
-}
-
-/// The summary and a list of the files written.
-fn listing(
-    summary: &Summary<'_>,
-    history: Option<&Path>,
-    recording: Option<&Path>,
-    viewer_file: Option<&Path>,
-    figures: &[PathBuf],
-) -> String {
-    let mut text = summary.to_string();
-    if let Some(path) = history {
-        text += &format!("History    {}\n", path.display());
-    }
-    if let Some(path) = recording {
-        text += &format!("Recording  {}\n", path.display());
-    }
-    if let Some(folder) = figures.first().and_then(|first| first.parent()) {
-        text += &format!(
-            "Figures    {} files in {}\n",
-            figures.len(),
-            folder.display()
-        );
-    }
-    if let Some(path) = viewer_file {
-        text += &format!("Viewer     rerun {}\n", path.display());
-    }
-    text
 }
 
 impl Case {
@@ -297,19 +259,16 @@ impl Case {
         }
     }
 
-    /// Writes the recording, if one is requested.
+    /// Writes a recording in which the event happens at `stamp` \[s\].
     #[cfg(feature = "record")]
-    fn record(&self, arguments: &SimulateArgs) -> Result<Option<PathBuf>, SimulateError> {
-        let Some(directory) = &arguments.record else {
-            return Ok(None);
-        };
+    fn record(&self, directory: &Path, stamp: f64) -> Result<(), SimulateError> {
         let compression = self.parameters.settings().record.compression;
         let options = crate::recording::writer_options(compression);
         // `as` saturates; a time out of range is rejected below.
-        let origin = (arguments.record_stamp * 1e9).round() as i64;
+        let origin = (stamp * 1e9).round() as i64;
         crate::evidence::record_impact(&self.parameters, origin, directory, &options)
-            .map_err(SimulateError::Recording)?;
-        Ok(Some(directory.clone()))
+            .map(drop)
+            .map_err(SimulateError::Recording)
     }
 
     /// Writes a file for the viewer, in which the impact happens now.

@@ -2,7 +2,7 @@
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
-use plotters::element::{PathElement, Polygon, Rectangle};
+use plotters::element::{PathElement, Polygon};
 use plotters::prelude::SVGBackend;
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, RGBColor};
@@ -353,9 +353,4 @@ impl Frame<'_, '_, '_> {
             colour::PERCUSSION,
         )
     }
-}
-
-/// A filled rectangle.
-pub(super) fn rectangle(area: &Area<'_>, corners: [(i32, i32); 2], colour: RGBColor) -> Drawn<()> {
-    area.draw(&Rectangle::new(corners, colour.filled()))
 }

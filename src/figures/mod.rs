@@ -18,7 +18,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::column::{HINGE_NAMES, Sample};
+use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
 pub use response_history::ResponseHistory;
@@ -63,7 +63,7 @@ pub enum FigureError {
 /// Draws every figure into `folder`, which is created if it does not exist, and returns the files written: SVG and PNG
 /// alternately.
 ///
-/// A file gets its name when it is complete. Histories of any length are thinned to what is visible.
+/// A file gets its name when it is complete. A [`HistoryThinning`] bounds the memory that a long history takes.
 ///
 /// # Errors
 /// See [`FigureError`].
@@ -100,11 +100,6 @@ fn svg_figures(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, 
     if response.samples.is_empty() {
         return Err(FigureError::NoSamples);
     }
-    let thinned = thinned(response.samples);
-    let response = &ResponseHistory {
-        samples: &thinned,
-        ..*response
-    };
     let mut figures = vec![
         (
             "fig5_horizontal_displacement".to_owned(),
@@ -145,15 +140,6 @@ fn svg_figures(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, 
             }),
         })
         .collect()
-}
-
-fn thinned(samples: &[Sample]) -> Vec<Sample> {
-    let duration = samples
-        .last()
-        .map_or(0.0, |last| last.time - samples[0].time);
-    let mut thinning = HistoryThinning::new(samples.len() as u64, duration);
-    samples.iter().for_each(|sample| thinning.push(sample));
-    thinning.finish()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use resvg::usvg::{Group, Node, Tree};
 
 use super::reference::Reference;
 use super::*;
-use crate::column::{End, HINGES, HingeReport, Outcome, Report, YieldExponents};
+use crate::column::{End, HINGES, HingeReport, Outcome, Report, Sample, YieldExponents};
 
 fn svg<'f>(figures: &'f [(String, String)], name: &str) -> &'f str {
     &figures.iter().find(|(figure, _)| figure == name).unwrap().1

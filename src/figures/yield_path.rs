@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use plotters::element::{PathElement, Polygon};
+use plotters::element::{PathElement, Polygon, Rectangle};
 use plotters::style::{Color, RGBColor};
 
 use super::axis::PlotAxis;
-use super::chart::{PlotArea, axes, rectangle};
+use super::chart::{PlotArea, axes};
 use super::page::{self, Area, CANVAS, Drawn, LegendKey, Stroke, colour};
 use super::response_history::ResponseHistory;
 use super::units::{Unit, significant};
@@ -194,7 +194,8 @@ impl YieldPath {
         if let (Some(start), Some(end)) = (self.path.first(), self.path.last()) {
             page::dot(page, place(start), colour::INK)?;
             let (x, y) = place(end);
-            rectangle(page, [(x - 28, y - 28), (x + 28, y + 28)], colour::INK)?;
+            let corners = [(x - 28, y - 28), (x + 28, y + 28)];
+            page.draw(&Rectangle::new(corners, colour::INK.filled()))?;
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ fn of_report(report: &ImpactReport) -> Vec<Event> {
 
 fn contact(sample: &Sample) -> String {
     format!(
-        "contact: the impactor touches the column; its velocity is then {:.2} m/s",
+        "contact: velocity of the impactor {:.2} m/s",
         sample.impactor_velocity
     )
 }
@@ -121,7 +121,7 @@ fn peak(v1: f64) -> String {
 }
 
 fn separation(velocity: f64) -> String {
-    format!("separation: the impactor leaves with {velocity:.2} m/s")
+    format!("separation: velocity of the impactor {velocity:.2} m/s")
 }
 
 fn end(report: &ImpactReport) -> String {

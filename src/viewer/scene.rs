@@ -134,7 +134,7 @@ impl Drawing {
             outline: Outline::new(&drawn_section(parameters)),
             section: section
                 .name
-                .map_or_else(|| "Section by numbers".to_owned(), |name| name.to_owned()),
+                .map_or_else(|| "Section given by numbers".to_owned(), |name| name.to_owned()),
             base: settings.support.base,
             top: settings.support.top,
             resistance_moment: parameters.resistance_moment(),
