@@ -112,25 +112,14 @@ impl Parameters {
     /// # Errors
     /// All faults of all files and overrides.
     pub fn load(files: &[PathBuf], overrides: &[Override]) -> Result<Self, ParameterFaults> {
-        Self::load_for(&NodeName::default(), files, overrides)
-    }
-
-    /// As [`load`](Self::load), for a node of another name or in a namespace.
-    ///
-    /// # Errors
-    /// All faults of all files and overrides.
-    pub fn load_for(
-        node: &NodeName,
-        files: &[PathBuf],
-        overrides: &[Override],
-    ) -> Result<Self, ParameterFaults> {
         let files = files.iter().cloned().map(Source::File);
         let overrides = overrides.iter().cloned().map(Source::Override);
-        Self::load_in_order(node, files.chain(overrides)).map(|(parameters, _)| parameters)
+        Self::load_in_order(&NodeName::default(), files.chain(overrides))
+            .map(|(parameters, _)| parameters)
     }
 
-    /// From sources in any order, of which the last one wins, as on the command line of a ROS 2 node; with warnings of
-    /// deprecated values.
+    /// For any node, from sources in any order, of which the last one wins, as on the command line of a ROS 2 node; with
+    /// warnings about deprecated values.
     ///
     /// # Errors
     /// All faults of all sources.
