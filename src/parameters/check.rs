@@ -3,10 +3,10 @@
 use super::catalogue::CatalogueSection;
 use super::fault::Problem;
 use super::given::{Content, Given};
+use super::parameter::{Admissible, Parameter};
 use super::processors::{MAX_PROCESSOR, processors};
 use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
-use super::table::{Admissible, Parameter};
 use super::value::{Kind, Value, readable};
 
 impl Parameter {

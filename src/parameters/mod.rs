@@ -30,6 +30,7 @@ mod file;
 mod given;
 mod node_name;
 mod overrides;
+mod parameter;
 mod processors;
 mod reference;
 mod settings;
@@ -48,6 +49,7 @@ pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
+pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
@@ -57,7 +59,7 @@ pub use settings::{
     ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
-pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
+pub use table::PARAMETERS;
 pub use value::{Kind, Value};
 
 use crate::column::{ColumnProperties, Impact, Support, YieldExponents};

@@ -42,7 +42,7 @@ fn both_of_two_equal_nodes_warn_once() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let mut programs = [(); 2].map(|()| started(&domain, folder.path(), ""));
-    programs.each_mut().map(wait_for_both);
+    programs.iter_mut().for_each(wait_for_both);
     // A third one is no reason to warn again.
     let mut third = started(&domain, folder.path(), "");
     wait_for_both(&mut third);
