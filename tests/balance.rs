@@ -247,7 +247,7 @@ fn out_of_balance(p: &ColumnProperties, sample: &Sample) -> f64 {
 
 #[test]
 fn residual_state_is_a_static_equilibrium() {
-    for scheme in ["solver.scheme:=midpoint", "solver.scheme:=energy"] {
+    for scheme in ["solver.scheme:=midpoint", "solver.scheme:=conserving_midpoint"] {
         for column in COLUMNS {
             let (p, impact) = example(&[&[scheme], column].concat());
             let model = Model::new(&p).expect("a column");

@@ -10,7 +10,10 @@ use column_twin::column::{
 };
 use example::example;
 
-const SCHEMES: [&str; 2] = ["solver.scheme:=midpoint", "solver.scheme:=energy"];
+const SCHEMES: [&str; 2] = [
+    "solver.scheme:=midpoint",
+    "solver.scheme:=conserving_midpoint",
+];
 
 /// Longest response \[s\].
 const DURATION: f64 = 0.5;

@@ -11,7 +11,10 @@ use example::example;
 use serde::Serialize;
 use serde_json::Value;
 
-const SCHEMES: [&str; 2] = ["solver.scheme:=midpoint", "solver.scheme:=energy"];
+const SCHEMES: [&str; 2] = [
+    "solver.scheme:=midpoint",
+    "solver.scheme:=conserving_midpoint",
+];
 
 const DUAN_CHEN: [&str; 3] = [
     "yield_surface.alpha:=1.0",

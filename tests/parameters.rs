@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
-    Admissible, Applies, NodeName, PARAMETERS, Parameter, ParameterFaults, Parameters, Origin,
-    Problem, STEEL_GRADES, Settings, Value, catalogue, markdown, parse_override,
+    Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
+    Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
 };
 use proptest::prelude::*;
 
@@ -283,8 +283,9 @@ fn a_node_in_a_namespace_reads_its_own_section() {
     for (namespace, load) in [("/garage/a3", 1e5), ("garage/a4", 2e5)] {
         let node = NodeName::new(namespace, "column_twin");
         assert_eq!(
-            Parameters::load_for(&node, &files, &[])
+            Parameters::load_in_order(&node, files.clone().map(Source::File))
                 .expect("right")
+                .0
                 .settings()
                 .top
                 .load,

@@ -180,7 +180,7 @@ fn midpoint_is_of_second_order_in_the_elastic_stretch() {
 /// Free vibration within the elastic range: the differences between runs with ever halved steps.
 #[test]
 fn both_schemes_converge_with_second_order_on_smooth_stretches() {
-    for scheme in ["midpoint", "energy"] {
+    for scheme in ["midpoint", "conserving_midpoint"] {
         let displacement = |halvings: u32| {
             let dt = format!("solver.dt:={:e}", 1.6e-4 / f64::from(1 << halvings));
             let scheme = format!("solver.scheme:={scheme}");
@@ -207,7 +207,7 @@ fn both_schemes_converge_with_second_order_on_smooth_stretches() {
 fn energy_reaches_the_reference() {
     for (case, exponents) in CASES {
         let reference = summary(case);
-        let (report, _) = run("energy", "2.0e-5", &exponents);
+        let (report, _) = run("conserving_midpoint", "2.0e-5", &exponents);
         let max_v1 = relative(report.max_v1, reference.vmax);
         let release = report.release_time.expect("release") - reference.tsep;
         let work = relative(report.plastic_work, reference.dissipated);
@@ -244,7 +244,7 @@ fn energy_reaches_the_reference() {
 #[test]
 fn the_first_percussion_is_the_closed_form() {
     for (case, exponents) in CASES {
-        let (report, samples) = run("energy", "2.0e-5", &exponents);
+        let (report, samples) = run("conserving_midpoint", "2.0e-5", &exponents);
         assert!((samples[0].percussion - 879.842_691).abs() < 1e-6);
         assert!((samples[0].impact_loss - 4_399.213_455).abs() < 1e-6);
         assert!((samples[0].impact_loss / summary(case).impact_loss - 1.0).abs() < 1e-12);
@@ -258,7 +258,7 @@ fn the_first_percussion_is_the_closed_form() {
 fn energy_follows_the_whole_histories() {
     let mut failures = Vec::new();
     for (which, (case, exponents)) in CASES.into_iter().enumerate() {
-        let (_, samples) = run("energy", "2.0e-5", &exponents);
+        let (_, samples) = run("conserving_midpoint", "2.0e-5", &exponents);
         let rows = history(case);
         assert_eq!(rows.len(), 501);
         let mut worst = [(0.0_f64, 0.0); 17];
@@ -329,7 +329,7 @@ const TOLERANCES: [(&str, [f64; 2]); 17] = [
 fn ledger_closes_and_contact_holds_at_every_step() {
     for (case, exponents) in CASES {
         for dt in ["1.0e-4", "2.0e-5", "1.0e-5"] {
-            let (report, samples) = run("energy", dt, &exponents);
+            let (report, samples) = run("conserving_midpoint", dt, &exponents);
             let mut worst = 0.0_f64;
             for sample in &samples {
                 worst = worst.max(sample.ledger_residual.abs() / report.input_energy);
@@ -350,7 +350,7 @@ fn ledger_closes_and_contact_holds_at_every_step() {
 fn normal_forces_do_not_zigzag() {
     for (case, exponents) in CASES {
         let zigzags = ["5.0e-5", "2.0e-5", "1.0e-5"].map(|dt| {
-            let (_, samples) = run("energy", dt, &exponents);
+            let (_, samples) = run("conserving_midpoint", dt, &exponents);
             let worst = (0..HINGES)
                 .flat_map(|hinge| {
                     samples.windows(3).map(move |three| {

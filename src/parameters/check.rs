@@ -1,13 +1,12 @@
 //! Checks what was given for a parameter against its entry in the table.
 
 use super::catalogue::CatalogueSection;
-use super::fault::Origin;
 use super::fault::Problem;
 use super::given::{Content, Given};
+use super::parameter::{Admissible, Parameter};
 use super::processors::{MAX_PROCESSOR, processors};
 use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
-use super::table::{Admissible, Parameter};
 use super::value::{Kind, Value, readable};
 
 impl Parameter {
@@ -20,7 +19,7 @@ impl Parameter {
     /// # Errors
     /// What is wrong with the value and what is admissible; of several wrong elements the first.
     pub fn check(&self, value: &Value) -> Result<Value, Problem> {
-        self.accept(&Given::value(value.clone(), &Origin::Direct))
+        self.accept(&Given::direct(value.clone()))
             .map_err(|mut problems| problems.swap_remove(0).1)
     }
 

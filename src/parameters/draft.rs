@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use super::consistency::{Inconsistency, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
+use super::parameter::Parameter;
 use super::settings::Settings;
-use super::table::{PARAMETERS, Parameter};
+use super::table::PARAMETERS;
 use super::value::Value;
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long

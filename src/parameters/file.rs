@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};
 use super::node_name::{NodeName, with_slashes};
-use super::table::Parameter;
+use super::parameter::Parameter;
 use super::yaml::{self, Location, YamlContent, YamlKey, YamlNode};
 
 /// Maximum size of a parameter file \[bytes\].

@@ -38,24 +38,24 @@ impl Assignment {
     pub fn direct((name, value): (impl Into<String>, Value)) -> Self {
         Self {
             name: name.into(),
-            given: Given::value(value, &Origin::Direct),
+            given: Given::direct(value),
         }
     }
 }
 
 impl Given {
-    /// A value from one place.
-    pub fn value(value: Value, place: &Origin) -> Self {
+    /// A value that a program gives.
+    pub fn direct(value: Value) -> Self {
         let text = value.plain();
         let content = match value {
-            Value::DoubleArray(numbers) => Content::list(numbers, place),
-            Value::StringArray(texts) => Content::list(texts, place),
+            Value::DoubleArray(numbers) => Content::list(numbers),
+            Value::StringArray(texts) => Content::list(texts),
             scalar => Content::Scalar(scalar),
         };
         Self {
             text: matches!(content, Content::Scalar(_)).then_some(text),
             content,
-            place: place.clone(),
+            place: Origin::Direct,
         }
     }
 
@@ -81,8 +81,8 @@ impl Given {
 }
 
 impl Content {
-    fn list<T: Into<Value>>(elements: Vec<T>, place: &Origin) -> Self {
+    fn list<T: Into<Value>>(elements: Vec<T>) -> Self {
         let elements = elements.into_iter().map(Into::into);
-        Self::List(elements.map(|it| Given::value(it, place)).collect())
+        Self::List(elements.map(Given::direct).collect())
     }
 }

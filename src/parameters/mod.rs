@@ -30,6 +30,7 @@ mod file;
 mod given;
 mod node_name;
 mod overrides;
+mod parameter;
 mod processors;
 mod reference;
 mod settings;
@@ -48,6 +49,7 @@ pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
+pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
@@ -57,7 +59,7 @@ pub use settings::{
     ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
-pub use table::{Admissible, Applies, DefaultValue, PARAMETERS, Parameter};
+pub use table::PARAMETERS;
 pub use value::{Kind, Value};
 
 use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
@@ -112,25 +114,14 @@ impl Parameters {
     /// # Errors
     /// All faults of all files and overrides.
     pub fn load(files: &[PathBuf], overrides: &[Override]) -> Result<Self, ParameterFaults> {
-        Self::load_for(&NodeName::default(), files, overrides)
-    }
-
-    /// As [`load`](Self::load), for a node of another name or in a namespace.
-    ///
-    /// # Errors
-    /// All faults of all files and overrides.
-    pub fn load_for(
-        node: &NodeName,
-        files: &[PathBuf],
-        overrides: &[Override],
-    ) -> Result<Self, ParameterFaults> {
         let files = files.iter().cloned().map(Source::File);
         let overrides = overrides.iter().cloned().map(Source::Override);
-        Self::load_in_order(node, files.chain(overrides)).map(|(parameters, _)| parameters)
+        Self::load_in_order(&NodeName::default(), files.chain(overrides))
+            .map(|(parameters, _)| parameters)
     }
 
-    /// From sources in any order, of which the last one wins, as on the command line of a ROS 2 node; with warnings of
-    /// deprecated values.
+    /// For any node, from sources in any order, of which the last one wins, as on the command line of a ROS 2 node; with
+    /// warnings about deprecated values.
     ///
     /// # Errors
     /// All faults of all sources.

@@ -3,10 +3,9 @@
 use super::fault::{Fault, Origin, Problem};
 use super::given::{Assignment, Content, Given};
 use super::node_name::NodeName;
-use super::value::Value;
 use super::yaml;
 
-/// A parameter given on the command line: `-p [node:]name:=value`, or by a flag of its own.
+/// A parameter given on the command line: `-p [node:]name:=value`.
 ///
 /// [`Parameters::load`](super::Parameters::load) reports its faults together with all others.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,17 +59,6 @@ fn given(value: &str, place: Origin) -> Result<Given, Problem> {
 }
 
 impl Override {
-    /// A parameter given by a flag of its own; `text` is the flag with its argument, such as `--velocity 10`.
-    #[must_use]
-    pub fn by_flag(text: &str, name: &str, value: Value) -> Self {
-        Self {
-            node: None,
-            name: Some(name.to_owned()),
-            given: Ok(Given::value(value, &Origin::CommandLine(text.to_owned()))),
-            text: text.to_owned(),
-        }
-    }
-
     /// The assignment to this node's parameter.
     ///
     /// # Errors
@@ -108,7 +96,7 @@ fn is_addressed_to(node: &NodeName, addressee: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Parameters;
+    use super::super::{Parameters, Value};
     use super::*;
 
     fn given(argument: &str) -> Result<(String, Value), String> {
@@ -193,17 +181,5 @@ mod tests {
                 parse_override(&format!("{addressee}:top.load:=1.5")).assignment(&node);
             assert_eq!(assignment.is_ok(), meant, "{addressee}");
         }
-    }
-
-    #[test]
-    fn a_flag_is_its_own_place() {
-        let flag = Override::by_flag("--velocity 100", "impact.velocity", Value::Double(100.0));
-        let faults = Parameters::load(&[], &[flag])
-            .expect_err("out of range")
-            .to_string();
-        assert!(
-            faults.contains("\n  --velocity 100: impact.velocity: `100.0` is out of range"),
-            "{faults}"
-        );
     }
 }

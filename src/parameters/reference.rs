@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use super::catalogue::catalogue;
+use super::parameter::{Applies, Parameter};
 use super::steel::STEEL_GRADES;
-use super::table::{Applies, PARAMETERS, Parameter};
+use super::table::PARAMETERS;
 use super::value::{Value, readable};
 
 /// The reference as Markdown, which is `docs/parameters.md`.

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use super::table::{PARAMETERS, Parameter};
+use super::parameter::Parameter;
+use super::table::PARAMETERS;
 use super::value::{Kind, Value};
 use crate::column::{ElasticLaw, Impact, Scheme};
 
@@ -211,7 +212,7 @@ fn insert(tree: &mut Map<String, Json>, name: &str, value: Json) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::Admissible;
+    use super::super::parameter::Admissible;
     use super::*;
 
     fn defaults() -> Vec<Value> {

@@ -1,113 +1,7 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::spelling::may_be_misspelt;
-use super::value::{Kind, Value};
-
-/// One parameter with everything that is known about it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// Full name, such as `geometry.length_below`.
-    pub name: &'static str,
-    /// SI unit, of an array that of its elements; empty where there is none.
-    pub unit: &'static str,
-    /// Value if none is given.
-    pub default: DefaultValue,
-    /// Admissible values.
-    pub admissible: Admissible,
-    /// When a change takes effect in the running node.
-    pub applies: Applies,
-    /// Description, beginning with the symbol in the paper where there is one.
-    pub meaning: &'static str,
-}
-
-/// Default of a parameter, in a form that a constant can hold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DefaultValue {
-    /// See [`Value::Bool`].
-    Bool(bool),
-    /// See [`Value::Integer`].
-    Integer(i64),
-    /// See [`Value::Double`].
-    Double(f64),
-    /// See [`Value::String`].
-    Text(&'static str),
-    /// See [`Value::DoubleArray`].
-    Numbers(&'static [f64]),
-    /// See [`Value::StringArray`].
-    Texts(&'static [&'static str]),
-}
-
-/// Admissible values of a parameter; all bounds are inclusive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Admissible {
-    /// `true` or `false`.
-    Switch,
-    /// A whole number.
-    Integer {
-        /// Smallest.
-        min: i64,
-        /// Largest.
-        max: i64,
-    },
-    /// A finite number.
-    Real {
-        /// Smallest.
-        min: f64,
-        /// Largest.
-        max: f64,
-    },
-    /// A finite number, or 0 with a special meaning.
-    RealOrZero {
-        /// Smallest apart from 0.
-        min: f64,
-        /// Largest.
-        max: f64,
-        /// Meaning of 0.
-        zero: &'static str,
-    },
-    /// A duration in seconds that is a whole number of nanoseconds.
-    WholeNanoseconds {
-        /// Shortest \[s\].
-        min: f64,
-        /// Longest \[s\].
-        max: f64,
-    },
-    /// One of these words.
-    Choice(&'static [&'static str]),
-    /// A string without control characters.
-    Text {
-        /// Minimum number of characters.
-        min_chars: usize,
-        /// Maximum number of characters.
-        max_chars: usize,
-    },
-    /// A section of the [catalogue](super::catalogue()), or the empty string.
-    SectionName,
-    /// One of the [steel grades](super::STEEL_GRADES), or the empty string.
-    SteelGrade,
-    /// A [list of processors](super::processors()), or the empty string.
-    Processors,
-    /// An array of numbers or of strings.
-    List {
-        /// Admissible values of every element: numbers or strings.
-        of: &'static Admissible,
-        /// Minimum number of elements.
-        min_len: usize,
-        /// Maximum number of elements.
-        max_len: usize,
-    },
-}
-
-/// When a change takes effect in the running node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Applies {
-    /// Immediately: from the next event, sample or picture on.
-    AtOnce,
-    /// Immediately while the column is at rest, otherwise when the current response is over.
-    AfterResponse,
-    /// Only when the node starts; the parameter is read-only while it runs.
-    Restart,
-}
 
 impl Parameter {
     /// The parameter of this name.
@@ -164,62 +58,12 @@ impl Parameter {
         })
     }
 
-    /// Type of its values.
-    #[must_use]
-    pub fn kind(&self) -> Kind {
-        self.admissible.kind()
-    }
-
-    /// Its default as a value.
-    #[must_use]
-    pub fn default_value(&self) -> Value {
-        match self.default {
-            DefaultValue::Bool(value) => Value::Bool(value),
-            DefaultValue::Integer(value) => Value::Integer(value),
-            DefaultValue::Double(value) => Value::Double(value),
-            DefaultValue::Text(text) => Value::from(text),
-            DefaultValue::Numbers(numbers) => Value::from(numbers.to_vec()),
-            DefaultValue::Texts(texts) => {
-                Value::StringArray(texts.iter().map(|it| (*it).to_owned()).collect())
-            }
-        }
-    }
-
-    /// Whether it cannot be changed while the node runs.
-    #[must_use]
-    pub fn read_only(&self) -> bool {
-        self.applies == Applies::Restart
-    }
-
     /// The word that replaces a deprecated one; `None` if `word` is not deprecated.
     pub(crate) fn replacement_of(&self, word: &str) -> Option<&'static str> {
         DEPRECATED_WORDS
             .iter()
             .find(|(name, old, _)| *name == self.name && *old == word)
             .map(|(.., new)| *new)
-    }
-}
-
-impl Admissible {
-    /// Type of the values.
-    pub(super) const fn kind(&self) -> Kind {
-        match self {
-            Self::Switch => Kind::Bool,
-            Self::Integer { .. } => Kind::Integer,
-            Self::Real { .. } | Self::RealOrZero { .. } | Self::WholeNanoseconds { .. } => {
-                Kind::Double
-            }
-            Self::Choice(_)
-            | Self::Text { .. }
-            | Self::SectionName
-            | Self::SteelGrade
-            | Self::Processors => Kind::String,
-            Self::List { of, .. } => match of.kind() {
-                Kind::Double => Kind::DoubleArray,
-                Kind::String => Kind::StringArray,
-                _ => panic!("the elements of an array are numbers or strings"),
-            },
-        }
     }
 }
 
