@@ -100,6 +100,15 @@ pub fn recorder_options(record: &Record, started: SystemTime) -> RecorderOptions
     }
 }
 
+/// The text of an error, with the parameter that can be changed to avoid it.
+#[must_use]
+pub fn with_parameter(error: &RecordingError) -> String {
+    match error {
+        RecordingError::Directory { .. } => format!("{error} with the parameter record.directory"),
+        other => other.to_string(),
+    }
+}
+
 impl From<Compression> for ChunkCompression {
     fn from(compression: Compression) -> Self {
         match compression {

@@ -96,12 +96,18 @@ pub enum RecordingError {
         hint: &'static str,
     },
     /// The directory is not a finished recording.
-    #[error("{} has no metadata.yaml, so it is not a finished recording; {advice}", path.display())]
+    #[error("{} has no metadata.yaml, so it is not a finished recording; read {} itself, or repair the recording", path.display(), file.display())]
     NoMetadata {
         /// The directory.
         path: PathBuf,
-        /// What to do with the files in it.
-        advice: String,
+        /// An MCAP file in it.
+        file: PathBuf,
+    },
+    /// The directory contains no recording.
+    #[error("{} is not a recording: it has no metadata.yaml and no .mcap file; give the directory of a recording, or its .mcap file", path.display())]
+    NoRecording {
+        /// The directory.
+        path: PathBuf,
     },
     /// The writer of the recording has not finished.
     #[error("{} is still being recorded; stop the program that records it, which finishes the recording", path.display())]

@@ -82,7 +82,7 @@ fn what_is_no_recording() {
     );
     assert_says(
         &said_of_path(folder.path()),
-        &["no metadata.yaml", "no .mcap file either"],
+        &["no metadata.yaml", "no .mcap file"],
     );
 }
 
