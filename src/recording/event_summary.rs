@@ -1,56 +1,54 @@
-//! What a recording says of each impact.
+//! The impacts in a recording.
 
 use std::collections::HashMap;
 
-use serde::Serialize;
-
 use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
+use serde::Serialize;
 
 use crate::messages::column_twin::ImpactReport;
 
-/// Most events of a summary.
+/// Maximum number of events in a summary.
 const MAX_EVENTS: usize = 100_000;
 
-/// One impact event: what was announced, and what came of it. What the recording does not say is `None`.
+/// One impact event and its outcome. Values that the recording does not contain are `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct EventSummary {
-    /// Its name.
+    /// Identifier of the event.
     pub event_id: String,
-    /// The column that was hit.
+    /// Identifier of the column.
     pub column_id: String,
-    /// Instant of the contact, as the event says \[ns\].
+    /// Instant of the contact in the event \[ns\].
     pub stamp: Option<i64>,
     /// Mass of the impactor \[kg\].
     pub mass: Option<f64>,
     /// Speed over the ground \[m/s\].
     pub velocity: Option<f64>,
-    /// Why the twin refused it.
+    /// Why the twin rejected the event.
     pub refused: Option<String>,
-    /// Largest displacement of the impact point that was forecast \[m\].
+    /// Forecast of the peak displacement of the impact point \[m\].
     pub forecast_max_v1: Option<f64>,
-    /// Largest displacement of the impact point \[m\].
+    /// Peak displacement of the impact point \[m\].
     pub max_v1: Option<f64>,
-    /// When, after the contact \[s\].
+    /// Time of the peak after the contact \[s\].
     pub max_v1_time: Option<f64>,
-    /// Displacement that stays \[m\].
+    /// Residual displacement \[m\].
     pub residual_v1: Option<f64>,
-    /// Largest contact force \[N\].
+    /// Peak contact force \[N\].
     pub peak_contact_force: Option<f64>,
     /// `elastic`, `plastic` or `collapsed`.
     pub outcome: Option<&'static str>,
 }
 
-/// The impacts of a recording in the order in which it first names them, and how many more there are.
+/// The impacts of a recording in the order of their first message, and the number of messages about further impacts.
 ///
 /// # Errors
-/// The recording cannot be read, or the definition of one of our types in it is wrong. Messages that do not fit their
-/// definition are passed over; damaged records, too.
+/// The recording cannot be read, or the definition of one of our types in it is wrong. Messages that do not match their
+/// definition and damaged records are left out.
 pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), RecordingError> {
     let mut decoders = Vec::with_capacity(reader.topics().len());
     for topic in reader.topics() {
-        let teller = teller(&topic.type_name);
-        decoders.push(match teller {
-            Some(tell) => Some((Decoder::new(topic)?, tell)),
+        decoders.push(match handler(&topic.type_name) {
+            Some(handle) => Some((Decoder::new(topic)?, handle)),
             None => None,
         });
     }
@@ -61,19 +59,19 @@ pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), Rec
             Err(RecordingError::Damaged { .. }) => continue,
             Err(error) => return Err(error),
         };
-        if let Some(Some((decoder, tell))) = decoders.get(message.topic_index)
+        if let Some(Some((decoder, handle))) = decoders.get(message.topic_index)
             && let Ok(content) = decoder.decode(&message)
         {
-            tell(&mut events, &content);
+            handle(&mut events, &content);
         }
     }
     Ok((events.list, events.beyond))
 }
 
-/// Takes down what a message says.
-type Tell = fn(&mut Events, &Decoded);
+/// Adds the content of a message to the events.
+type Handler = fn(&mut Events, &Decoded);
 
-fn teller(type_name: &str) -> Option<Tell> {
+fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
         "column_twin/msg/ImpactEvent" => Some(Events::announced),
         "column_twin/msg/ImpactReport" => Some(Events::reported),
@@ -124,7 +122,7 @@ impl Events {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
-        // It was accepted. What was refused then is a repeat of it.
+        // The event was accepted; the rejection was that of a repetition.
         event.refused = None;
         let kind = number(message, "kind");
         if kind == Some(f64::from(ImpactReport::FORECAST)) {
@@ -158,7 +156,7 @@ fn text<'a>(message: &'a Decoded, field: &str) -> &'a str {
         .unwrap_or_default()
 }
 
-/// The number in a field; NaN says that there is none.
+/// The number in a field; NaN means that there is none.
 fn number(message: &Decoded, field: &str) -> Option<f64> {
     message
         .field(field)
@@ -208,9 +206,9 @@ mod tests {
         )
     }
 
-    /// A repeat is refused, and the impact stays what it was, whichever is read first.
+    /// A rejected repetition does not change the impact, whichever message is read first.
     #[test]
-    fn a_repeat_that_is_refused_does_not_make_its_impact_refused() {
+    fn a_rejected_repetition_does_not_make_its_impact_rejected() {
         let report = |id, kind, value| {
             let names = [("column_id", "c"), ("event_id", id)];
             message(&[("kind", f64::from(kind)), value], &names)

@@ -11,7 +11,7 @@ use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
 
-/// The names of our recordings, and of the metadata records in them, begin with this.
+/// The names of recordings of this program, and of the metadata records in them, begin with this.
 pub const APPLICATION: &str = "column_twin";
 
 /// The topic `name` whose messages are of one of our [types](INTERFACES).
@@ -61,7 +61,7 @@ pub fn is_journal(topic: &RecordedTopic) -> bool {
     *topic.type_name == *JOURNAL.type_name && topic.name.ends_with(name)
 }
 
-/// How this program writes a recording.
+/// The options with which this program writes a recording.
 #[must_use]
 pub fn writer_options(compression: Compression) -> WriterOptions {
     let notes = [
@@ -78,7 +78,7 @@ pub fn writer_options(compression: Compression) -> WriterOptions {
     }
 }
 
-/// How the parameters `record.*` want to record, from the time of day `started` on.
+/// The options that the parameters `record.*` ask for; `started` is the current time.
 #[must_use]
 pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> RecorderOptions {
     let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
@@ -97,6 +97,15 @@ pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> Recorde
         max_total_size: number(record.max_total_size),
         max_age: seconds(record.max_age),
         ..RecorderOptions::new(&record.directory, started)
+    }
+}
+
+/// The text of an error, with the parameter that can be changed to avoid it.
+#[must_use]
+pub fn with_parameter(error: &RecordingError) -> String {
+    match error {
+        RecordingError::Directory { .. } => format!("{error} with the parameter record.directory"),
+        other => other.to_string(),
     }
 }
 

@@ -127,7 +127,7 @@ impl RunRecording {
         };
         NodeRecording::start(&parameters.settings().record, &topics, told)
             .map(Self)
-            .map_err(|error| RunError::Recording(error.into()))
+            .map_err(|error| RunError::Recording(crate::recording::with_parameter(&error).into()))
     }
 
     fn tap(&self) -> Option<Arc<dyn RecordingTap>> {

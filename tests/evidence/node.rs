@@ -270,7 +270,7 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
     drop(reports);
     let (code, log) = stopped(node);
     assert_eq!(code, Some(0), "{log}");
-    assert!(log.contains("written anew"), "{log}");
+    assert!(log.contains("were saved"), "{log}");
     let found = recordings(directory.path());
     assert_eq!(found.len(), 3, "{found:?}");
     for path in &found {

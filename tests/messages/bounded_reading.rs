@@ -111,7 +111,7 @@ fn errors_say_what_was_expected_and_found() {
     assert!(
         error
             .to_string()
-            .starts_with("builtin_interfaces/msg/Time: 5 bytes are not such a message"),
+            .starts_with("builtin_interfaces/msg/Time: the 5 bytes are not a message of this type"),
         "{error}"
     );
 }

@@ -185,18 +185,20 @@ pub(crate) fn read_file_names(path: &Path) -> Result<Vec<String>, RecordingError
         ))
     })?;
     let metadata = document.rosbag2_bagfile_information;
-    if metadata.storage_identifier != "mcap" {
-        return Err(RecordingError::OtherStorage {
-            path: path.to_path_buf(),
-            found: metadata.storage_identifier,
-        });
-    }
     let mode = metadata.compression_mode.to_lowercase();
-    if !matches!(mode.as_str(), "" | "none" | "storage") {
-        return Err(RecordingError::OuterCompression {
-            path: path.to_path_buf(),
-            mode,
-        });
+    let storage = metadata.storage_identifier;
+    let reason = if storage != "mcap" {
+        Some(format!("expected storage_identifier mcap, found {storage}"))
+    } else if !matches!(mode.as_str(), "" | "none" | "storage") {
+        Some(format!(
+            "expected compression by MCAP, found a recording that rosbag2 compressed by {mode}"
+        ))
+    } else {
+        None
+    };
+    if let Some(reason) = reason {
+        let path = path.to_path_buf();
+        return Err(RecordingError::OtherStorage { path, reason });
     }
     let names = metadata.relative_file_paths.into_iter();
     // Older versions wrote paths; the files are in the same directory as metadata.yaml in any case.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use re_cdr::{BigEndian, ByteOrder, CdrReader, LittleEndian};
 use re_ros_msg::message_spec::BuiltInType;
 
 use crate::definition::Shape;
@@ -82,56 +83,54 @@ impl Decoder {
                 data.len()
             ));
         };
-        let big_endian = match head[..2] {
-            [0, 0] => true,
-            [0, 1] => false,
-            _ => {
-                return Err(format!(
-                    "expected plain CDR (00 00 or 00 01), found {:02x} {:02x}",
-                    head[0], head[1]
-                ));
-            }
-        };
-        let mut cdr = Cdr {
-            body,
-            at: 0,
-            big_endian,
-            values_left: MIN_VALUES + VALUES_PER_BYTE * body.len(),
-        };
-        cdr.read(&self.shape)
+        let max_values = MIN_VALUES + VALUES_PER_BYTE * body.len();
+        match head[..2] {
+            [0, 0] => Cdr::<BigEndian>::new(body, max_values).read(&self.shape),
+            [0, 1] => Cdr::<LittleEndian>::new(body, max_values).read(&self.shape),
+            _ => Err(format!(
+                "expected plain CDR (00 00 or 00 01), found {:02x} {:02x}",
+                head[0], head[1]
+            )),
+        }
     }
 }
 
 /// A reader of plain CDR (XCDR1).
-struct Cdr<'a> {
-    body: &'a [u8],
-    at: usize,
-    big_endian: bool,
+struct Cdr<'a, BO> {
+    bytes: CdrReader<'a, BO>,
     values_left: usize,
 }
 
-impl Cdr<'_> {
+impl<'a, BO: ByteOrder> Cdr<'a, BO> {
+    fn new(body: &'a [u8], max_values: usize) -> Self {
+        Self {
+            bytes: CdrReader::new(body),
+            values_left: max_values,
+        }
+    }
+
     fn read(&mut self, shape: &Shape) -> Result<Decoded, String> {
         self.values_left = self
             .values_left
             .checked_sub(1)
             .ok_or("the message has far more values than bytes")?;
-        Ok(match shape {
-            Shape::One(built_in) => self.read_one(built_in)?,
+        match shape {
+            Shape::One(built_in) => self.read_one(built_in).map_err(|error| error.to_string()),
             Shape::Fields(fields) => {
                 let mut values = Vec::with_capacity(fields.len());
                 for (name, shape) in fields.iter() {
-                    let value = self.read(shape).map_err(|reason| within(name, reason))?;
+                    let value = self.read(shape);
+                    let value = value.map_err(|reason| format!("{name}: {reason}"))?;
                     values.push((Arc::clone(name), value));
                 }
-                Decoded::Fields(values)
+                Ok(Decoded::Fields(values))
             }
-            Shape::Array(element, length) => self.read_list(element, *length)?,
+            Shape::Array(element, length) => self.read_list(element, *length),
             Shape::Sequence(element) => {
-                let length = self.u32()?;
-                self.read_list(element, usize::try_from(length).unwrap_or(usize::MAX))?
+                let length = self.bytes.read_u32().map_err(|error| error.to_string())?;
+                self.read_list(element, usize::try_from(length).unwrap_or(usize::MAX))
             }
-        })
+        }
     }
 
     /// Allocates memory for the elements that are there, not for the announced number.
@@ -143,65 +142,28 @@ impl Cdr<'_> {
         Ok(Decoded::List(values))
     }
 
-    fn read_one(&mut self, built_in: &BuiltInType) -> Result<Decoded, String> {
+    fn read_one(&mut self, built_in: &BuiltInType) -> re_cdr::Result<Decoded> {
+        let bytes = &mut self.bytes;
         Ok(match built_in {
-            BuiltInType::Bool => Decoded::Bool(self.array::<1>()? != [0]),
+            BuiltInType::Bool => Decoded::Bool(bytes.read_u8()? != 0),
             BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8 => {
-                Decoded::Unsigned(self.array::<1>()?[0].into())
+                Decoded::Unsigned(bytes.read_u8()?.into())
             }
-            BuiltInType::Int8 => Decoded::Integer(i8::from_ne_bytes(self.array()?).into()),
-            BuiltInType::Int16 => Decoded::Integer(i16::from_ne_bytes(self.array()?).into()),
-            BuiltInType::UInt16 => Decoded::Unsigned(u16::from_ne_bytes(self.array()?).into()),
-            BuiltInType::Int32 => Decoded::Integer(i32::from_ne_bytes(self.array()?).into()),
-            BuiltInType::UInt32 => Decoded::Unsigned(self.u32()?.into()),
-            BuiltInType::Int64 => Decoded::Integer(i64::from_ne_bytes(self.array()?)),
-            BuiltInType::UInt64 => Decoded::Unsigned(u64::from_ne_bytes(self.array()?)),
-            BuiltInType::Float32 => Decoded::Float32(f32::from_ne_bytes(self.array()?)),
-            BuiltInType::Float64 => Decoded::Float64(f64::from_ne_bytes(self.array()?)),
-            BuiltInType::String(_) => Decoded::Text(self.text()?),
+            BuiltInType::Int8 => Decoded::Integer(bytes.read_i8()?.into()),
+            BuiltInType::Int16 => Decoded::Integer(bytes.read_i16()?.into()),
+            BuiltInType::UInt16 => Decoded::Unsigned(bytes.read_u16()?.into()),
+            BuiltInType::Int32 => Decoded::Integer(bytes.read_i32()?.into()),
+            BuiltInType::UInt32 => Decoded::Unsigned(bytes.read_u32()?.into()),
+            BuiltInType::Int64 => Decoded::Integer(bytes.read_i64()?),
+            BuiltInType::UInt64 => Decoded::Unsigned(bytes.read_u64()?),
+            BuiltInType::Float32 => Decoded::Float32(bytes.read_f32()?),
+            BuiltInType::Float64 => Decoded::Float64(bytes.read_f64()?),
+            BuiltInType::String(_) => Decoded::Text(bytes.read_string()?),
             BuiltInType::WString(_) => {
-                return Err(
-                    "the message has a wstring, whose encoding differs between vendors".to_owned(),
-                );
+                return Err(re_cdr::Error::Custom(
+                    "the encoding of wstring differs between vendors".to_owned(),
+                ));
             }
         })
     }
-
-    fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_ne_bytes(self.array()?))
-    }
-
-    /// A string ends with a zero, which its length includes.
-    fn text(&mut self) -> Result<String, String> {
-        let length = usize::try_from(self.u32()?).unwrap_or(usize::MAX);
-        let bytes = self.take(length)?;
-        let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
-        let text =
-            std::str::from_utf8(bytes).map_err(|_| "expected text in UTF-8, found other bytes")?;
-        Ok(text.to_owned())
-    }
-
-    /// The bytes of a number in the byte order of this machine; a number is aligned to its length.
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        self.at = self.at.next_multiple_of(N);
-        let mut bytes = [0; N];
-        bytes.copy_from_slice(self.take(N)?);
-        if self.big_endian != cfg!(target_endian = "big") {
-            bytes.reverse();
-        }
-        Ok(bytes)
-    }
-
-    fn take(&mut self, length: usize) -> Result<&[u8], String> {
-        let end = self.at.saturating_add(length);
-        let taken = self.body.get(self.at..end);
-        let taken = taken
-            .ok_or_else(|| format!("expected at least {end} bytes, found {}", self.body.len()))?;
-        self.at = end;
-        Ok(taken)
-    }
-}
-
-fn within(name: &str, reason: String) -> String {
-    format!("{name}: {reason}")
 }

@@ -96,12 +96,18 @@ pub enum RecordingError {
         hint: &'static str,
     },
     /// The directory is not a finished recording.
-    #[error("{} has no metadata.yaml, so it is not a finished recording; {advice}", path.display())]
+    #[error("{} has no metadata.yaml, so it is not a finished recording; read {} itself, or repair the recording", path.display(), file.display())]
     NoMetadata {
         /// The directory.
         path: PathBuf,
-        /// What to do with the files in it.
-        advice: String,
+        /// An MCAP file in it.
+        file: PathBuf,
+    },
+    /// The directory contains no recording.
+    #[error("{} is not a recording: it has no metadata.yaml and no .mcap file; give the directory of a recording, or its .mcap file", path.display())]
+    NoRecording {
+        /// The directory.
+        path: PathBuf,
     },
     /// The writer of the recording has not finished.
     #[error("{} is still being recorded; stop the program that records it, which finishes the recording", path.display())]
@@ -117,21 +123,13 @@ pub enum RecordingError {
         /// What is wrong.
         reason: String,
     },
-    /// The recording uses another storage plugin of rosbag2.
-    #[error("{}: expected storage_identifier mcap, found {found}; convert it with: ros2 bag convert", path.display())]
+    /// rosbag2 stored or compressed the recording in another way.
+    #[error("{}: {reason}; convert it with: ros2 bag convert", path.display())]
     OtherStorage {
         /// metadata.yaml.
         path: PathBuf,
-        /// The storage plugin.
-        found: String,
-    },
-    /// rosbag2 compressed whole files or messages in addition to MCAP.
-    #[error("{}: rosbag2 compressed by {mode}, which this program cannot read; convert it with: ros2 bag convert", path.display())]
-    OuterCompression {
-        /// metadata.yaml.
-        path: PathBuf,
-        /// The compression mode of rosbag2.
-        mode: String,
+        /// What was expected and what was found.
+        reason: String,
     },
     /// A file that metadata.yaml names is missing.
     #[error("{}: names the file {name}, which is not in the same directory; restore it, or read the other .mcap files one by one", path.display())]

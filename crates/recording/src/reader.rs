@@ -331,21 +331,13 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
 
 fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
     let files = mcap_files(path).map_err(|source| RecordingError::io("read", path, source))?;
+    let path = path.to_path_buf();
     if files.iter().any(|file| is_being_written(file)) {
-        return Ok(RecordingError::BeingWritten {
-            path: path.to_path_buf(),
-        });
+        return Ok(RecordingError::BeingWritten { path });
     }
-    let advice = match files.first() {
-        Some(file) => format!("read {} itself, or repair the recording", file.display()),
-        None => {
-            "it contains no .mcap file either; give the directory of a recording, or its .mcap file"
-                .to_owned()
-        }
-    };
-    Ok(RecordingError::NoMetadata {
-        path: path.to_path_buf(),
-        advice,
+    Ok(match files.into_iter().next() {
+        Some(file) => RecordingError::NoMetadata { path, file },
+        None => RecordingError::NoRecording { path },
     })
 }
 

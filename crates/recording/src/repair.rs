@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use mcap::records::Metadata;
 
-use crate::bag_metadata::METADATA_FILE;
 use crate::error::RecordingError;
 use crate::reader::{Reader, RecordedTopic};
 use crate::retention::mcap_files;
@@ -76,13 +75,14 @@ pub(crate) fn repair_unless(
     output: Option<&Path>,
     stop: &AtomicBool,
 ) -> Result<Option<Repaired>, RecordingError> {
-    let has_metadata = !source.is_dir() || source.join(METADATA_FILE).exists();
-    let reader = if has_metadata {
-        Reader::open(source)?
-    } else {
-        open_unfinished(source)?
+    let (reader, no_metadata) = match Reader::open(source) {
+        Err(RecordingError::NoMetadata { .. }) => (open_unfinished(source)?, Some("without")),
+        Err(RecordingError::BadMetadata { .. }) => {
+            (open_unfinished(source)?, Some("with a damaged"))
+        }
+        opened => (opened?, None),
     };
-    if has_metadata && reader.wholeness().is_whole() {
+    if no_metadata.is_none() && reader.wholeness().is_whole() {
         return Ok(None);
     }
     if reader.files().iter().any(|file| is_being_written(file)) {
@@ -100,9 +100,9 @@ pub(crate) fn repair_unless(
     if directory.symlink_metadata().is_ok() {
         return Err(RecordingError::Exists { path: directory });
     }
-    let fault = match reader.wholeness().is_whole() {
-        true => "without metadata.yaml".to_owned(),
-        false => reader.wholeness().to_string(),
+    let fault = match no_metadata.filter(|_| reader.wholeness().is_whole()) {
+        Some(how) => format!("{how} metadata.yaml"),
+        None => reader.wholeness().to_string(),
     };
     let messages = write_copy(&reader, &fault, &directory, stop)?;
     Ok(Some(Repaired {
@@ -115,14 +115,10 @@ pub(crate) fn repair_unless(
     }))
 }
 
-/// Opens the directory of a recording that its writer did not finish.
+/// Opens all files in the directory of a recording without a valid metadata.yaml.
 fn open_unfinished(directory: &Path) -> Result<Reader, RecordingError> {
     let files =
         mcap_files(directory).map_err(|source| RecordingError::io("read", directory, source))?;
-    if files.is_empty() || files.iter().any(|file| is_being_written(file)) {
-        // This fails with the reason.
-        return Reader::open(directory);
-    }
     Reader::open_files(directory, files)
 }
 

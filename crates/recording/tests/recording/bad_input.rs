@@ -1,4 +1,4 @@
-//! Whatever is wrong with a recording, the message says what, and what can be done.
+//! The error for a bad recording tells what is wrong and what to do.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,15 +29,15 @@ fn bag_of(compression: ChunkCompression) -> Bag {
     }
 }
 
-/// What is said of a file with that content.
-fn said_of(content: &[u8]) -> String {
+/// The error for a file with this content.
+fn error_for(content: &[u8]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");
     fs::write(&path, content).unwrap();
-    said_of_path(&path)
+    error_for_path(&path)
 }
 
-fn said_of_path(path: &Path) -> String {
+fn error_for_path(path: &Path) -> String {
     let error = Reader::open(path).unwrap_err();
     assert!(error.is_bad_input(), "{error:?}");
     error.to_string()
@@ -50,8 +50,8 @@ fn assert_says(said: &str, parts: &[&str]) {
 }
 
 #[test]
-fn what_is_no_mcap_file() {
-    let text = said_of(b"time,v1\n0,0\n");
+fn files_that_are_not_mcap() {
+    let text = error_for(b"time,v1\n0,0\n");
     assert_says(
         &text,
         &[
@@ -60,29 +60,32 @@ fn what_is_no_mcap_file() {
             "give the directory of a recording",
         ],
     );
-    assert_says(&said_of(b""), &["is empty (0 bytes)", "nothing to repair"]);
-    assert_says(&said_of(b"\x89MCA"), &["cut off in its first bytes"]);
     assert_says(
-        &said_of(b"SQLite format 3\0"),
+        &error_for(b""),
+        &["is empty (0 bytes)", "nothing to repair"],
+    );
+    assert_says(&error_for(b"\x89MCA"), &["cut off in its first bytes"]);
+    assert_says(
+        &error_for(b"SQLite format 3\0"),
         &["rosbag2 in SQLite", "ros2 bag convert"],
     );
-    assert_says(&said_of(b"#ROSBAG V2.0\n"), &["ROS 1", "rosbags-convert"]);
+    assert_says(&error_for(b"#ROSBAG V2.0\n"), &["ROS 1", "rosbags-convert"]);
     assert_says(
-        &said_of(&[0x28, 0xb5, 0x2f, 0xfd, 0, 0, 0, 0]),
+        &error_for(&[0x28, 0xb5, 0x2f, 0xfd, 0, 0, 0, 0]),
         &["zstd -d"],
     );
 }
 
 #[test]
-fn what_is_no_recording() {
+fn paths_that_are_not_recordings() {
     let folder = tempfile::tempdir().unwrap();
     assert_says(
-        &said_of_path(&folder.path().join("nowhere")),
+        &error_for_path(&folder.path().join("nowhere")),
         &["does not exist", "give the directory"],
     );
     assert_says(
-        &said_of_path(folder.path()),
-        &["no metadata.yaml", "no .mcap file either"],
+        &error_for_path(folder.path()),
+        &["no metadata.yaml", "no .mcap file"],
     );
 }
 
@@ -90,9 +93,9 @@ fn what_is_no_recording() {
 fn a_directory_without_metadata() {
     let bag = bag();
     fs::remove_file(bag.directory.join("metadata.yaml")).unwrap();
-    let said = said_of_path(&bag.directory);
+    let said = error_for_path(&bag.directory);
     assert_says(&said, &["no metadata.yaml", "bag_0.mcap", "repair"]);
-    // The file itself is whole; what is missing is made anew beside it.
+    // The file itself is whole; the repair writes the missing metadata.yaml.
     assert!(Reader::open(&bag.file).unwrap().wholeness().is_whole());
     let repaired = repair(&bag.directory, None).unwrap().unwrap();
     assert_says(&repaired.to_string(), &["without metadata.yaml"]);
@@ -100,15 +103,18 @@ fn a_directory_without_metadata() {
 }
 
 #[test]
-fn metadata_that_says_something_else() {
+fn metadata_that_does_not_match() {
     let bag = bag();
     let path = bag.directory.join("metadata.yaml");
     let good = fs::read_to_string(&path).unwrap();
     let said_with = |text: &str| {
         fs::write(&path, text).unwrap();
-        said_of_path(&bag.directory)
+        error_for_path(&bag.directory)
     };
     assert_says(&said_with("a: [1"), &["metadata.yaml", "repair"]);
+    let repaired = repair(&bag.directory, None).unwrap().unwrap();
+    assert_says(&repaired.to_string(), &["with a damaged metadata.yaml"]);
+    sample::assert_reads_back(&Reader::open(&repaired.directory).unwrap(), &sample(3000));
     assert_says(&said_with("{}"), &["rosbag2_bagfile_information"]);
     assert_says(
         &said_with(&good.replace("identifier: mcap", "identifier: sqlite3")),
@@ -124,7 +130,7 @@ fn metadata_that_says_something_else() {
         &said_with(&modes),
         &["compressed by file", "ros2 bag convert"],
     );
-    // A path that leads out of the directory is taken for the name behind it.
+    // Of a path that leads out of the directory only the name counts.
     fs::write(
         &path,
         good.replace("- bag_0.mcap", "- ../../etc/bag_0.mcap"),
@@ -154,15 +160,15 @@ fn a_truncated_file_is_read_up_to_its_end_and_repaired() {
         assert!(read > 500 && read < 3000, "{read}");
         let repaired = repair(&bag.directory, None).unwrap().unwrap();
         assert_eq!((repaired.messages, repaired.in_record), (read, true));
-        let anew = Reader::open(&repaired.directory).unwrap();
-        assert!(anew.wholeness().is_whole());
+        let copy = Reader::open(&repaired.directory).unwrap();
+        assert!(copy.wholeness().is_whole());
         assert_eq!(
-            (anew.message_count(), anew.compression(), anew.ended()),
+            (copy.message_count(), copy.compression(), copy.ended()),
             (read, compression, Some("repaired"))
         );
         let expected = sample(3000);
-        sample::assert_reads_back(&anew, &expected[..usize::try_from(read).unwrap()]);
-        // The original is as it was, and what is there is not overwritten.
+        sample::assert_reads_back(&copy, &expected[..usize::try_from(read).unwrap()]);
+        // The original is unchanged, and nothing is overwritten.
         assert_eq!(fs::read(&bag.file).unwrap(), whole[..cut]);
         assert!(matches!(
             repair(&bag.directory, None),
@@ -210,9 +216,9 @@ fn a_damaged_chunk_is_left_out_and_counted() {
     }
 }
 
-/// Where the indexes say that messages are, and when, is not believed.
+/// The reader does not trust the indexes.
 #[test]
-fn an_index_that_lies_changes_nothing() {
+fn a_wrong_index_changes_nothing() {
     let bag = bag();
     let mut bytes = fs::read(&bag.file).unwrap();
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
@@ -222,14 +228,14 @@ fn an_index_that_lies_changes_nothing() {
         .map(|it| it.chunk_start_offset + it.chunk_length)
         .max()
         .unwrap();
-    // All behind the last chunk but the footer: indexes, statistics, offsets.
+    // Everything behind the last chunk except the footer: indexes, statistics, offsets.
     let (begin, end) = (usize::try_from(data_end).unwrap(), bytes.len() - 37);
     let lengths = 9..;
     let mut at = begin;
     while at < end {
         let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap());
         let next = at + lengths.start + usize::try_from(length).unwrap();
-        // Metadata and the end of the data stay; what they are told is no index.
+        // Metadata, end of data, schemas and channels stay as they are; they are not indexes.
         if !matches!(bytes[at], 0x0c | 0x0f | 0x03 | 0x04) {
             bytes[at + 9..next].fill(0xff);
         }
@@ -242,7 +248,7 @@ fn an_index_that_lies_changes_nothing() {
 }
 
 #[test]
-fn zeros_at_the_end_are_no_records() {
+fn zeros_at_the_end_are_not_records() {
     let bag = bag();
     let mut bytes = fs::read(&bag.file).unwrap();
     bytes.truncate(bytes.len() / 2);
@@ -254,9 +260,9 @@ fn zeros_at_the_end_are_no_records() {
     assert!(reader.message_count() > 500);
 }
 
-/// A recording of another program, with types that are none of ours and messages that are not CDR.
+/// A recording of another program, with other types and messages that are not CDR.
 #[test]
-fn a_recording_of_another_package_is_read_but_not_taken_for_ours() {
+fn a_recording_of_another_program_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("other.mcap");
     let mut writer = mcap::Writer::new(fs::File::create(&path).unwrap()).unwrap();
@@ -352,9 +358,9 @@ fn definitions_that_make_no_sense() {
     assert_says(&said("a/msg/A", "what is this"), &["cannot be read"]);
 }
 
-/// Lengths in a message are not believed either.
+/// The decoder does not trust the lengths in a message.
 #[test]
-fn messages_that_announce_more_than_they_hold() {
+fn messages_that_announce_more_than_they_contain() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");
     let mut writer = mcap::Writer::new(fs::File::create(&path).unwrap()).unwrap();
@@ -394,7 +400,7 @@ fn messages_that_announce_more_than_they_hold() {
 }
 
 #[test]
-fn repair_says_what_it_cannot_do() {
+fn repair_tells_what_it_cannot_do() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");
     fs::write(&path, b"\x89MCAP0\r\n").unwrap();

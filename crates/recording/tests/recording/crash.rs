@@ -1,4 +1,4 @@
-//! A program that is killed while it records loses next to nothing, and what it wrote is repaired.
+//! A program that is killed while it records loses very little, and its recording can be repaired.
 
 use std::fs::{self, File};
 use std::os::unix::fs::FileExt;
@@ -10,22 +10,22 @@ use rosbag2_mcap::{ChunkCompression, FLUSH_WITHIN, Reader, Recorder, RecorderOpt
 
 use super::sample::{COMPRESSIONS, text_entry, text_topics};
 
-/// Tells the other process where to record.
+/// Environment variable with the directory of the other process.
 const FOLDER: &str = "RECORDING_TEST_FOLDER";
 
-/// Tells it how.
+/// Environment variable with its compression.
 const COMPRESSION: &str = "RECORDING_TEST_COMPRESSION";
 
 /// Messages per second.
 const RATE: u64 = 10_000;
 
-/// How many kills.
+/// Number of kills.
 const KILLS: usize = 20;
 
-/// Records at full rate until it is killed, and writes down beside it what it has given to the recorder: memory of the
-/// system, which survives the kill.
+/// Records at full rate until it is killed, and notes in a file what it has given to the recorder; the page cache survives
+/// the kill.
 #[test]
-#[ignore = "is started by others of these tests, in a process of its own, to be killed"]
+#[ignore = "other tests start it in another process and kill it"]
 fn records_until_it_is_killed() {
     let Ok(folder) = std::env::var(FOLDER) else {
         return;
@@ -41,14 +41,14 @@ fn records_until_it_is_killed() {
     let sent = File::create(folder.join("sent")).unwrap();
     let text = "x".repeat(500);
     let begin = Instant::now();
-    // Somebody who forgets to kill it need not wait for ever.
+    // Ends even if nobody kills it.
     for index in 0..RATE * 60 {
         let due = Duration::from_nanos(index * 1_000_000_000 / RATE);
         while let Some(early) = due.checked_sub(begin.elapsed()) {
             std::thread::sleep(early);
         }
         let nanos = i64::try_from(begin.elapsed().as_nanos()).unwrap();
-        // The number stands in the text, the time in the message.
+        // The text contains the number, the message the time.
         assert!(recorder.record(text_entry(0, nanos, &format!("{index} {text}"), index == 0)));
         sent.write_all_at(&[index.to_le_bytes(), nanos.to_le_bytes()].concat(), 0)
             .unwrap();
@@ -70,7 +70,7 @@ fn start(folder: &Path, compression: ChunkCompression) -> Child {
         .unwrap()
 }
 
-/// The last message that was given to the recorder: its number and its time.
+/// Number and time of the last message that was given to the recorder.
 fn last_sent(folder: &Path) -> Option<(u64, i64)> {
     let bytes = fs::read(folder.join("sent")).ok()?;
     let (index, nanos) = bytes.get(..16)?.split_at(8);
@@ -80,7 +80,7 @@ fn last_sent(folder: &Path) -> Option<(u64, i64)> {
     ))
 }
 
-/// Kills a recording process after so many messages; says what is missing then.
+/// Kills a recording process after this many messages; returns the time span of the lost messages.
 pub fn missing_after_a_kill(
     folder: &Path,
     compression: ChunkCompression,
@@ -113,7 +113,7 @@ pub fn missing_after_a_kill(
     let mut last = 0;
     for (index, message) in reader.messages().enumerate() {
         let message = message.unwrap();
-        // From the first to the last without a gap.
+        // No gap between the first and the last message.
         assert!(
             message.data[8..].starts_with(format!("{index} ").as_bytes()),
             "message {index}"
@@ -125,7 +125,7 @@ pub fn missing_after_a_kill(
 }
 
 #[test]
-fn what_was_recorded_before_a_kill_is_there() {
+fn messages_before_a_kill_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     let missing = missing_after_a_kill(folder.path(), ChunkCompression::None, 3000);
     println!("missing after a kill: {missing:?}");
@@ -133,12 +133,12 @@ fn what_was_recorded_before_a_kill_is_there() {
 
 #[test]
 #[ignore = "slow: 20 kills; takes a quarter of a minute, and a machine that is not overloaded"]
-fn twenty_kills_at_any_instant_lose_less_than_is_promised() {
+fn twenty_kills_at_any_instant_lose_less_than_promised() {
     let mut all = Vec::new();
     for kill in 0..KILLS {
         let folder = tempfile::tempdir().unwrap();
         let compression = COMPRESSIONS[kill % COMPRESSIONS.len()];
-        // From 0.1 s to 0.9 s, at no multiple of anything.
+        // From 0.1 s to 0.9 s, at irregular instants.
         let messages = 1000 + (kill as u64 * 7919) % 8000;
         all.push(missing_after_a_kill(folder.path(), compression, messages));
     }

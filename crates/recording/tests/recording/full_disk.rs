@@ -1,4 +1,4 @@
-//! A disk that fills up: what was recorded up to there is whole, and it goes on when there is room again.
+//! A disk that fills up: the recording ends as a whole one, and recording goes on when there is room again.
 
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
@@ -8,14 +8,14 @@ use rosbag2_mcap::{
     ReportLevel,
 };
 
-use super::recorder::{Told, recordings};
+use super::recorder::{Reports, recordings};
 use super::sample::{text_entry, text_topics};
 use super::small_disk::SmallDisk;
 
-/// How long something is waited for that must come.
+/// Maximum time to wait for something that must happen.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Texts that cannot be compressed to nothing.
+/// Texts that compression hardly shortens.
 fn text(index: i64) -> String {
     let mut state = index as u64 + 1;
     let next = || {
@@ -36,7 +36,7 @@ fn until(what: &str, mut condition: impl FnMut() -> bool) {
 }
 
 #[test]
-fn a_full_disk_ends_a_recording_well_and_room_begins_a_new_one() {
+fn a_full_disk_ends_a_recording_properly_and_new_room_begins_another() {
     for compression in [ChunkCompression::None, ChunkCompression::Zstd] {
         let Some(disk) = SmallDisk::mount() else {
             return;
@@ -45,13 +45,13 @@ fn a_full_disk_ends_a_recording_well_and_room_begins_a_new_one() {
         let mut options = RecorderOptions::new(disk.path(), SystemTime::now());
         options.compression = compression;
         options.retry_after = Duration::from_millis(100);
-        let told = Told::default();
-        told.listen(&mut options);
+        let reports = Reports::default();
+        reports.listen(&mut options);
         let recorder = Recorder::start(options, text_topics()).unwrap();
         std::fs::write(&ballast, vec![1; 6 << 20]).unwrap();
         let mut sent = 0;
         let mut send = |checkpoint| {
-            // Waits for the recorder here: it is the disk that is to be the narrow place.
+            // Waits for the recorder, so that the disk is the bottleneck and not the queue.
             until("room in the queue", || {
                 recorder.statistics().queue.len < 1000
             });
@@ -89,7 +89,7 @@ fn a_full_disk_ends_a_recording_well_and_room_begins_a_new_one() {
         (0..100).for_each(|_| send(false));
         let statistics = recorder.stop();
         check_the_second(disk.path(), &first, &statistics, sent);
-        check_what_was_told(&told.all());
+        check_what_was_reports(&reports.all());
     }
 }
 
@@ -101,12 +101,12 @@ fn check_the_second(disk: &Path, first: &Path, statistics: &RecorderStatistics, 
         .unwrap();
     let reader = Reader::open(&second).unwrap();
     assert!(reader.wholeness().is_whole());
-    // It begins with the last checkpoint, which is in both.
+    // The second recording begins with the last checkpoint, which is in both.
     let times: Vec<i64> = reader.messages().map(|it| it.unwrap().log_time).collect();
     assert_eq!(times[0], 0);
     assert!(times.len() >= 100);
     assert_eq!(times.last(), Some(&(sent - 1)));
-    // What is in neither is counted, and the files say so.
+    // The messages that are in neither are counted, and the files contain the count.
     let lost: u64 = [first, &second]
         .iter()
         .filter_map(|it| Reader::open(it).unwrap().lost_messages())
@@ -115,8 +115,8 @@ fn check_the_second(disk: &Path, first: &Path, statistics: &RecorderStatistics, 
     assert_eq!(statistics.written + statistics.lost, sent as u64 + 1);
 }
 
-fn check_what_was_told(told: &[RecorderReport]) {
-    let kinds: Vec<&str> = told
+fn check_what_was_reports(reports: &[RecorderReport]) {
+    let kinds: Vec<&str> = reports
         .iter()
         .filter_map(|report| match report {
             RecorderReport::Began { .. } => Some("began"),
@@ -130,7 +130,7 @@ fn check_what_was_told(told: &[RecorderReport]) {
         kinds,
         ["began", "finished", "failing", "resumed", "finished"]
     );
-    for report in told {
+    for report in reports {
         let is_error = matches!(
             report,
             RecorderReport::Failing { .. }

@@ -20,13 +20,25 @@ fn every_message_reads_back_in_order() {
         );
         let reader = Reader::open(&directory).unwrap();
         assert!(reader.wholeness().is_whole(), "{}", reader.wholeness());
+        assert_eq!(
+            (reader.compression(), reader.bytes()),
+            (compression, finished.bytes)
+        );
+        assert_eq!(
+            (reader.lost_messages(), reader.ended()),
+            (Some(0), Some("stopped"))
+        );
+        assert_eq!(reader.profile(), "ros2");
         assert_eq!(reader.application(), Some("recording"));
         sample::assert_reads_back(&reader, &messages);
+        // The file alone contains as much.
+        let file = Reader::open(&directory.join("bag_0.mcap")).unwrap();
+        sample::assert_reads_back(&file, &messages);
     }
 }
 
 #[test]
-fn a_recording_without_messages_is_one() {
+fn a_recording_without_messages_is_valid() {
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path().join("bag");
     let finished = sample::write(&directory, ChunkCompression::None, &[]);
@@ -65,7 +77,7 @@ fn nothing_is_overwritten_and_nothing_undeclared_is_recorded() {
     );
 }
 
-/// As a bag that was split by rosbag2.
+/// Like a bag that rosbag2 has split.
 #[test]
 fn a_directory_of_several_files_is_one_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,7 +106,7 @@ fn a_directory_of_several_files_is_one_recording() {
 }
 
 #[test]
-fn metadata_yaml_says_what_rosbag2_wants_to_know() {
+fn metadata_yaml_contains_what_rosbag2_expects() {
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path().join("bag");
     let messages = sample(10);
@@ -126,6 +138,6 @@ fn metadata_yaml_says_what_rosbag2_wants_to_know() {
         (&Value::from("transient_local"), &Value::from(1))
     );
     assert_eq!(profile["deadline"]["sec"], 9_223_372_036_u64);
-    // Nothing else is in the directory.
+    // The directory contains nothing else.
     assert_eq!(fs::read_dir(&directory).unwrap().count(), 2);
 }

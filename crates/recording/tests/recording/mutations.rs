@@ -1,4 +1,4 @@
-//! Reading of damaged files never panics, never takes more memory than it may, and ends.
+//! Reading a damaged file never panics, uses bounded memory, and ends.
 
 use std::fs;
 use std::path::Path;
@@ -84,7 +84,7 @@ fn originals() -> Vec<Vec<u8>> {
     originals
 }
 
-/// Reads everything that there is to read; what is wrong is said, or counted.
+/// Reads everything that can be read.
 fn read_all(path: &Path) {
     let reader = match Reader::open(path) {
         Ok(reader) => reader,
@@ -102,7 +102,7 @@ fn read_all(path: &Path) {
                 assert!(message.log_time >= last, "out of order");
                 last = message.log_time;
                 if let Some(Ok(decoder)) = decoders.get(message.topic_index) {
-                    // Either is fine; that it ends is what is tested.
+                    // Both results are fine; the test is that it ends.
                     let _ = decoder.decode(&message);
                 }
             }
@@ -116,7 +116,7 @@ fn read_all(path: &Path) {
     }
 }
 
-/// On a file system in memory where there is one: a million small files are written.
+/// A directory in memory, if possible, because a million small files are written.
 fn folder() -> tempfile::TempDir {
     let memory = Path::new("/dev/shm");
     tempfile::tempdir_in(memory)
@@ -138,13 +138,13 @@ fn read_mutations(first: u64, count: u64) {
 }
 
 #[test]
-fn mutated_files_are_read_or_refused() {
+fn mutated_files_are_read_or_rejected() {
     read_mutations(0, FEW);
 }
 
 #[test]
 #[ignore = "slow: a million inputs, some minutes"]
-fn a_million_mutated_files_are_read_or_refused() {
+fn a_million_mutated_files_are_read_or_rejected() {
     let threads = std::thread::available_parallelism().map_or(1, |it| it.get() as u64);
     let each = MANY.div_ceil(threads);
     std::thread::scope(|scope| {
@@ -154,9 +154,9 @@ fn a_million_mutated_files_are_read_or_refused() {
     });
 }
 
-/// Data that is no MCAP file beyond its first bytes.
+/// Random data behind the magic bytes.
 #[test]
-fn noise_is_refused_or_counted() {
+fn noise_is_rejected_or_counted() {
     let folder = folder();
     let path = folder.path().join("x.mcap");
     let mut random = Random(1);
@@ -169,9 +169,9 @@ fn noise_is_refused_or_counted() {
     }
 }
 
-/// A chunk of a few bytes that unpacks to gigabytes.
+/// A small chunk that unpacks to gigabytes.
 #[test]
-fn a_chunk_that_unpacks_to_gigabytes_takes_no_more_memory_than_it_may() {
+fn a_chunk_that_unpacks_to_gigabytes_needs_bounded_memory() {
     const MIB: usize = 1 << 20;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bomb.mcap");
@@ -206,7 +206,7 @@ fn a_chunk_that_unpacks_to_gigabytes_takes_no_more_memory_than_it_may() {
     }
 }
 
-/// Most memory that this process had \[KiB\].
+/// Peak memory of this process \[KiB\].
 fn resident_kib() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status

@@ -1,6 +1,6 @@
-//! Damage to files, at random, and the same at every run.
+//! Reproducible random damage to files.
 
-/// Numbers that jump: SplitMix64, so that a failure can be repeated from its number.
+/// SplitMix64; a failure can be reproduced from its seed.
 pub struct Random(pub u64);
 
 impl Random {
@@ -17,7 +17,7 @@ impl Random {
     }
 }
 
-/// What goes wrong with files: flipped bits, wild numbers where lengths may be, parts that are missing, doubled or moved.
+/// Damages a file: flipped bits, extreme numbers where lengths may be, missing, repeated or zeroed parts.
 pub fn mutate(original: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = original.to_vec();
     for _ in 0..=random.below(4) {
@@ -51,7 +51,7 @@ pub fn mutate(original: &[u8], random: &mut Random) -> Vec<u8> {
                 bytes[at..end].fill(0);
             }
             _ => {
-                // The opcode of what may be a record.
+                // Possibly the opcode of a record.
                 if let Some(byte) = bytes.get_mut(at) {
                     *byte = u8::try_from(random.below(17)).unwrap();
                 }

@@ -1,4 +1,4 @@
-//! The recorder: what it keeps, when it begins anew, what it does not wait for.
+//! The recorder: what it writes, when it begins a new recording, what it drops.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,15 +40,15 @@ pub fn texts(path: &Path) -> Vec<String> {
         .collect()
 }
 
-/// What a recorder tells.
+/// Collects the reports of a recorder.
 #[derive(Clone, Default)]
-pub struct Told(Arc<Mutex<Vec<RecorderReport>>>);
+pub struct Reports(Arc<Mutex<Vec<RecorderReport>>>);
 
-impl Told {
+impl Reports {
     pub fn listen(&self, options: &mut RecorderOptions) {
-        let told = self.clone();
+        let reports = self.clone();
         options.on_report = Some(Arc::new(move |report| {
-            told.0.lock().unwrap().push(report.clone())
+            reports.0.lock().unwrap().push(report.clone())
         }));
     }
 
@@ -66,11 +66,11 @@ fn checkpoint(index: i64) -> Entry {
 }
 
 #[test]
-fn all_that_is_recorded_before_the_stop_is_there() {
+fn everything_recorded_before_the_stop_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut options = RecorderOptions::new(folder.path(), started());
-    let told = Told::default();
-    told.listen(&mut options);
+    let reports = Reports::default();
+    reports.listen(&mut options);
     let recorder = Recorder::start(options, text_topics()).unwrap();
     for index in 0..20_000 {
         assert!(recorder.record(plain(index)));
@@ -99,13 +99,13 @@ fn all_that_is_recorded_before_the_stop_is_there() {
             .collect::<Vec<_>>()
     );
     assert!(matches!(
-        &told.all()[..],
+        &reports.all()[..],
         [RecorderReport::Began { .. }, RecorderReport::Finished(_)]
     ));
 }
 
 #[test]
-fn no_message_no_recording() {
+fn without_messages_there_is_no_recording() {
     let folder = tempfile::tempdir().unwrap();
     let recorder = Recorder::start(
         RecorderOptions::new(folder.path(), started()),
@@ -116,9 +116,9 @@ fn no_message_no_recording() {
     assert!(recordings(folder.path()).is_empty());
 }
 
-/// A new recording waits for a checkpoint, so that it needs no other.
+/// A new recording begins with a checkpoint, so that it needs no earlier recording.
 #[test]
-fn a_recording_that_is_long_enough_goes_on_at_the_next_starting_point() {
+fn a_new_recording_begins_at_the_checkpoint_after_the_limit() {
     let folder = tempfile::tempdir().unwrap();
     let mut options = RecorderOptions::new(folder.path(), started());
     options.max_file_size = 400_000;
@@ -142,7 +142,7 @@ fn a_recording_that_is_long_enough_goes_on_at_the_next_starting_point() {
     }
 }
 
-/// Without checkpoints a recording ends all the same, and the next begins with the last one that there was.
+/// Without new checkpoints a recording ends nevertheless, and the next one begins with the last checkpoint.
 #[test]
 fn a_recording_does_not_grow_without_bound() {
     let folder = tempfile::tempdir().unwrap();
@@ -167,7 +167,7 @@ fn a_recording_does_not_grow_without_bound() {
 }
 
 #[test]
-fn only_so_many_recordings_are_kept() {
+fn the_number_of_recordings_is_limited() {
     let folder = tempfile::tempdir().unwrap();
     for hour in 0..4 {
         let directory = folder.path().join(directory_name(
@@ -184,15 +184,15 @@ fn only_so_many_recordings_are_kept() {
     let before = recordings(folder.path());
     let mut options = RecorderOptions::new(folder.path(), started());
     options.max_files = Some(3);
-    let told = Told::default();
-    told.listen(&mut options);
+    let reports = Reports::default();
+    reports.listen(&mut options);
     let recorder = Recorder::start(options, text_topics()).unwrap();
     assert!(recorder.record(plain(0)));
     assert_eq!(recorder.stop().lost, 0);
     let after = recordings(folder.path());
     assert_eq!(after.len(), 3 + 1);
     assert!(others.exists() && !before[0].exists() && !before[1].exists() && before[2].exists());
-    let deleted = told
+    let deleted = reports
         .all()
         .into_iter()
         .filter(|it| matches!(it, RecorderReport::Deleted { .. }))
@@ -201,15 +201,15 @@ fn only_so_many_recordings_are_kept() {
 }
 
 #[test]
-fn a_full_queue_drops_what_comes_and_the_file_says_how_much() {
+fn a_full_queue_drops_the_newest_and_the_file_contains_the_count() {
     let folder = tempfile::tempdir().unwrap();
     let mut options = RecorderOptions::new(folder.path(), started());
     options.queue_bytes = 100_000;
-    let told = Told::default();
-    told.listen(&mut options);
+    let reports = Reports::default();
+    reports.listen(&mut options);
     let recorder = Recorder::start(options, text_topics()).unwrap();
     assert!(recorder.record(checkpoint(0)));
-    // More than may ever wait.
+    // Larger than the whole queue.
     let large = text_entry(0, 1, &"x".repeat(200_000), false);
     for _ in 0..5 {
         assert!(!recorder.record(large.clone()));
@@ -219,7 +219,7 @@ fn a_full_queue_drops_what_comes_and_the_file_says_how_much() {
     assert_eq!((statistics.written, statistics.lost), (1, 5));
     let reader = Reader::open(&recordings(folder.path())[0]).unwrap();
     assert_eq!(reader.lost_messages(), Some(5));
-    let finished = told.all().pop().unwrap();
+    let finished = reports.all().pop().unwrap();
     assert!(
         finished.to_string().contains("5 messages are missing"),
         "{finished}"
@@ -227,7 +227,7 @@ fn a_full_queue_drops_what_comes_and_the_file_says_how_much() {
 }
 
 #[test]
-fn what_cannot_work_is_said_at_the_start() {
+fn what_cannot_work_fails_at_the_start() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
@@ -239,9 +239,9 @@ fn what_cannot_work_is_said_at_the_start() {
     assert!(matches!(error, RecordingError::DuplicateTopic { .. }));
 }
 
-/// What a crash has left is repaired at the next start, once, and that is said.
+/// A recording that a crash has cut off is repaired at the next start, once, and reported.
 #[test]
-fn what_a_crash_left_is_repaired_at_the_next_start() {
+fn a_cut_off_recording_is_repaired_at_the_next_start() {
     let folder = tempfile::tempdir().unwrap();
     let crashed = folder.path().join(directory_name(
         "recording",
@@ -260,15 +260,15 @@ fn what_a_crash_left_is_repaired_at_the_next_start() {
     fs::remove_file(crashed.join("metadata.yaml")).unwrap();
     for round in 0..2 {
         let mut options = RecorderOptions::new(folder.path(), started());
-        let told = Told::default();
-        told.listen(&mut options);
+        let reports = Reports::default();
+        reports.listen(&mut options);
         let recorder = Recorder::start(options, text_topics()).unwrap();
         let repaired = PathBuf::from(format!("{}_repaired", crashed.display()));
         while !repaired.join("metadata.yaml").exists() {
             std::thread::yield_now();
         }
         let _ = recorder.stop();
-        let repairs: Vec<_> = told
+        let repairs: Vec<_> = reports
             .all()
             .into_iter()
             .filter(|it| matches!(it, RecorderReport::Repaired(_)))
@@ -287,7 +287,7 @@ fn what_a_crash_left_is_repaired_at_the_next_start() {
 }
 
 #[test]
-fn a_recording_that_is_being_written_is_not_taken_for_a_crashed_one() {
+fn a_recording_that_is_being_written_is_not_repaired() {
     let folder = tempfile::tempdir().unwrap();
     let running = folder.path().join(directory_name(
         "recording",

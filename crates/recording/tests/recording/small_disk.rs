@@ -1,4 +1,4 @@
-//! A disk that is soon full.
+//! A small disk for tests of full disks.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,7 +10,7 @@ const SIZE: &str = "12m";
 pub struct SmallDisk(tempfile::TempDir);
 
 impl SmallDisk {
-    /// `None`, with a word about it, where there is none to be had.
+    /// `None`, with a message, if it cannot be mounted.
     pub fn mount() -> Option<Self> {
         let folder = tempfile::tempdir().unwrap();
         let mut mount = Command::new("mount");
@@ -25,7 +25,7 @@ impl SmallDisk {
             .arg(folder.path());
         let mounted = mount.output().is_ok_and(|it| it.status.success());
         if !mounted {
-            println!("not tested: a small file system cannot be mounted here, that needs root");
+            println!("not tested: mounting a small file system needs root");
         }
         mounted.then_some(Self(folder))
     }
