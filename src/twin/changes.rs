@@ -165,7 +165,7 @@ impl Twin {
                 run.event_id
             );
             self.notice(Severity::Warning, text, now, out);
-            self.corrections += run.state.corrections;
+            self.corrections += run.state.newton_iterations;
             self.last = Some(Last {
                 run,
                 resumable: None,

@@ -129,7 +129,7 @@ impl Twin {
         let run = self.last.take()?.run;
         self.journal.taken_back = true;
         self.life.plastic_work = plastic_work;
-        self.corrections -= run.state.corrections;
+        self.corrections -= run.state.newton_iterations;
         self.run = Some(run);
         Some(step)
     }
@@ -149,7 +149,7 @@ impl Twin {
         run.rewind(step);
         self.ahead = None;
         self.life.plastic_work += run.state.ledger.plastic_work;
-        self.corrections += run.state.corrections;
+        self.corrections += run.state.newton_iterations;
         let text = format!(
             "impact \"{}\" hits the column {} s after impact \"{}\", whose report {becomes}",
             arriving.event_id,

@@ -223,7 +223,7 @@ impl Twin {
 
     /// What the solver has done since the start.
     pub fn statistics(&self) -> SolverStatistics {
-        let corrections = self.run.as_ref().map_or(0, |run| run.state.corrections);
+        let corrections = self.run.as_ref().map_or(0, |run| run.state.newton_iterations);
         SolverStatistics {
             steps: self.steps,
             corrections: self.corrections + corrections,

@@ -31,7 +31,7 @@ pub(super) fn what_the_column_is(parameters: &Parameters) -> ColumnProperties {
         top_mass: 0.0,
         top_load: 0.0,
         damping_ratio: 0.0,
-        scheme: Scheme::Energy,
+        scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
         ..parameters.column_properties()
     }

@@ -103,7 +103,7 @@ impl Twin {
     ) {
         let plastic_work = self.life.plastic_work;
         self.life.plastic_work += run.state.ledger.plastic_work;
-        self.corrections += run.state.corrections;
+        self.corrections += run.state.newton_iterations;
         let state = match residual {
             // The same bits as if there had been no impact.
             Some(residual) if !is_damaged(&residual) => State::at_rest(&run.model),

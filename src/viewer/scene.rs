@@ -387,7 +387,7 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
     };
     for hinge in &mut sample.hinges {
         hinge.normal_force = model.rest.normal_force;
-        hinge.utilisation = model.below.surface.utilisation(0.0, hinge.normal_force);
+        hinge.utilisation = model.frame.below.surface.utilisation(0.0, hinge.normal_force);
     }
     (sample, model.impact_point_mass)
 }
