@@ -56,7 +56,7 @@ fn the_paper_as_printed() {
     );
     assert_eq!(
         (column.damping_ratio, column.scheme, column.step_nanos),
-        (0.0, Scheme::Energy, 20_000)
+        (0.0, Scheme::ConservingMidpoint, 20_000)
     );
     let impact = parameters.impact();
     assert_eq!(

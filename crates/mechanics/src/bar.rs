@@ -19,13 +19,13 @@ use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
 const MAX_RETURN_ITERATIONS: usize = 120;
 
-/// The root search stops at a Newton step of this size, relative to the trial stress: the error after it is of the order
-/// of its square. (The stress lies on the surface and the energy balance holds whatever the error is.) A bisection step
-/// gives no such bound and goes on to the last bit.
+/// The root search stops at a Newton step of this size, relative to the coordinate: the error after it is of the order of
+/// its square, even where the curvature of the surface is infinite at `N = 0`. (The stress lies on the surface and the
+/// energy balance holds whatever the error is.) A bisection step gives no such bound and goes on to the last bit.
 const RETURN_TOLERANCE: f64 = 1e-9;
 
-/// A last Newton step below this fraction of the coordinate is followed by Taylor's series, to round-off.
-const MAX_TAYLOR_STEP: f64 = 1e-6;
+/// A step of the root search below this is nothing beside any stress.
+const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -671,19 +671,15 @@ impl Search<'_> {
             if inside && newton.abs() <= 0.5 * last_step {
                 last_step = newton.abs();
                 t -= newton;
-                if last_step <= RETURN_TOLERANCE * (1.0 + self.trial) {
-                    let point = if last_step <= MAX_TAYLOR_STEP * t {
-                        point.moved_by(-newton)
-                    } else {
-                        surface.point(branch, t)
-                    };
+                if last_step <= (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
+                    let point = point.moved_by(-newton);
                     return Root::Curve { branch, t, point };
                 }
             } else {
                 let middle = 0.5 * (low + high);
                 last_step = (middle - t).abs();
                 t = middle;
-                if last_step <= f64::EPSILON * f64::EPSILON {
+                if last_step <= NEGLIGIBLE_STEP {
                     break;
                 }
             }

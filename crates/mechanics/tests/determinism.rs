@@ -1,11 +1,11 @@
-//! Equal runs are equal bit for bit, a saved run continues as if it had not been interrupted, mirrored runs are
-//! mirrored, and a step does not allocate.
+//! Equal runs are equal bit for bit, on every processor; a saved run continues as if it had not been interrupted; mirrored
+//! runs are mirrored; a step does not allocate.
 
 mod example;
 
-use column_twin::column::{
-    BarForces, Impact, Model, PlasticFlow, Progress, Response, Sample, State, StepError, simulate,
-    step,
+use column_mechanics::{
+    BarForces, Impact, Model, PlasticFlow, Progress, Response, Sample, State, StepError,
+    begin_impact, simulate, step,
 };
 use example::example;
 use serde::Serialize;
@@ -41,6 +41,106 @@ fn bits(data: &impl Serialize) -> Vec<u64> {
     all
 }
 
+/// Columns that reach every function of the mechanics: powers with common and uncommon exponents, both elastic laws,
+/// damping, rebounds.
+const GOLDEN_COLUMNS: [&[&str]; 3] = [
+    &[],
+    &[
+        "yield_surface.alpha:=1.0",
+        "yield_surface.beta:=1.3",
+        "yield_surface.gamma:=1.0",
+        "hinge.elastic_law:=coupled",
+        "damping.ratio:=0.02",
+        "top.mass:=300.0",
+    ],
+    &[
+        "yield_surface.alpha:=1.7",
+        "yield_surface.beta:=2.6",
+        "yield_surface.gamma:=1.9",
+        "impact.restitution:=0.5",
+        "impact.gap:=0.001",
+    ],
+];
+
+/// A digest of each golden column's response with both schemes, every step and the report included. It changes with
+/// every change of the last bit of any result, after which older recordings no longer verify.
+const GOLDEN: [[u64; 2]; 3] = [[0, 0], [0, 0], [0, 0]];
+
+/// Digest of every step of a response and of its report.
+fn digest(changes: &[&str]) -> u64 {
+    let (properties, impact) = example(changes);
+    let model = Model::new(&properties).expect("a column");
+    let mut state = State::at_rest(&model);
+    let mut response = Response::begin(&model, &mut state, impact, 0.05).expect("an impact");
+    let mut digest = 0_u64;
+    let mut add = |bits: u64| digest = digest.rotate_left(5).wrapping_mul(0x9e37_79b9) ^ bits;
+    loop {
+        let progress = response.advance(&model, &mut state, 1).expect("a step");
+        add(state.hash());
+        if let Progress::Over(end) = progress {
+            bits(&response.report(&model, &state, end))
+                .into_iter()
+                .for_each(add);
+            return digest;
+        }
+    }
+}
+
+#[test]
+fn golden_responses_have_their_bits() {
+    let found =
+        GOLDEN_COLUMNS.map(|column| SCHEMES.map(|scheme| digest(&[&[scheme], column].concat())));
+    assert_eq!(found, GOLDEN, "found {found:#x?}");
+}
+
+/// The system's own powers, which choose their code by processor.
+#[allow(
+    clippy::disallowed_methods,
+    reason = "what the mechanics must not call"
+)]
+fn system_power() -> u64 {
+    (1..20_000).fold(0, |digest: u64, k| {
+        let x = f64::from(k) / 20_000.0;
+        digest.rotate_left(1) ^ x.powf(1.3).to_bits() ^ x.atan().to_bits()
+    })
+}
+
+/// Prints the digest of the system's powers for the test below, which runs this test in a child process.
+#[test]
+fn system_powers() {
+    println!("system powers {:x}", system_power());
+}
+
+/// Runs the golden responses again in a process whose C library believes that the processor has neither FMA nor AVX2.
+#[test]
+#[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
+fn golden_responses_have_the_same_bits_without_fma_and_avx2() {
+    let child = std::process::Command::new(std::env::current_exe().expect("this program"))
+        .args([
+            "--exact",
+            "golden_responses_have_their_bits",
+            "system_powers",
+        ])
+        .arg("--nocapture")
+        .env(
+            "GLIBC_TUNABLES",
+            "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-FMA_Usable,-AVX2_Usable",
+        )
+        .output()
+        .expect("a child process");
+    let output = String::from_utf8_lossy(&child.stdout);
+    assert!(child.status.success(), "{output}");
+    assert!(output.contains("2 passed"), "{output}");
+    if std::arch::is_x86_feature_detected!("fma") {
+        // Otherwise the child would have proved nothing.
+        let same = format!("system powers {:x}", system_power());
+        assert!(
+            !output.contains(&same),
+            "the tunables had no effect: {output}"
+        );
+    }
+}
+
 #[test]
 fn two_runs_are_equal_bit_for_bit() {
     for scheme in SCHEMES {
@@ -67,14 +167,12 @@ fn two_runs_are_equal_bit_for_bit() {
 }
 
 #[test]
-fn equal_runs_have_equal_hashes_and_others_do_not() {
+fn equal_runs_have_equal_hashes_and_different_runs_do_not() {
     let hashes = |velocity: f64| {
         let (properties, impact) = example(&[]);
         let model = Model::new(&properties).expect("a column");
         let mut state = State::at_rest(&model);
-        state
-            .begin_impact(&model, Impact { velocity, ..impact })
-            .expect("an impact");
+        begin_impact(&model, &mut state, Impact { velocity, ..impact }).expect("an impact");
         (0..1_000)
             .map(|_| {
                 step(&model, &mut state).expect("a step");
@@ -278,9 +376,9 @@ fn a_step_does_not_allocate() {
                 matches!(last, Ok(()) | Err(StepError::Collapsed(_))),
                 "{last:?}"
             );
-            let parted = state.impactor.expect("an impactor").released_at.is_some();
-            println!("{scheme} {column:?}: {steps} steps, {last:?}, parted {parted}");
-            assert!(parted || last.is_err(), "{scheme} {column:?}");
+            let separated = state.impactor.expect("an impactor").released_at.is_some();
+            println!("{scheme} {column:?}: {steps} steps, {last:?}, separated {separated}");
+            assert!(separated || last.is_err(), "{scheme} {column:?}");
         }
     }
 }

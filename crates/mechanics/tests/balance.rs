@@ -1,12 +1,12 @@
-//! The equations of the paper written out a second time, from the angles, and held against what the core computes:
-//! elastic law (Eqs 22-25), internal forces (Eqs 10, 16), equations of motion in the discrete form of the energy
-//! scheme (mechanics.md, section 3), static equilibrium.
+//! The equations of the paper, implemented a second time from the angles and compared with the core: elastic law
+//! (Eqs 22-25), internal forces (Eqs 10, 16), equations of motion in the discrete form of the conserving midpoint rule
+//! (`docs/theory.md`, section 5), static equilibrium.
 
 mod example;
 
-use column_twin::column::{
+use column_mechanics::{
     BarForces, ColumnProperties, Displacement, Model, PlasticFlow, Progress, Response, Sample,
-    State, residual_state, step,
+    State, begin_impact, residual_state, step,
 };
 use example::example;
 
@@ -150,13 +150,13 @@ const COLUMNS: [&[&str]; 4] = [
 ];
 
 #[test]
-fn energy_scheme_satisfies_the_equations_of_motion_over_every_smooth_step() {
+fn conserving_midpoint_satisfies_the_equations_of_motion_over_every_smooth_step() {
     for column in COLUMNS {
         let (p, impact) = example(column);
         let model = Model::new(&p).expect("a column");
         let mass = p.mass_per_length * (p.length_below + p.length_above) / 3.0;
         let mut state = State::at_rest(&model);
-        state.begin_impact(&model, impact).expect("an impact");
+        begin_impact(&model, &mut state, impact).expect("an impact");
         let (mut checked, mut motion, mut law) = (0, [0.0; 4], 0.0);
         for _ in 0..3_000 {
             let before = state;
@@ -188,7 +188,7 @@ fn energy_scheme_satisfies_the_equations_of_motion_over_every_smooth_step() {
             for row in 0..4 {
                 let load = if row == 3 { p.top_load } else { 0.0 };
                 let (force, terms) = internal[row];
-                // An acceleration is a difference of momenta: they are terms of the balance, too.
+                // An acceleration is a difference of momenta, which are therefore terms of the balance, too.
                 let scale = terms + load + momentum[row].abs() / secs;
                 largest(
                     &mut motion[row],
@@ -237,7 +237,7 @@ fn out_of_balance(p: &ColumnProperties, sample: &Sample) -> f64 {
     let gradients = chords(p, &u).map(|chord| gradient(&chord));
     let internal = internal_forces(p, &gradients, forces, u.u2);
     let loads = [0.0, 0.0, 0.0, p.top_load];
-    // Forces are compared with forces, the moment with the moments that the hinges bear.
+    // Forces are compared with forces, the moment with the resistance of the hinges.
     let force = internal[1].1 + internal[3].1 + p.top_load;
     let scales = [force, force, p.resistance_moment, force];
     (0..4)
@@ -247,7 +247,10 @@ fn out_of_balance(p: &ColumnProperties, sample: &Sample) -> f64 {
 
 #[test]
 fn residual_state_is_a_static_equilibrium() {
-    for scheme in ["solver.scheme:=midpoint", "solver.scheme:=conserving_midpoint"] {
+    for scheme in [
+        "solver.scheme:=midpoint",
+        "solver.scheme:=conserving_midpoint",
+    ] {
         for column in COLUMNS {
             let (p, impact) = example(&[&[scheme], column].concat());
             let model = Model::new(&p).expect("a column");
@@ -274,7 +277,7 @@ fn residual_state_is_a_static_equilibrium() {
             assert_eq!((sample.v1_rate, sample.u1_rate), (0.0, 0.0));
             let report = response.report(&model, &state, end);
             assert_eq!(report.residual_v1, Some(sample.v1));
-            // The balance tells an equilibrium from a state that is none.
+            // The balance distinguishes an equilibrium from a state in motion.
             assert!(out_of_balance(&p, &state.sample(&model)) > 1e-6);
 
             // Stepped without an impactor, it stays where it is.

@@ -1,10 +1,10 @@
-//! Every case that mechanics.md names in section 6, and cases with an answer in closed form.
+//! Extreme columns and impacts that must never fail, and cases with an answer in closed form.
 
 mod example;
 
 use std::f64::consts::{PI, TAU};
 
-use column_twin::column::{
+use column_mechanics::{
     ColumnProperties, End, Impact, Model, Outcome, Phase, Progress, Report, Response, Sample,
     Scheme, State, Support, simulate, step,
 };
@@ -56,7 +56,7 @@ fn numbers(sample: &Sample) -> Vec<f64> {
     all
 }
 
-/// What must hold after a step from `before` to `now`.
+/// Checks a step from `before` to `now`.
 fn check(p: &ColumnProperties, impact: &Impact, before: &Sample, now: &Sample) {
     assert!(
         numbers(now).iter().all(|number| number.is_finite()),
@@ -64,7 +64,7 @@ fn check(p: &ColumnProperties, impact: &Impact, before: &Sample, now: &Sample) {
     );
     assert!(now.contact_force >= 0.0 && now.percussion >= 0.0, "{now:?}");
     assert!(now.impulse >= before.impulse, "{before:?} {now:?}");
-    // What the ledger sums up, and so what its round-off is measured by.
+    // The round-off of the ledger is relative to the energies that it adds up.
     let energies = impact.energy() + now.elastic_energy + now.load_work.abs() + now.kinetic_energy;
     assert!(
         now.plastic_work >= before.plastic_work - 1e-12 * energies,
@@ -104,7 +104,7 @@ fn follow(p: &ColumnProperties, impact: &Impact) -> (Report, Vec<Sample>) {
     (report, samples)
 }
 
-/// The example with overrides, with both schemes, and where its response must lead.
+/// The response of the changed example with both schemes.
 fn run(name: &str, overrides: &[&str]) -> [(Report, Vec<Sample>); 2] {
     SCHEMES.map(|scheme| {
         let (p, impact) = example(&[&[scheme], overrides].concat());
@@ -123,10 +123,10 @@ fn run(name: &str, overrides: &[&str]) -> [(Report, Vec<Sample>); 2] {
     })
 }
 
-/// Both schemes solve the same problem.
-fn agree([(midpoint, _), (energy, _)]: &[(Report, Vec<Sample>); 2], tolerance: f64) {
-    assert_eq!(midpoint.outcome, energy.outcome);
-    let difference = (midpoint.max_v1 / energy.max_v1 - 1.0).abs();
+/// Checks that both schemes solve the same problem.
+fn agree([(midpoint, _), (conserving, _)]: &[(Report, Vec<Sample>); 2], tolerance: f64) {
+    assert_eq!(midpoint.outcome, conserving.outcome);
+    let difference = (midpoint.max_v1 / conserving.max_v1 - 1.0).abs();
     assert!(difference <= tolerance, "max v1 differs by {difference:e}");
 }
 
@@ -209,7 +209,7 @@ fn top_mass_absent_or_huge() {
 }
 
 #[test]
-fn gap_of_metres_is_flown_through_in_gap_over_velocity() {
+fn a_gap_of_metres_is_crossed_in_gap_over_velocity() {
     let gapless = run("gap 0", &[]);
     for (name, gap, expected) in [("gap 7.3 m", "7.3", 0.73), ("gap 100 m", "100.0", 10.0)] {
         let gap = format!("impact.gap:={gap}");
@@ -218,7 +218,7 @@ fn gap_of_metres_is_flown_through_in_gap_over_velocity() {
             let touched = report.first_contact_time.expect("contact");
             assert!((touched - expected).abs() <= tolerance, "{touched}");
         }
-        // Then everything is as without the gap, but for where in a step the contact begins.
+        // Then everything is as without the gap, except for the instant within a step at which contact begins.
         for ((report, _), (plain, _)) in runs.iter().zip(&gapless) {
             assert!((report.max_v1 / plain.max_v1 - 1.0).abs() < 1e-3);
         }
@@ -270,7 +270,7 @@ fn rebound_of_a_light_impactor_is_newtons() {
     }
 }
 
-/// Restitution 1 and an elastic column: what the impactor brought is in the motion and the springs at the end.
+/// Restitution 1 and an elastic column: at the end the energy of the impactor is in the motion and the springs.
 #[test]
 fn elastic_rebound_loses_no_energy() {
     let [_, (report, samples)] = run(
@@ -332,7 +332,7 @@ fn column_at_rest_is_in_its_closed_form_and_stays_there() {
 }
 
 /// Transverse stiffness of the impact point of the column at rest with independent springs `6EI/L`, `beta1` condensed
-/// and the normal force at work on the chords as the load has shortened them \[N/m\].
+/// and the normal force acting on the chords as shortened by the load \[N/m\].
 fn transverse_stiffness(p: &ColumnProperties) -> f64 {
     let flexibility = (p.length_below + p.length_above) / p.axial_rigidity;
     let normal_force = -p.top_load / (1.0 + p.top_spring_stiffness * flexibility);
@@ -374,7 +374,7 @@ fn small_free_vibration_has_the_period_of_the_transverse_mode() {
     }
 }
 
-/// A slow inelastic impact: both masses swing half a period as one and part with the common speed turned round.
+/// A slow inelastic impact: both masses swing half a period as one and separate with the common speed reversed.
 #[test]
 fn slow_impact_is_half_a_swing_of_both_masses() {
     let (p, impact) = example(&["impact.velocity:=1.0e-3"]);
@@ -409,8 +409,8 @@ fn slow_impact_is_half_a_swing_of_both_masses() {
 fn semi_rigid_supports_tend_to_built_in_and_pinned_ones() {
     let (p, impact) = example(&[]);
     for law in [
-        column_twin::column::ElasticLaw::Uncoupled,
-        column_twin::column::ElasticLaw::Coupled,
+        column_mechanics::ElasticLaw::Uncoupled,
+        column_mechanics::ElasticLaw::Coupled,
     ] {
         let with = |support: Support| {
             let properties = ColumnProperties {
@@ -463,9 +463,9 @@ fn coupled_law_equals_the_uncoupled_one_where_only_the_chords_turn() {
     assert!(other > 0.01);
 }
 
-/// With eps > 0 rebounds pile up: they end in persistent contact after a bounded number.
+/// With eps > 0 rebounds accumulate: after a bounded number they end in persistent contact.
 #[test]
-fn piled_up_rebounds_end_in_contact() {
+fn accumulating_rebounds_end_in_contact() {
     for scheme in SCHEMES {
         let (p, impact) = example(&[scheme, "impact.restitution:=0.3", "impact.velocity:=2.0"]);
         let model = Model::new(&p).expect("a column");

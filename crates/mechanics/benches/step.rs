@@ -6,7 +6,7 @@ mod example;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use column_twin::column::{Model, State, simulate, step};
+use column_mechanics::{Model, State, simulate, step};
 use criterion::{Criterion, Throughput};
 use example::example;
 
@@ -32,7 +32,7 @@ const EXPONENTS: [(&str, [&str; 3]); 2] = [
     ),
 ];
 
-const SCHEMES: [&str; 2] = ["midpoint", "energy"];
+const SCHEMES: [&str; 2] = ["midpoint", "conserving_midpoint"];
 
 /// The column and its state at the event.
 fn start(scheme: &str, exponents: &[&str], dt: &str) -> (Model, State) {
@@ -40,7 +40,7 @@ fn start(scheme: &str, exponents: &[&str], dt: &str) -> (Model, State) {
     let (properties, impact) = example(&[&[scheme.as_str(), dt], exponents].concat());
     let model = Model::new(&properties).expect("a column");
     let mut state = State::at_rest(&model);
-    state.begin_impact(&model, impact).expect("an impact");
+    begin_impact(&model, &mut state, impact).expect("an impact");
     (model, state)
 }
 

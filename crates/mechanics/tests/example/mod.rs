@@ -1,0 +1,74 @@
+//! The paper's example (Table 1).
+
+use column_mechanics::{ColumnProperties, ElasticLaw, Impact, Scheme, Support, YieldExponents};
+
+/// The paper's column and impact, with the conserving midpoint rule and steps of 20 microseconds.
+pub fn paper() -> (ColumnProperties, Impact) {
+    let young_modulus = 210.0e9;
+    let properties = ColumnProperties {
+        length_below: 1.0,
+        length_above: 3.0,
+        axial_rigidity: young_modulus * 91.0e-4,
+        bending_stiffness: young_modulus * 8091.0e-8,
+        mass_per_length: 70.1,
+        resistance_moment: 0.307e6,
+        resistance_axial: 3.23e6,
+        yield_surface: YieldExponents {
+            alpha: 2.0,
+            beta: 2.0,
+            gamma: 2.0,
+        },
+        elastic_law: ElasticLaw::Uncoupled,
+        base: Support::BuiltIn,
+        top: Support::BuiltIn,
+        hinge_stiffness: [None; 4],
+        top_spring_stiffness: 10.0e6,
+        top_mass: 0.0,
+        top_load: 0.5e6,
+        damping_ratio: 0.0,
+        scheme: Scheme::ConservingMidpoint,
+        step_nanos: 20_000,
+    };
+    let impact = Impact {
+        mass: 1500.0,
+        velocity: 10.0,
+        gap: 0.0,
+        restitution: 0.0,
+    };
+    (properties, impact)
+}
+
+/// The paper's example with some values changed, `name:=value` each, by the names of the program's parameters.
+#[allow(dead_code, reason = "not every test changes values by name")]
+pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
+    let (mut p, mut impact) = paper();
+    for change in changes {
+        let (name, value) = change.split_once(":=").expect("name:=value");
+        let number = || value.parse::<f64>().expect("a number");
+        match name {
+            "geometry.length_below" => p.length_below = number(),
+            "geometry.length_above" => p.length_above = number(),
+            "yield_surface.alpha" => p.yield_surface.alpha = number(),
+            "yield_surface.beta" => p.yield_surface.beta = number(),
+            "yield_surface.gamma" => p.yield_surface.gamma = number(),
+            "hinge.elastic_law" if value == "coupled" => p.elastic_law = ElasticLaw::Coupled,
+            "hinge.elastic_law" if value == "uncoupled" => p.elastic_law = ElasticLaw::Uncoupled,
+            "support.top" if value == "pinned" => p.top = Support::Pinned,
+            "top.spring_stiffness" => p.top_spring_stiffness = number(),
+            "top.mass" => p.top_mass = number(),
+            "top.load" => p.top_load = number(),
+            "damping.ratio" => p.damping_ratio = number(),
+            "impact.mass" => impact.mass = number(),
+            "impact.velocity" => impact.velocity = number(),
+            "impact.gap" => impact.gap = number(),
+            "impact.restitution" => impact.restitution = number(),
+            "solver.scheme" if value == "midpoint" => p.scheme = Scheme::Midpoint,
+            "solver.scheme" if value == "conserving_midpoint" => {
+                p.scheme = Scheme::ConservingMidpoint;
+            }
+            "solver.dt" => p.step_nanos = (number() * 1e9).round() as u64,
+            _ => panic!("unknown change: {change}"),
+        }
+    }
+    (p, impact)
+}
