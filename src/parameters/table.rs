@@ -109,7 +109,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Text("column"),
         admissible: IDENTIFIER,
         applies: Applies::Restart,
-        meaning: "name of the column in messages; impact events for another column are ignored",
+        meaning: "name of the column in messages; impact events for another column are rejected",
     },
     Parameter {
         name: "frame_id",

@@ -1,23 +1,22 @@
-//! A DDS domain for one test alone, on loopback.
+//! A DDS domain on loopback for a single test.
 
 use std::time::Duration;
 
 use column_twin::ros::{Environment, FreshDomain};
 
-/// How long others are waited for: discovery and a whole response take a second; this is for machines that have much else
-/// to do.
+/// Timeout for peers: discovery and a whole response take a second; the rest is for loaded machines.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A domain that nobody else has while this value lives.
+/// A domain that is reserved as long as this value lives.
 pub struct Domain {
     pub environment: Environment,
     _taken: FreshDomain,
 }
 
 impl Domain {
-    /// Any free one.
+    /// Reserves any free domain.
     pub fn fresh() -> Self {
-        let taken = FreshDomain::take().expect("a domain that nobody uses");
+        let taken = FreshDomain::take().expect("an unused domain");
         Self {
             environment: taken.environment.clone(),
             _taken: taken,

@@ -1,4 +1,4 @@
-//! What comes on one topic.
+//! Reads one topic.
 
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
@@ -13,13 +13,13 @@ use serde::de::DeserializeOwned;
 
 use super::domain::{Domain, PATIENCE};
 
-/// A node that is not the twin's.
+/// A node that does not belong to the twin.
 pub fn reader(domain: &Domain) -> Node {
     let names = Names::new("/", "reader", &[]).unwrap();
     Node::new(&domain.environment, names).unwrap()
 }
 
-/// Reads one topic in a thread of its own until it is dropped.
+/// Reads one topic in its own thread until it is dropped.
 pub struct Incoming<M> {
     pub messages: Receiver<M>,
     abort: AbortHandle,
@@ -27,7 +27,7 @@ pub struct Incoming<M> {
 }
 
 impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
-    /// Subscribes, and waits until there is a publisher.
+    /// Subscribes and waits for a publisher.
     pub fn start(node: &mut Node, endpoint: &Endpoint) -> Self {
         let (incoming, guid) = Self::subscribe(node, endpoint);
         let deadline = Instant::now() + PATIENCE;
@@ -36,7 +36,7 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         incoming
     }
 
-    /// Subscribes to what will be published later.
+    /// Subscribes without waiting for a publisher.
     pub fn early(node: &mut Node, endpoint: &Endpoint) -> Self {
         Self::subscribe(node, endpoint).0
     }

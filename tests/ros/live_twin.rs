@@ -1,4 +1,4 @@
-//! The live twin behind the node, in this process: what a reader receives in real time is what the simulation computes.
+//! The live twin and its node in this process: a reader receives in real time what the simulation computes.
 
 use column_twin::live::LiveOptions;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
@@ -15,12 +15,12 @@ pub struct RunningTwin {
 }
 
 impl RunningTwin {
-    /// Of the default column with these changes. Keeps no damage and asks the system for nothing.
+    /// Starts the default column with these changes, without a state file and without real-time scheduling.
     pub fn start(domain: &Domain, changes: &[(&str, Value)]) -> Self {
         Self::start_logging(domain, changes, None)
     }
 
-    /// The same with log messages on their way to `/rosout`.
+    /// As [`start`](Self::start), with log messages for `/rosout`.
     pub fn start_logging(
         domain: &Domain,
         changes: &[(&str, Value)],
@@ -39,7 +39,7 @@ impl RunningTwin {
     }
 }
 
-/// The default column with these changes, without a state file and without any wish for real time.
+/// The default column with these changes, without a state file and without real-time scheduling.
 pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
     let quiet = [
         ("state.directory", Value::from("")),

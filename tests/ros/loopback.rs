@@ -40,7 +40,7 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
     }
 }
 
-/// Sends on one topic from a node of its own.
+/// Publishes on one topic from its own node.
 pub struct Outgoing<M: Serialize> {
     publisher: Publisher<M>,
     abort: AbortHandle,
@@ -73,7 +73,7 @@ impl<M: Serialize> Outgoing<M> {
         }
     }
 
-    /// `false` where the reader has been too slow for the writer's window.
+    /// Returns `false` if the reader was too slow for the writer's window.
     pub fn publish(&self, message: M) -> bool {
         self.publisher.publish(message).is_ok()
     }
@@ -123,7 +123,7 @@ fn an_impact_from_the_command_line_is_answered_or_refused() {
     twin.stop();
 }
 
-/// Sends one impact of 1 m/s as `column-twin impact` does.
+/// Sends an impact of 1 m/s as `column-twin impact` does.
 pub fn impact(
     domain: &Domain,
     mass: f64,

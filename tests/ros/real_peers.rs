@@ -1,5 +1,5 @@
-//! `column-twin run` against ROS 2 itself and against a DDS program that knows no ROS. Slow the first time (a minute or two,
-//! and network), and only where Python 3.11 is: `cargo test --release --test ros -- --ignored`.
+//! `column-twin run` with ROS 2 itself and with a DDS program without ROS. The first run takes a minute or two and needs the
+//! network; Python 3.11 is required: `cargo test --release --test ros -- --ignored`.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn interop(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// The environment's Python, which is built when there is none.
+/// The Python of the environment, which is built if necessary.
 fn python() -> PathBuf {
     let output = Command::new(interop("environment.sh"))
         .stderr(Stdio::inherit())
@@ -51,7 +51,7 @@ fn script(domain: &Domain, file: &str, expected: Option<&Path>) -> Child {
         .unwrap()
 }
 
-/// Waits for its end, which its own deadlines bound, and shows what it says.
+/// Waits for the script, which has its own deadlines, and shows its output.
 fn finish(mut child: Child) {
     let output = child.stdout.take().unwrap();
     for line in BufReader::new(output).lines() {
@@ -61,7 +61,7 @@ fn finish(mut child: Child) {
     assert!(status.success(), "{status}");
 }
 
-/// The numbers of a message that the impact alone decides; not a number is null.
+/// The numbers of a message that depend only on the impact; NaN is null.
 fn numbers(message: &impl Serialize) -> Map<String, Json> {
     let Ok(Json::Object(mut fields)) = serde_json::to_value(message) else {
         panic!("a message is a structure");
@@ -72,7 +72,7 @@ fn numbers(message: &impl Serialize) -> Map<String, Json> {
     fields
 }
 
-/// What must come of the event, written by the simulation alone.
+/// The expected result of the event, computed by the simulation alone.
 fn expectation(folder: &Path) -> PathBuf {
     let (samples, report) = simulation::stream(&Parameters::default(), MASS, VELOCITY);
     let samples: Vec<_> = samples

@@ -1,4 +1,4 @@
-//! What `column-twin run` asks the system for: granted it is there, denied it is said, and the twin lives either way.
+//! Real-time scheduling of `column-twin run`: used if the system grants it, reported if not; the twin runs either way.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -16,7 +16,7 @@ use super::program::Program;
 /// `SCHED_FIFO` in `/proc`.
 const FIFO: &str = "1";
 
-/// A user without any rights, on most systems called `nobody`.
+/// A user without privileges, called `nobody` on most systems.
 const NOBODY: u32 = 65_534;
 
 const WISHES: [&str; 8] = [

@@ -1,4 +1,4 @@
-//! `column-twin run` as a user starts, stops and starts it again: the damage stays, and what cannot be used is said.
+//! Restarts of `column-twin run`: the damage is preserved, and unusable state files are reported.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
 use super::program::Program;
 use super::simulation;
 
-/// Asks the system for nothing.
+/// No real-time scheduling.
 const QUIET: [&str; 4] = [
     "-p",
     "real_time.priority:=0",
@@ -20,7 +20,7 @@ const QUIET: [&str; 4] = [
     "real_time.lock_memory:=false",
 ];
 
-/// Where a program in this working folder keeps the damage of the default column.
+/// The state file of the default column for a program in this working folder.
 fn state_file(folder: &Path) -> PathBuf {
     folder.join("state/column.json")
 }
