@@ -153,7 +153,7 @@ impl Connection {
             (false, _) => {}
             (true, true) => {
                 let text = format!(
-                    "the viewer at {} has gone; everything is shown again when it comes back",
+                    "the viewer at {} has closed the connection; everything is shown again when it comes back",
                     self.address
                 );
                 self.report_absent(text);
@@ -163,7 +163,7 @@ impl Connection {
             // A program other than a viewer does so every time: reported once.
             (true, false) => {
                 let text = format!(
-                    "the program that listens at {} closes every connection at once; is it a viewer of Rerun {RERUN_VERSION}? \
+                    "the program that listens at {} has closed the connection at once; is it a viewer of Rerun {RERUN_VERSION}? \
                      The node tries again every second",
                     self.address
                 );

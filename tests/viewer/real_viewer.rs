@@ -125,7 +125,7 @@ fn a_restarted_viewer_receives_everything() {
     column.wait_for("connected to the viewer");
     drop(running);
     states.extend(column.hit(velocities[1]));
-    column.wait_for("has gone");
+    column.wait_for("has closed the connection");
     column.log.lock().expect("no panic").clear();
     // The same program, which saves what it receives.
     let mut saving = viewer(&program);
