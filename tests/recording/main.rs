@@ -4,8 +4,8 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
-#[path = "../../crates/recording/tests/recording/crash.rs"]
-mod crash;
+#[path = "../../crates/recording/tests/recording/killed_process.rs"]
+mod killed_process;
 mod layout;
 mod other_readers;
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use column_twin::messages::{cdr, std_msgs::String as Text};
 use column_twin::recording::{Entry, Reader, TopicInfo, repair};
 
-use super::crash::missing_after_a_kill;
+use super::killed_process::missing_after_a_kill;
 use super::sample::{self, COMPRESSIONS, Expected, sample, text_topics, topics};
 
 fn interop(file: &str) -> PathBuf {
@@ -81,7 +81,7 @@ fn others_read_a_repaired_recording() {
     }
 }
 
-/// That nothing is missing up to the end is held to what was sent in `crash`.
+/// The tests of `crates/recording` check that no message before the kill is missing.
 #[test]
 #[ignore = "slow: other people's readers, from PyPI and npm"]
 fn others_read_what_a_kill_left() {

@@ -5,6 +5,7 @@
 mod bad_input;
 mod crash;
 mod full_disk;
+mod killed_process;
 mod layout;
 mod mutations;
 mod random_damage;
