@@ -11,7 +11,9 @@ use std::time::SystemTime;
 use clap::Args;
 
 use super::{Exit, Failure, HistoryWriter, Summary, unless_closed};
-use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
+use crate::column::{
+    ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate,
+};
 #[cfg(feature = "record")]
 use crate::evidence::SimulatedRecordingError;
 use crate::figures::units::significant;
@@ -150,7 +152,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     // The first run is timed and observed by nobody; the histories come from a second, equal bit for bit. Its
     // length is known by then, so that even the longest history fits into a bounded memory.
     let start = Instant::now();
-    let report = case.simulate(&mut |_| ())?;
+    let report = respond(&case.properties, &case.impact, case.max_duration)
+        .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
 
     if let Some(path) = &arguments.csv {
