@@ -62,6 +62,14 @@ const ABSENT_FROM_CORE: [(&str, &str); 35] = [
     ("unsafe", "needs none"),
 ];
 
+/// Functions of the system's math library, which chooses its code by processor and so gives different bits on different
+/// processors.
+const SYSTEM_MATH: [&str; 27] = [
+    "powf", "powi", "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh",
+    "cosh", "tanh", "asinh", "acosh", "atanh", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log",
+    "log2", "log10", "cbrt", "hypot", "mul_add",
+];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -206,8 +214,43 @@ fn the_core_has_no_io_clock_thread_log_or_heap() {
                 found.push(format!("{}: {word} ({reason})", path.display()));
             }
         }
+        for name in SYSTEM_MATH {
+            let calls = [format!(".{name}("), format!("f64::{name}")];
+            if calls.iter().any(|call| contains_word(&code, call)) {
+                let instead = "use the crate libm or a closed form";
+                found.push(format!("{}: {name} ({instead})", path.display()));
+            }
+        }
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn the_files_of_the_core_import_one_another_without_a_circle() {
+    let mut imports: Vec<(String, String)> = rust_files_below("crates/mechanics/src")
+        .iter()
+        .map(|path| {
+            let name = path.file_stem().unwrap().display().to_string();
+            (name, code_of(&read(path)))
+        })
+        .filter(|(name, _)| name != "lib")
+        .collect();
+    // Files that import none of those left are taken away; a circle remains.
+    loop {
+        let names: Vec<String> = imports.iter().map(|(name, _)| name.clone()).collect();
+        let before = imports.len();
+        imports.retain(|(name, code)| {
+            names.iter().any(|other| {
+                let imported = ["super::", "super::{self, "].iter();
+                let mut imported = imported.map(|start| format!("{start}{other}"));
+                other != name && imported.any(|word| contains_word(code, &word))
+            })
+        });
+        if imports.len() == before {
+            assert!(names.is_empty(), "a circle among {names:?}");
+            return;
+        }
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a step costs: the paper's example, 60 ms of it.
+//! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end.
 
 #[path = "../tests/example/mod.rs"]
 mod example;
@@ -6,14 +6,19 @@ mod example;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use column_mechanics::{Model, State, simulate, step};
-use criterion::{Criterion, Throughput};
+use column_mechanics::{
+    ColumnProperties, Impact, Model, Progress, Response, State, begin_impact, respond, simulate,
+    step,
+};
 use example::example;
 
-/// Length of the response \[ns\].
-const RESPONSE_NANOS: u64 = 60_000_000;
+/// Longest response \[s\].
+const DURATION: f64 = 2.0;
 
-const EXPONENTS: [(&str, [&str; 3]); 2] = [
+/// Runs of each measurement, of which the fastest counts: other load on the machine can only slow them down.
+const RUNS: usize = 50;
+
+const EXPONENTS: [(&str, [&str; 3]); 3] = [
     (
         "ellipse",
         [
@@ -23,148 +28,114 @@ const EXPONENTS: [(&str, [&str; 3]); 2] = [
         ],
     ),
     (
-        "duan_chen",
+        "Duan-Chen",
         [
             "yield_surface.alpha:=1.0",
             "yield_surface.beta:=1.3",
             "yield_surface.gamma:=1.0",
         ],
     ),
+    (
+        "1.7, 2.6, 1.9",
+        [
+            "yield_surface.alpha:=1.7",
+            "yield_surface.beta:=2.6",
+            "yield_surface.gamma:=1.9",
+        ],
+    ),
 ];
 
 const SCHEMES: [&str; 2] = ["midpoint", "conserving_midpoint"];
 
-/// The column and its state at the event.
-fn start(scheme: &str, exponents: &[&str], dt: &str) -> (Model, State) {
-    let scheme = format!("solver.scheme:={scheme}");
-    let (properties, impact) = example(&[&[scheme.as_str(), dt], exponents].concat());
-    let model = Model::new(&properties).expect("a column");
-    let mut state = State::at_rest(&model);
-    begin_impact(&model, &mut state, impact).expect("an impact");
-    (model, state)
+/// Time of one step \[ns\], and Newton iterations per step.
+struct Cost {
+    /// `step` alone.
+    step: f64,
+    /// `respond`: extremes, energy balance and report included.
+    response: f64,
+    /// `simulate`: a sample of every step included.
+    sampled: f64,
+    newton_iterations: f64,
 }
 
-/// The state at the end of the response.
-fn respond(model: &Model, start: &State) -> State {
-    let mut state = *start;
-    for _ in 0..RESPONSE_NANOS / model.properties.step_nanos {
-        step(model, &mut state).expect("a step");
-    }
-    state
-}
-
-fn steps(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("step of 10 us");
-    for scheme in SCHEMES {
-        for (name, exponents) in EXPONENTS {
-            let (model, state) = start(scheme, &exponents, "solver.dt:=1.0e-5");
-            group.throughput(Throughput::Elements(
-                RESPONSE_NANOS / model.properties.step_nanos,
-            ));
-            group.bench_function(format!("{scheme}/{name}"), |bencher| {
-                bencher.iter(|| respond(black_box(&model), black_box(&state)));
-            });
-        }
-    }
-    group.finish();
-}
-
-fn responses(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("response of 60 ms");
-    for scheme in SCHEMES {
-        for (name, exponents) in EXPONENTS {
-            let chosen = format!("solver.scheme:={scheme}");
-            let overrides = [&[chosen.as_str(), "solver.dt:=2.0e-5"], &exponents[..]].concat();
-            let (properties, impact) = example(&overrides);
-            group.bench_function(format!("{scheme}/{name}"), |bencher| {
-                bencher.iter(|| {
-                    simulate(black_box(&properties), &impact, 0.06, &mut |sample| {
-                        black_box(sample);
-                    })
-                });
-            });
-        }
-    }
-    group.finish();
-}
-
-/// Time of a step \[ns\] and Newton corrections per step. Every run takes the same steps, so each slice of the response
-/// counts with the least time that any run took for it: what else the machine does falls out.
-fn cost(scheme: &str, exponents: &[&str]) -> (f64, f64) {
-    const RUNS: usize = 50;
-    const SLICE: usize = 50;
-    let (model, state) = start(scheme, exponents, "solver.dt:=1.0e-5");
-    let steps = RESPONSE_NANOS / model.properties.step_nanos;
-    let mut least = vec![Duration::MAX; steps as usize / SLICE];
-    let mut end = state;
-    for _ in 0..RUNS {
-        end = state;
-        for slice in &mut least {
-            let began = Instant::now();
-            for _ in 0..SLICE {
-                step(black_box(&model), &mut end).expect("a step");
-            }
-            *slice = began.elapsed().min(*slice);
-        }
-    }
-    let total: Duration = least.iter().sum();
-    (
-        total.as_secs_f64() * 1e9 / steps as f64,
-        end.corrections as f64 / steps as f64,
-    )
-}
-
-/// Least time of a whole response at 20 us over some runs \[ms\], model, observer and report included.
-fn whole_response(scheme: &str, exponents: &[&str]) -> f64 {
-    const RUNS: usize = 50;
-    let scheme = format!("solver.scheme:={scheme}");
-    let (properties, impact) =
-        example(&[&[scheme.as_str(), "solver.dt:=2.0e-5"], exponents].concat());
-    let once = || {
+fn fastest(steps: u64, mut run: impl FnMut()) -> f64 {
+    let once = |_| {
         let began = Instant::now();
-        let report = simulate(black_box(&properties), &impact, 0.06, &mut |sample| {
-            black_box(sample);
-        });
-        black_box(report).expect("a response");
+        run();
         began.elapsed()
     };
-    let least = (0..RUNS).map(|_| once()).min().unwrap_or_default();
-    least.as_secs_f64() * 1e3
+    let least = (0..RUNS).map(once).min().unwrap_or(Duration::ZERO);
+    least.as_secs_f64() * 1e9 / steps as f64
 }
 
-fn print_ratios() {
-    println!("\nns per step of 10 us (corrections per step), least of 50 runs in slices");
-    println!(
-        "{:<12}{:>18}{:>18}{:>18}",
-        "exponents", "midpoint", "energy", "energy/midpoint"
-    );
-    for (name, exponents) in EXPONENTS {
-        let [midpoint, energy] = SCHEMES.map(|scheme| cost(scheme, &exponents));
-        let shown = |(nanos, corrections): (f64, f64)| format!("{nanos:.0} ({corrections:.2})");
-        println!(
-            "{name:<12}{:>18}{:>18}{:>18.2}",
-            shown(midpoint),
-            shown(energy),
-            energy.0 / midpoint.0
-        );
-    }
-    println!("\nms per response of 60 ms with steps of 20 us, least of 50 runs");
-    for (name, exponents) in EXPONENTS {
-        let [midpoint, energy] = SCHEMES.map(|scheme| whole_response(scheme, &exponents));
-        println!(
-            "{name:<12}{midpoint:>18.2}{energy:>18.2}{:>18.2}",
-            energy / midpoint
-        );
+fn cost(properties: &ColumnProperties, impact: &Impact) -> Cost {
+    let model = Model::new(properties).expect("a column");
+    let mut end = State::at_rest(&model);
+    let mut response = Response::begin(&model, &mut end, *impact, DURATION).expect("an impact");
+    while response
+        .advance(&model, &mut end, u64::MAX)
+        .expect("a step")
+        == Progress::Running
+    {}
+    let steps = end.step;
+    let mut start = State::at_rest(&model);
+    begin_impact(&model, &mut start, *impact).expect("an impact");
+    Cost {
+        step: fastest(steps, || {
+            let mut state = start;
+            for _ in 0..steps {
+                step(black_box(&model), &mut state).expect("a step");
+            }
+            black_box(state);
+        }),
+        response: fastest(steps, || {
+            let report = respond(black_box(properties), impact, DURATION);
+            black_box(report).expect("a response");
+        }),
+        sampled: fastest(steps, || {
+            let report = simulate(black_box(properties), impact, DURATION, &mut |sample| {
+                black_box(sample);
+            });
+            black_box(report).expect("a response");
+        }),
+        newton_iterations: end.newton_iterations as f64 / steps as f64,
     }
 }
 
 fn main() {
-    let mut criterion = Criterion::default().configure_from_args();
-    steps(&mut criterion);
-    responses(&mut criterion);
-    criterion.final_summary();
-    // `cargo test --benches` only asks whether the benchmarks run.
-    if std::env::args().any(|argument| argument == "--bench") {
-        print_ratios();
+    // `cargo test --benches` only checks that the benchmark runs.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        let (properties, impact) = example(&["solver.dt:=1.0e-3"]);
+        cost(&properties, &impact);
+        return;
+    }
+    println!("ns per step of 10 us, fastest of {RUNS} responses of the paper's example");
+    println!(
+        "{:<20}{:<15}{:>10}{:>10}{:>7}{:>12}{:>7}{:>14}",
+        "scheme",
+        "exponents",
+        "response",
+        "step",
+        "ratio",
+        "with samples",
+        "ratio",
+        "Newton its/step"
+    );
+    for scheme in SCHEMES {
+        for (name, exponents) in EXPONENTS {
+            let chosen = format!("solver.scheme:={scheme}");
+            let (properties, impact) =
+                example(&[&[chosen.as_str(), "solver.dt:=1.0e-5"], &exponents[..]].concat());
+            let cost = cost(&properties, &impact);
+            println!(
+                "{scheme:<20}{name:<15}{:>10.0}{:>10.0}{:>7.2}{:>12.0}{:>7.2}{:>14.2}",
+                cost.response,
+                cost.step,
+                cost.response / cost.step,
+                cost.sampled,
+                cost.sampled / cost.response,
+                cost.newton_iterations
+            );
+        }
     }
 }

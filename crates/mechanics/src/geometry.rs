@@ -164,6 +164,10 @@ fn angle_over_sine(sine: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
 mod tests {
     use super::*;
 

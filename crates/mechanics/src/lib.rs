@@ -1,23 +1,18 @@
-//! The mechanics of a steel column under impact, after Heng, Hjiaj and Battini, "A simplified model of a steel column
-//! subjected to impact". Equation numbers are the paper's; `docs/theory.md` derives what differs.
+#![doc = include_str!("../README.md")]
 //!
-//! Two rigid bars, a below the impact point and b above it; four generalised elasto-plastic hinges: 3 at the base, 1a and
-//! 1b at the impact point (one in each bar), 2 at the top; a spring, a mass and a constant load on the top.
+//! ## Modules
 //!
 //! | symbol | meaning | unit | where |
 //! |---|---|---|---|
 //! | `U = (v1, u1, beta1, u2)` | displacements (Eq 1) | m, m, rad, m | `geometry.rs` |
-//! | `E`, `B` | deformations and their derivatives (Eqs 3-10) | m, rad | `geometry.rs`, `assembly.rs` |
-//! | `S`, `f_int = B' S` | forces of the bars, forces on `U` (Eqs 12, 16) | N, N m | `bar.rs`, `assembly.rs` |
+//! | `E`, `B` | deformations and their derivatives (Eqs 3-10) | m, rad | `geometry.rs`, `frame.rs` |
+//! | `S`, `f_int = B' S` | forces of the bars, forces on `U` (Eqs 12, 16) | N, N m | `bar.rs`, `frame.rs` |
 //! | `Phi(M, N)` | yield function (Eqs 26-29) | - | `yield_surface.rs` |
 //! | `g`, `Lambda_N`, `epsilon` | gap, percussion, restitution (Eqs 33-38) | m, N s, - | `contact.rs` |
-//! | Eqs 40, 44-46 | the paper's time stepping, and its energy-conserving sibling | | `midpoint.rs`, `energy.rs` |
+//! | Eqs 40, 44-46 | both time-stepping schemes | | `midpoint.rs`, `conserving_midpoint.rs` |
 //!
-//! A step: `stepping.rs` cuts it into parts, a scheme states the equations of a part, `newton.rs` solves them, `bar.rs`
+//! `stepping.rs` makes a step of parts, a scheme states the equations of a part, `newton.rs` solves them, and `bar.rs`
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
-//!
-//! Deliberately absent: files, clocks, threads, logging, allocation per step, and any knowledge of the rest of the crate.
-//! Same input, same bits.
 
 mod bar;
 mod conserving_midpoint;

@@ -7,6 +7,7 @@ use super::frame::Frame;
 use super::geometry::Displacement;
 use super::modes::{self, Damping, Masses};
 use super::properties::{ColumnProperties, ElasticLaw, Scheme, Support};
+use super::sample::HINGE_NAMES;
 use super::yield_surface::YieldSurface;
 
 /// Nanoseconds in a second.
@@ -302,7 +303,7 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
             });
         }
     }
-    for (hinge, given) in super::HINGE_NAMES.into_iter().zip(p.hinge_stiffness) {
+    for (hinge, given) in HINGE_NAMES.into_iter().zip(p.hinge_stiffness) {
         let Some(stiffness) = given else { continue };
         if p.elastic_law == ElasticLaw::Coupled {
             return Err(ModelError::StiffnessWithCoupledLaw { hinge });

@@ -10,7 +10,7 @@ use super::sample::HINGES;
 pub enum Outcome {
     /// No hinge has flowed.
     Elastic,
-    /// Some hinge has flowed and the column stands.
+    /// At least one hinge has flowed and the column stands.
     Plastic,
     /// The column has lost its shape or its equilibrium.
     Collapsed,
@@ -20,7 +20,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// The impactor has left or rests, and no hinge has flowed for some periods of the slowest mode.
+    /// The impactor has left or is at rest, and no hinge has flowed for some periods of the slowest mode.
     AtRest,
     /// The longest allowed response has passed.
     DurationReached,
@@ -28,18 +28,18 @@ pub enum End {
     Collapsed,
 }
 
-/// The outcome of one impact. Times are counted from the event \[s\]; what did not happen is `None`.
+/// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Elastic, plastic or collapsed.
     pub outcome: Outcome,
     /// Why the response ended.
     pub end: End,
-    /// When it ended \[s\].
+    /// End of the response \[s\].
     pub end_time: f64,
     /// Largest `v1` \[m\].
     pub max_v1: f64,
-    /// When \[s\].
+    /// Time of the largest `v1` \[s\].
     pub max_v1_time: f64,
     /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed.
     pub residual_v1: Option<f64>,
@@ -49,15 +49,15 @@ pub struct Report {
     pub residual_u2: Option<f64>,
     /// First touch \[s\].
     pub first_contact_time: Option<f64>,
-    /// Last parting \[s\].
+    /// Last separation \[s\].
     pub release_time: Option<f64>,
-    /// From first touch to last parting, or to the end \[s\].
+    /// From first touch to last separation, or to the end \[s\].
     pub contact_duration: f64,
-    /// Velocity of the impactor at the end \[m/s\]; negative: thrown back.
+    /// Velocity of the impactor at the end \[m/s\]; negative after a rebound.
     pub impactor_velocity: f64,
     /// Largest smooth contact force \[N\].
     pub peak_contact_force: f64,
-    /// When \[s\].
+    /// Time of the largest smooth contact force \[s\].
     pub peak_contact_force_time: Option<f64>,
     /// Number of percussions.
     pub percussions: u32,
@@ -65,11 +65,11 @@ pub struct Report {
     pub percussion_impulse: f64,
     /// Impulse of percussions and contact force \[N s\].
     pub impulse: f64,
-    /// Energy that the impactor brought \[J\].
+    /// Kinetic energy of the impactor at the event \[J\].
     pub input_energy: f64,
-    /// Kinetic energy at the end: of the column \[J\].
+    /// Kinetic energy of the column at the end \[J\].
     pub column_kinetic_energy: f64,
-    /// Kinetic energy at the end: of the impactor \[J\].
+    /// Kinetic energy of the impactor at the end \[J\].
     pub impactor_kinetic_energy: f64,
     /// Elastic energy at the end less that at the start \[J\].
     pub elastic_energy_change: f64,
@@ -81,7 +81,7 @@ pub struct Report {
     pub damping_work: f64,
     /// Work of the load since the start, `P (u2 - u2 at the start)` \[J\].
     pub load_work: f64,
-    /// Largest ledger residual of all steps, relative to the input energy.
+    /// Largest error of the energy balance after any step, relative to the input energy.
     pub ledger_residual: f64,
     /// Time steps taken.
     pub steps: u64,
@@ -89,7 +89,7 @@ pub struct Report {
     pub hinges: [HingeReport; HINGES],
 }
 
-/// What one hinge went through.
+/// The history of one hinge in a response.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HingeReport {
     /// First plastic flow during this response \[s\].

@@ -425,3 +425,63 @@ fn follow(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::yield_surface::YieldSurface;
+    use crate::{ElasticLaw, Scheme, Support, YieldExponents};
+
+    /// Every utilisation was once computed with the surface of the lower bar.
+    #[test]
+    fn every_hinge_is_measured_by_the_yield_surface_of_its_own_bar() {
+        let exponents = YieldExponents {
+            alpha: 1.0,
+            beta: 2.0,
+            gamma: 1.0,
+        };
+        let mut model = Model::new(&ColumnProperties {
+            length_below: 1.0,
+            length_above: 3.0,
+            axial_rigidity: 2e9,
+            bending_stiffness: 2e7,
+            mass_per_length: 70.0,
+            resistance_moment: 3e5,
+            resistance_axial: 3e6,
+            yield_surface: exponents,
+            elastic_law: ElasticLaw::Coupled,
+            base: Support::BuiltIn,
+            top: Support::BuiltIn,
+            hinge_stiffness: [None; 4],
+            top_spring_stiffness: 0.0,
+            top_mass: 0.0,
+            top_load: 0.0,
+            damping_ratio: 0.0,
+            scheme: Scheme::ConservingMidpoint,
+            step_nanos: 10_000,
+        })
+        .expect("a column");
+        model.frame.above.surface = YieldSurface::new(1e5, 1e6, exponents);
+        let forces = BarForces {
+            normal: 5e5,
+            moment: [6e4, 3e4],
+        };
+        let sums = yield_sums(
+            &model.frame,
+            &PerBar {
+                below: forces,
+                above: forces,
+            },
+        );
+        let square = |x: f64| x * x;
+        let expected = [
+            0.2 + square(0.5 / 3.0),
+            0.6 + square(0.5),
+            0.3 + square(0.5),
+            0.1 + square(0.5 / 3.0),
+        ];
+        for (found, expected) in sums.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+    }
+}

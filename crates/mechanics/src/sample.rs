@@ -1,4 +1,4 @@
-//! What can be seen of the column at one instant: the row of a history, the content of a message.
+//! The observable quantities of the column at one instant: a row of a history, the content of a message.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,16 +12,16 @@ pub const HINGE_NAMES: [&str; HINGES] = ["1a", "1b", "2", "3"];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HingeState {
-    /// Has never flowed.
+    /// It has never flowed.
     #[default]
     Elastic,
-    /// Flows.
+    /// It flows.
     Plastic,
-    /// Has flowed and is elastic again.
+    /// It has flowed and is elastic again.
     Unloaded,
 }
 
-/// Where the column is in the course of one impact.
+/// Phase of one impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
@@ -32,17 +32,17 @@ pub enum Phase {
     Approach,
     /// Impactor and column move together.
     Contact,
-    /// They have parted.
+    /// They have separated.
     Free,
 }
 
-/// Everything that can be seen of the column at one instant. SI units; `v` is positive in the impactor's
+/// The observable quantities of the column at one instant. SI units; `v` is positive in the impactor's
 /// direction of travel, `u` positive downwards, `N` positive in tension.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sample {
-    /// Since the event \[s\].
+    /// Time since the event \[s\].
     pub time: f64,
-    /// Course of the impact.
+    /// Phase of the impact.
     pub phase: Phase,
     /// Transverse displacement of the impact point \[m\].
     pub v1: f64,
@@ -66,13 +66,13 @@ pub struct Sample {
     pub gap: f64,
     /// Smooth contact force \[N\], >= 0.
     pub contact_force: f64,
-    /// Percussion since the sample before, >= 0 \[N s\].
+    /// Percussion since the previous sample, >= 0 \[N s\].
     pub percussion: f64,
     /// Impulse since the event, percussions included \[N s\].
     pub impulse: f64,
     /// Kinetic energy of column and impactor \[J\].
     pub kinetic_energy: f64,
-    /// Elastic energy of hinges and top spring \[J\].
+    /// Elastic energy of the hinges and the top spring \[J\].
     pub elastic_energy: f64,
     /// Work dissipated in the hinges \[J\].
     pub plastic_work: f64,
@@ -82,7 +82,7 @@ pub struct Sample {
     pub damping_work: f64,
     /// `P u2`, work of the load \[J\].
     pub load_work: f64,
-    /// What the ledger fails to close by \[J\].
+    /// Error of the energy balance \[J\].
     pub ledger_residual: f64,
     /// The hinges.
     pub hinges: [HingeSample; HINGES],

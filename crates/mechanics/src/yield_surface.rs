@@ -272,6 +272,10 @@ fn power(x: f64, p: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
 mod tests {
     use super::*;
 
@@ -336,5 +340,16 @@ mod tests {
         assert!((s.utilisation(0.6, 0.8) - 1.0).abs() < 1e-15);
         // gamma = alpha = beta is the superelliptic norm of Eq 27: homogeneous of degree one.
         assert!((s.utilisation(0.3, 0.4) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn powers_are_exact_to_round_off_on_the_surface() {
+        for p in [1.0, 1.3, 1.7, 3.0, 50.0, 1.0 / 1.3, 1.0 / 50.0] {
+            for k in 0..=1_000 {
+                let x = f64::from(k) / 1_000.0;
+                let error = (power(x, p) - x.powf(p)).abs();
+                assert!(error <= 2.0 * f64::EPSILON, "{x}^{p}: {error:e}");
+            }
+        }
     }
 }

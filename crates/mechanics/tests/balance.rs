@@ -2,6 +2,11 @@
 //! (Eqs 22-25), internal forces (Eqs 10, 16), equations of motion in the discrete form of the conserving midpoint rule
 //! (`docs/theory.md`, section 5), static equilibrium.
 
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
+
 mod example;
 
 use column_mechanics::{

@@ -1,5 +1,10 @@
 //! Extreme columns and impacts that must never fail, and cases with an answer in closed form.
 
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
+
 mod example;
 
 use std::f64::consts::{PI, TAU};

@@ -1,5 +1,10 @@
 //! Properties of every column that validation accepts, checked on random ones.
 
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
+
 use column_mechanics::{
     ColumnProperties, ElasticLaw, Impact, Model, Phase, Progress, Response, Scheme, State,
     StepError, Support, YieldExponents,

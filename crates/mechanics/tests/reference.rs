@@ -1,6 +1,11 @@
 //! Both schemes against the time-continuous limit of the paper's example, computed by an unrelated program
 //! (`docs/theory.md`, section 8).
 
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
+
 mod example;
 
 use std::fs;

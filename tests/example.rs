@@ -1,0 +1,16 @@
+//! The configuration of the paper's example describes the column of the mechanics' tests.
+
+#[path = "../crates/mechanics/tests/example/mod.rs"]
+mod example;
+
+use std::path::Path;
+
+use column_twin::parameters::Parameters;
+
+#[test]
+fn the_configuration_file_is_the_example_of_the_mechanics() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_paper.yaml");
+    let parameters = Parameters::load(&[file], &[]).expect("admissible parameters");
+    let configured = (parameters.column_properties(), parameters.impact());
+    assert_eq!(configured, example::paper());
+}
