@@ -1,4 +1,4 @@
-//! What a recording says of each impact.
+//! Summarises the impacts in a recording.
 
 use std::collections::HashMap;
 
@@ -8,49 +8,48 @@ use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
 
 use crate::messages::column_twin::ImpactReport;
 
-/// Most events of a summary.
+/// Maximum number of events in a summary.
 const MAX_EVENTS: usize = 100_000;
 
-/// One impact event: what was announced, and what came of it. What the recording does not say is `None`.
+/// An impact event and its outcome. Values that the recording does not contain are `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct EventSummary {
-    /// Its name.
+    /// Identifier of the event.
     pub event_id: String,
     /// The column that was hit.
     pub column_id: String,
-    /// Instant of the contact, as the event says \[ns\].
+    /// Stamp of the event \[ns since 1970\].
     pub stamp: Option<i64>,
     /// Mass of the impactor \[kg\].
     pub mass: Option<f64>,
-    /// Speed over the ground \[m/s\].
+    /// Velocity of the impactor \[m/s\].
     pub velocity: Option<f64>,
-    /// Why the twin refused it.
+    /// Why the twin rejected the event.
     pub refused: Option<String>,
-    /// Largest displacement of the impact point that was forecast \[m\].
+    /// Predicted maximum displacement of the impact point \[m\].
     pub forecast_max_v1: Option<f64>,
-    /// Largest displacement of the impact point \[m\].
+    /// Maximum displacement of the impact point \[m\].
     pub max_v1: Option<f64>,
-    /// When, after the contact \[s\].
+    /// Time of the maximum, after the stamp of the event \[s\].
     pub max_v1_time: Option<f64>,
-    /// Displacement that stays \[m\].
+    /// Residual displacement \[m\].
     pub residual_v1: Option<f64>,
-    /// Largest contact force \[N\].
+    /// Peak contact force \[N\].
     pub peak_contact_force: Option<f64>,
     /// `elastic`, `plastic` or `collapsed`.
     pub outcome: Option<&'static str>,
 }
 
-/// The impacts of a recording in the order in which it first names them, and how many more there are.
+/// The impacts of a recording in the order of their first message, and the number of messages of further impacts.
 ///
 /// # Errors
-/// The recording cannot be read, or the definition of one of our types in it is wrong. Messages that do not fit their
-/// definition are passed over; damaged records, too.
+/// The recording cannot be read, or its definition of one of our types is invalid. Damaged records, and messages that do
+/// not match their definition, are skipped.
 pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), RecordingError> {
     let mut decoders = Vec::with_capacity(reader.topics().len());
     for topic in reader.topics() {
-        let teller = teller(&topic.type_name);
-        decoders.push(match teller {
-            Some(tell) => Some((Decoder::new(topic)?, tell)),
+        decoders.push(match handler(&topic.type_name) {
+            Some(handle) => Some((Decoder::new(topic)?, handle)),
             None => None,
         });
     }
@@ -61,23 +60,23 @@ pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), Rec
             Err(RecordingError::Damaged { .. }) => continue,
             Err(error) => return Err(error),
         };
-        if let Some(Some((decoder, tell))) = decoders.get(message.topic_index)
+        if let Some(Some((decoder, handle))) = decoders.get(message.topic_index)
             && let Ok(content) = decoder.decode(&message)
         {
-            tell(&mut events, &content);
+            handle(&mut events, &content);
         }
     }
     Ok((events.list, events.beyond))
 }
 
-/// Takes down what a message says.
-type Tell = fn(&mut Events, &Decoded);
+/// Adds the content of a message.
+type Handler = fn(&mut Events, &Decoded);
 
-fn teller(type_name: &str) -> Option<Tell> {
+fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
-        "column_twin/msg/ImpactEvent" => Some(Events::announced),
-        "column_twin/msg/ImpactReport" => Some(Events::reported),
-        "column_twin/msg/TwinStatus" => Some(Events::status),
+        "column_twin/msg/ImpactEvent" => Some(Events::add_event),
+        "column_twin/msg/ImpactReport" => Some(Events::add_report),
+        "column_twin/msg/TwinStatus" => Some(Events::add_status),
         _ => None,
     }
 }
@@ -85,15 +84,15 @@ fn teller(type_name: &str) -> Option<Tell> {
 #[derive(Default)]
 struct Events {
     list: Vec<EventSummary>,
-    places: HashMap<(String, String), usize>,
+    indices: HashMap<(String, String), usize>,
     beyond: u64,
 }
 
 impl Events {
     fn of(&mut self, column_id: &str, event_id: &str) -> Option<&mut EventSummary> {
         let key = (column_id.to_owned(), event_id.to_owned());
-        let place = match self.places.get(&key) {
-            Some(place) => *place,
+        let index = match self.indices.get(&key) {
+            Some(index) => *index,
             None if self.list.len() >= MAX_EVENTS => {
                 self.beyond += 1;
                 return None;
@@ -104,14 +103,14 @@ impl Events {
                     column_id: column_id.to_owned(),
                     ..EventSummary::default()
                 });
-                self.places.insert(key, self.list.len() - 1);
+                self.indices.insert(key, self.list.len() - 1);
                 self.list.len() - 1
             }
         };
-        self.list.get_mut(place)
+        self.list.get_mut(index)
     }
 
-    fn announced(&mut self, message: &Decoded) {
+    fn add_event(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
@@ -120,11 +119,11 @@ impl Events {
         event.velocity = number(message, "velocity");
     }
 
-    fn reported(&mut self, message: &Decoded) {
+    fn add_report(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
-        // It was accepted. What was refused then is a repeat of it.
+        // The event was accepted, so that a rejection concerned a repeated event.
         event.refused = None;
         let kind = number(message, "kind");
         if kind == Some(f64::from(ImpactReport::FORECAST)) {
@@ -138,7 +137,7 @@ impl Events {
         }
     }
 
-    fn status(&mut self, message: &Decoded) {
+    fn add_status(&mut self, message: &Decoded) {
         let refused = text(message, "last_refusal_event_id");
         if refused.is_empty() {
             return;
@@ -158,7 +157,7 @@ fn text<'a>(message: &'a Decoded, field: &str) -> &'a str {
         .unwrap_or_default()
 }
 
-/// The number in a field; NaN says that there is none.
+/// The number in a field; `None` for NaN.
 fn number(message: &Decoded, field: &str) -> Option<f64> {
     message
         .field(field)
@@ -201,27 +200,27 @@ mod tests {
     }
 
     fn refusal(id: &str) -> Decoded {
-        let reason = ("last_refusal_reason", "it was there before");
+        let reason = ("last_refusal_reason", "repeated");
         message(
             &[],
             &[("column_id", "c"), ("last_refusal_event_id", id), reason],
         )
     }
 
-    /// A repeat is refused, and the impact stays what it was, whichever is read first.
+    /// In either order of the messages.
     #[test]
-    fn a_repeat_that_is_refused_does_not_make_its_impact_refused() {
+    fn an_impact_is_not_rejected_because_a_repeated_event_is() {
         let report = |id, kind, value| {
             let names = [("column_id", "c"), ("event_id", id)];
             message(&[("kind", f64::from(kind)), value], &names)
         };
         let mut events = Events::default();
-        events.status(&refusal("refused"));
-        events.status(&refusal("first"));
-        events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
+        events.add_status(&refusal("refused"));
+        events.add_status(&refusal("first"));
+        events.add_report(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
         let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
-        events.reported(&report("then", ImpactReport::RESULT, outcome));
-        events.status(&refusal("then"));
+        events.add_report(&report("then", ImpactReport::RESULT, outcome));
+        events.add_status(&refusal("then"));
         let refused: Vec<_> = events
             .list
             .iter()
