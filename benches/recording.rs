@@ -9,7 +9,7 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-use column_twin::live::{RealTime, ask_for_sender};
+use column_twin::live::{RealTime, request_for_publisher};
 use column_twin::messages::column_twin::ColumnState;
 use column_twin::messages::{INTERFACES, Message, cdr};
 use column_twin::recording::{
@@ -164,7 +164,7 @@ fn bare(path: &Path, compression: ChunkCompression, entries: &[Entry]) -> Durati
 fn long_run(folder: &Path, seconds: u32) {
     println!("\n{RATE} messages/s for {seconds} s, synchronised to the disk");
     // As the node's publishing thread, which is the sender: else what is measured is who else wants the processor.
-    ask_for_sender(&RealTime::default());
+    request_for_publisher(&RealTime::default());
     let recorder = Recorder::start(
         RecorderOptions::new(folder, SystemTime::now()),
         vec![topic()],

@@ -1,4 +1,4 @@
-//! Every endpoint of the node with its quality of service, written out: no default of a library holds anywhere.
+//! All endpoints of the node with their quality of service, which never relies on the defaults of a library.
 
 /// An endpoint of the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,33 +7,33 @@ pub struct Endpoint {
     pub name: &'static str,
     /// ROS name of the type, `column_twin/msg/ColumnState`.
     pub type_name: &'static str,
-    /// Who sends.
+    /// The direction of its messages.
     pub direction: Direction,
-    /// Quality of service; of a service that of requests and replies.
+    /// Quality of service; for a service, that of requests and replies.
     pub qos: Qos,
 }
 
-/// Who sends.
+/// The direction of messages, from the point of view of the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// The node receives.
+    /// The node subscribes.
     In,
-    /// The node sends.
+    /// The node publishes.
     Out,
-    /// The node answers.
+    /// The node answers requests.
     Service,
 }
 
-/// Quality of service. Deadline and lifespan are infinite but for `/rosout`, liveliness is automatic.
+/// Quality of service. The deadline is infinite and liveliness is automatic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Qos {
     /// Lost samples are sent again.
     pub reliable: bool,
-    /// Late joiners get the last samples.
+    /// Late subscribers receive the last samples.
     pub transient_local: bool,
-    /// Number of samples that are kept.
+    /// Number of samples in the history.
     pub depth: usize,
-    /// How long a sample is of use \[s\]; `None`: for ever.
+    /// Time after which a sample expires \[s\]; `None`: never.
     pub lifespan: Option<u64>,
 }
 
@@ -77,7 +77,7 @@ impl Endpoint {
     }
 }
 
-/// Package and bare name of a type, of `column_twin/msg/ColumnState` say.
+/// Package and bare name of a type such as `column_twin/msg/ColumnState`.
 #[must_use]
 pub fn package_and_type(type_name: &str) -> (&str, &str) {
     let package = type_name.split('/').next().unwrap_or_default();
@@ -89,18 +89,18 @@ macro_rules! endpoints {
     ($($(#[$doc:meta])* $constant:ident = $name:literal $type_name:literal $direction:ident $qos:expr;)*) => {
         $($(#[$doc])* pub const $constant: Endpoint = Endpoint::new($name, $type_name, Direction::$direction, $qos);)*
 
-        /// All of them.
+        /// All endpoints.
         pub const ENDPOINTS: &[Endpoint] = &[$($constant),*];
     };
 }
 
-/// What rcl gives every service.
+/// The default of rcl for services.
 const SERVICE: Qos = Qos::reliable(10);
 
 endpoints! {
-    /// Impacts to come.
+    /// Impact events.
     IMPACT_EVENT = "impact_event" "column_twin/msg/ImpactEvent" In Qos::reliable(100);
-    /// Parameters of the whole column.
+    /// Parameters of the column.
     COLUMN_PARAMETERS = "column_parameters" "column_twin/msg/ColumnParameters" In Qos::reliable(10);
     /// Simulated time.
     CLOCK = "/clock" "rosgraph_msgs/msg/Clock" In Qos { reliable: false, ..Qos::reliable(1) };
@@ -108,26 +108,26 @@ endpoints! {
     COLUMN_STATE = "column_state" "column_twin/msg/ColumnState" Out Qos::reliable(1000);
     /// Hinge forces at `publish_rate`.
     HINGE_FORCES = "hinge_forces" "column_twin/msg/HingeForces" Out Qos::reliable(1000);
-    /// What will come of an impact.
+    /// Predicted outcome of an impact.
     IMPACT_FORECAST = "impact_forecast" "column_twin/msg/ImpactReport" Out Qos::latched(10);
-    /// What came of it.
+    /// Outcome of an impact.
     IMPACT_REPORT = "impact_report" "column_twin/msg/ImpactReport" Out Qos::latched(10);
-    /// The twin's own state.
+    /// State of the twin.
     TWIN_STATUS = "twin_status" "column_twin/msg/TwinStatus" Out Qos::latched(1);
     /// The hinges as joints.
     JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
-    /// The column to look at; latched, so that a viewer that comes late sees it as the last response left it. Nothing is
-    /// sent before the first response.
+    /// The deformed column; latched, so that late viewers show it as the last response left it. Nothing is published
+    /// before the first response.
     MARKERS = "markers" "visualization_msgs/msg/MarkerArray" Out Qos::latched(1);
-    /// Health.
+    /// Health of the node.
     DIAGNOSTICS = "/diagnostics" "diagnostic_msgs/msg/DiagnosticArray" Out Qos::reliable(10);
-    /// Log messages, as rcl sends them.
+    /// Log messages, published as rcl does.
     ROSOUT = "/rosout" "rcl_interfaces/msg/Log" Out Qos { lifespan: Some(10), ..Qos::latched(1000) };
-    /// Changed parameters, as rclcpp sends them.
+    /// Parameter changes, published as rclcpp does.
     PARAMETER_EVENTS = "/parameter_events" "rcl_interfaces/msg/ParameterEvent" Out Qos::reliable(1000);
-    /// Back to the virgin column.
+    /// Returns to the virgin column.
     RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE;
-    /// What if.
+    /// Predicts the outcome of an impact without executing it.
     PREDICT = "~/predict" "column_twin/srv/PredictImpact" Service SERVICE;
     /// Parameter service.
     GET_PARAMETERS = "~/get_parameters" "rcl_interfaces/srv/GetParameters" Service SERVICE;
@@ -143,7 +143,7 @@ endpoints! {
     SET_PARAMETERS_ATOMICALLY = "~/set_parameters_atomically" "rcl_interfaces/srv/SetParametersAtomically" Service SERVICE;
 }
 
-/// What a recording holds beside these: see [`Journal`](crate::twin::Journal). Nobody sends it.
+/// The [journal](crate::twin::Journal) of the twin: only recorded, never published.
 pub const JOURNAL: Endpoint = Endpoint::new(
     "~/journal",
     "std_msgs/msg/String",

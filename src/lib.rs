@@ -12,8 +12,8 @@
 //! # Ok::<(), column_twin::column::SimulationError>(())
 //! ```
 //!
-//! The mechanics is in [`mod@column`], what describes a column in [`parameters`], the damage that accumulates over impacts in
-//! [`twin`], the solver's thread in [`live`]. `ARCHITECTURE.md` is the map.
+//! The mechanics is in [`mod@column`], the parameters of a column are in [`parameters`], the twin with the damage of all
+//! its impacts is in [`twin`], and the solver's thread in [`live`]. `ARCHITECTURE.md` describes all modules.
 
 pub use column_mechanics as column;
 

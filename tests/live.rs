@@ -147,7 +147,7 @@ fn it_follows_the_time_of_day() {
     let received = receive(&mut receiver, is_report);
     check_stream(&received, &event);
     let statistics = live.statistics();
-    assert!(statistics.turns > 1 && statistics.newton_iterations > 0);
+    assert!(statistics.cycles > 1 && statistics.newton_iterations > 0);
     assert!(live.is_running());
     live.stop().expect("no panic");
 }
@@ -310,7 +310,7 @@ fn a_flood_of_events_is_bounded_and_counted() {
     }
     let inputs = live.statistics().queues[0].clone();
     assert_eq!((inputs.pushed, inputs.dropped), (10_000, refused as u64));
-    assert_eq!((inputs.capacity, inputs.when_full), (64, WhenFull::Refuse));
+    assert_eq!((inputs.capacity, inputs.when_full), (64, WhenFull::Reject));
     let reset = Command::Reset {
         source: "test".into(),
     };
@@ -428,7 +428,7 @@ fn what_is_not_granted_is_a_warning() {
     };
     let live = Live::start(twin(START), SimClock::new(START), options).expect("starts");
     let grants = live.statistics().real_time;
-    assert_eq!(grants.memory, Grant::NotAsked);
+    assert_eq!(grants.memory, Grant::NotRequested);
     let warnings: Vec<_> = grants.warnings().collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("SCHED_FIFO not granted") && warnings[0].contains("limits.conf"));

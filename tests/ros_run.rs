@@ -12,8 +12,6 @@ use std::ops::ControlFlow;
 use std::sync::mpsc::channel;
 use std::thread;
 
-use column_twin::live::LiveOptions;
-use column_twin::parameters::Value;
 use column_twin::ros::{
     ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact,
     watch,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 
 use super::failure::{Exit, Failure};
-use crate::evidence::{Line, LineEntry};
+use crate::evidence::{JournalEntry, JournalError, JournalLine};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::messages::{Message, cdr};
@@ -35,7 +35,9 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
         let message = message?;
         let topic = reader.topics().get(message.topic_index);
         if config.is_none() && topic.is_some_and(recording::is_journal) {
-            if let Some(column) = checkpoint_parameters(&message.data) {
+            let column = checkpoint_parameters(&message.data)
+                .map_err(|error| Failure::plain(Exit::BadInput, error))?;
+            if let Some(column) = column {
                 parameters.get_or_insert_with(|| Arc::clone(&column));
                 gathered.messages.push(RecordedMessage::Column(column));
             }
@@ -147,10 +149,11 @@ impl Gathered {
     }
 }
 
-/// The parameters in a checkpoint of the journal.
-fn checkpoint_parameters(bytes: &[u8]) -> Option<Arc<Parameters>> {
-    match Line::decode(bytes).ok()?.entry {
-        LineEntry::Twin(Journal::Checkpoint(start)) => Some(Arc::clone(&start.parameters)),
-        _ => None,
+/// The parameters in a line of the journal, if it is a checkpoint.
+fn checkpoint_parameters(bytes: &[u8]) -> Result<Option<Arc<Parameters>>, JournalError> {
+    match JournalLine::decode(bytes).map(|line| line.entry) {
+        Ok(JournalEntry::Twin(Journal::Checkpoint(start))) => Ok(Some(Arc::clone(&start.parameters))),
+        Err(error @ JournalError::OtherVersion { .. }) => Err(error),
+        Ok(_) | Err(_) => Ok(None),
     }
 }

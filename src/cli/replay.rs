@@ -235,7 +235,7 @@ impl ReplayControls for Terminal {
             .set_message(format!("x{rate:.3}, {sent} messages{state}"));
     }
 
-    fn say(&mut self, line: &str) {
+    fn print(&mut self, line: &str) {
         // A hidden bar does not print lines.
         match self.bar.is_hidden() {
             true => eprintln!("{line}"),

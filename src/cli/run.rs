@@ -39,7 +39,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
     })?;
-    if end.solver_ended {
+    if end.has_panicked {
         return Err(Failure::plain(
             Exit::Failed,
             "a thread of the twin panicked; restart the node, and report its output",

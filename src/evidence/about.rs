@@ -1,4 +1,4 @@
-//! Which program a recording comes from.
+//! The program that made a recording.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -7,19 +7,19 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Who recorded, and where what is.
+/// The program that made a recording, and the names of its topics.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct About {
     /// Name and version of the program.
     pub program: String,
-    /// Which build of it: the same build computes the same bits. See [`build`].
+    /// The build of the program, see [`build`]: the same build computes the same bits.
     pub build: String,
-    /// Names of the topics as they were resolved, by their names in the table of endpoints.
+    /// Resolved topic names by their names in the table of endpoints.
     pub topics: BTreeMap<String, String>,
 }
 
 impl About {
-    /// This program, with these topics.
+    /// This program with these topics.
     #[must_use]
     pub fn this_program(topics: BTreeMap<String, String>) -> Self {
         Self {
@@ -30,7 +30,7 @@ impl About {
     }
 }
 
-/// Which build this is: target, profile, and a hash of the program file. The file is read once, at the first call.
+/// Identifies this build: target, profile, and a hash of the program file. The first call reads the file.
 pub fn build() -> &'static str {
     static BUILD: OnceLock<String> = OnceLock::new();
     BUILD.get_or_init(|| {

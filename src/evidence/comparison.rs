@@ -1,28 +1,28 @@
-//! Two values, and where they differ first.
+//! Compares recorded with computed values field by field.
 
 use std::fmt;
 
 use serde::Serialize;
 use serde_json::Value;
 
-/// Where a recording is not what the model gives.
+/// A difference between the recording and the recomputation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// Topic, as it was recorded.
+    /// Topic, with its recorded name.
     pub topic: String,
     /// When the message was recorded \[ns since 1970\].
     pub log_time: i64,
-    /// The instant that it is for \[ns since 1970\], if it says.
+    /// Stamp of the message \[ns since 1970\], if it has one.
     pub stamp: Option<i64>,
-    /// The impact that it is about; empty where it does not say.
+    /// The impact to which the message belongs; empty if it names none.
     pub event_id: String,
-    /// The field, `hinges[2].moment`.
+    /// Path of the field, e.g. `hinges[2].moment`.
     pub field: String,
-    /// What was recorded.
+    /// The recorded value.
     pub recorded: String,
-    /// What the model gives.
+    /// The computed value.
     pub computed: String,
-    /// By how much they differ, of numbers.
+    /// Recorded minus computed value, if both are finite numbers.
     pub by: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for Difference {
         } = self;
         write!(f, "{topic}: {field} is {recorded}, computed {computed}")?;
         if let Some(by) = by {
-            write!(f, ", differs by {by:e}")?;
+            write!(f, ", difference {by:e}")?;
         }
         match stamp {
             Some(stamp) => write!(f, "; stamp {} s", seconds(*stamp))?,
@@ -53,7 +53,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Seconds with all nanoseconds.
+/// A time in seconds, with all digits.
 pub(super) fn seconds(nanos: i64) -> String {
     let sign = if nanos < 0 { "-" } else { "" };
     let nanos = nanos.unsigned_abs();
@@ -64,62 +64,79 @@ pub(super) fn seconds(nanos: i64) -> String {
     )
 }
 
-/// Path, recorded value, computed value and their distance.
-pub(super) struct FieldDifference {
-    pub field: String,
-    pub recorded: String,
-    pub computed: String,
-    pub by: Option<f64>,
+/// The recorded message that is compared.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Place<'a> {
+    pub topic: &'a str,
+    pub log_time: i64,
+    pub stamp: Option<i64>,
+    pub event_id: &'a str,
 }
 
-/// The first field that differs; `None` where none does. Numbers are compared by what JSON writes of them: to the last
-/// bit, but for the bits of a NaN.
-pub(super) fn first_difference<T: Serialize>(
-    recorded: &T,
-    computed: &T,
-) -> Option<FieldDifference> {
-    let tree = |value: &T| serde_json::to_value(value).unwrap_or(Value::Null);
-    in_trees("", &tree(recorded), &tree(computed))
-}
+impl Place<'_> {
+    /// A difference in this message.
+    pub fn difference(
+        &self,
+        field: impl Into<String>,
+        recorded: impl Into<String>,
+        computed: impl Into<String>,
+    ) -> Difference {
+        Difference {
+            topic: self.topic.to_owned(),
+            log_time: self.log_time,
+            stamp: self.stamp,
+            event_id: self.event_id.to_owned(),
+            field: field.into(),
+            recorded: recorded.into(),
+            computed: computed.into(),
+            by: None,
+        }
+    }
 
-fn in_trees(path: &str, recorded: &Value, computed: &Value) -> Option<FieldDifference> {
-    match (recorded, computed) {
-        (Value::Object(recorded), Value::Object(computed))
-            if recorded.keys().eq(computed.keys()) =>
-        {
-            let dot = if path.is_empty() { "" } else { "." };
-            recorded.iter().find_map(|(name, value)| {
-                in_trees(&format!("{path}{dot}{name}"), value, &computed[name])
-            })
+    /// The first field that differs. Numbers are compared in their JSON form, which is exact except for the bits of a
+    /// NaN.
+    pub fn first_difference<T: Serialize>(&self, recorded: &T, computed: &T) -> Option<Difference> {
+        let tree = |value: &T| serde_json::to_value(value).unwrap_or(Value::Null);
+        self.compare("", &tree(recorded), &tree(computed))
+    }
+
+    fn compare(&self, path: &str, recorded: &Value, computed: &Value) -> Option<Difference> {
+        match (recorded, computed) {
+            (Value::Object(recorded), Value::Object(computed))
+                if recorded.keys().eq(computed.keys()) =>
+            {
+                let dot = if path.is_empty() { "" } else { "." };
+                recorded.iter().find_map(|(name, value)| {
+                    self.compare(&format!("{path}{dot}{name}"), value, &computed[name])
+                })
+            }
+            (Value::Array(recorded), Value::Array(computed))
+                if recorded.len() == computed.len() =>
+            {
+                let mut pairs = recorded.iter().zip(computed).enumerate();
+                pairs.find_map(|(index, (recorded, computed))| {
+                    self.compare(&format!("{path}[{index}]"), recorded, computed)
+                })
+            }
+            (Value::Number(one), Value::Number(other)) if one.to_string() != other.to_string() => {
+                let numbers = one.as_f64().zip(other.as_f64());
+                Some(Difference {
+                    by: numbers.map(|(recorded, computed)| recorded - computed),
+                    ..self.difference(path, text(recorded), text(computed))
+                })
+            }
+            (Value::Number(_), Value::Number(_)) => None,
+            _ => (recorded != computed)
+                .then(|| self.difference(path, text(recorded), text(computed))),
         }
-        (Value::Array(recorded), Value::Array(computed)) if recorded.len() == computed.len() => {
-            let pairs = recorded.iter().zip(computed).enumerate();
-            pairs
-                .into_iter()
-                .find_map(|(index, (one, other))| in_trees(&format!("{path}[{index}]"), one, other))
-        }
-        (Value::Number(one), Value::Number(other)) => (one.to_string() != other.to_string())
-            .then(|| leaf(path, recorded, computed, one.as_f64().zip(other.as_f64()))),
-        _ => (recorded != computed).then(|| leaf(path, recorded, computed, None)),
     }
 }
 
-fn leaf(
-    path: &str,
-    recorded: &Value,
-    computed: &Value,
-    numbers: Option<(f64, f64)>,
-) -> FieldDifference {
-    const LONGEST: usize = 200;
-    let text = |value: &Value| match value {
+fn text(value: &Value) -> String {
+    const MAX_CHARS: usize = 200;
+    match value {
         Value::Null => "NaN".to_owned(),
-        other => other.to_string().chars().take(LONGEST).collect(),
-    };
-    FieldDifference {
-        field: path.to_owned(),
-        recorded: text(recorded),
-        computed: text(computed),
-        by: numbers.map(|(recorded, computed)| recorded - computed),
+        other => other.to_string().chars().take(MAX_CHARS).collect(),
     }
 }
 
@@ -127,22 +144,23 @@ fn leaf(
 mod tests {
     use super::*;
 
+    fn first_difference<T: Serialize>(recorded: &T, computed: &T) -> Option<Difference> {
+        Place::default().first_difference(recorded, computed)
+    }
+
     #[derive(Serialize)]
-    struct Some {
+    struct Fields {
         name: &'static str,
         numbers: [f64; 3],
     }
 
     #[test]
     fn the_first_field_that_differs_is_named() {
-        let of = |name, numbers| Some { name, numbers };
+        let of = |name, numbers| Fields { name, numbers };
         let one = of("a", [1.0, 2.0, f64::NAN]);
         assert!(first_difference(&one, &of("a", [1.0, 2.0, f64::NAN])).is_none());
         let found = first_difference(&one, &of("a", [1.0, 2.5, 7.0])).expect("differs");
-        assert_eq!(
-            (found.field.as_str(), found.by),
-            ("numbers[1]", Option::Some(-0.5))
-        );
+        assert_eq!((found.field.as_str(), found.by), ("numbers[1]", Some(-0.5)));
         let found = first_difference(&one, &of("a", [1.0, 2.0, 7.0])).expect("differs");
         assert_eq!(
             (found.recorded.as_str(), found.computed.as_str()),

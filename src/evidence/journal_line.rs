@@ -1,83 +1,91 @@
-//! The text of an entry of the journal: one line of JSON, numbers to the last bit.
+//! The recorded form of a journal entry: one line of JSON, with numbers that read back bit for bit.
 
 use serde::{Deserialize, Serialize};
 
 use super::about::About;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
-use crate::twin::{Journal, Nanos};
+use crate::twin::{Journal, Nanos, RefusalCode};
 
-/// What an entry says it is.
+/// Format name in every line.
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
-/// Version of what is written, and the only one that is read.
+/// The format version that this program writes, and the only one that it reads.
 pub const JOURNAL_VERSION: u32 = 2;
 
-/// One entry of the journal, as it is recorded.
+/// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Line {
+pub struct JournalLine {
     format: String,
     version: u32,
-    /// With each checkpoint, so that every recording says whose it is.
+    /// The recording program. Present with every checkpoint, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
-    /// What there is to say.
-    pub entry: LineEntry,
+    /// The entry.
+    pub entry: JournalEntry,
 }
 
-/// What an entry of the journal can be.
+/// An entry of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LineEntry {
-    /// Of the twin itself.
+pub enum JournalEntry {
+    /// An entry of the twin's journal.
     Twin(Journal),
-    /// Refused by the node, on its own behalf or the twin's; not needed to recompute anything.
+    /// The node rejected a message before it reached the twin. Recomputation does not need this entry.
     RefusedByNode {
-        /// When.
+        /// When the message was rejected.
         stamp: Nanos,
-        /// Topic, in the table of endpoints.
+        /// Topic name in the table of endpoints.
         topic: String,
-        /// The event, or who asked.
+        /// Identifier of the event, or a description of the message.
         what: String,
-        /// Why.
+        /// Stable code of the refusal; `None` if the message could not be recorded.
+        code: Option<RefusalCode>,
+        /// The reason, for people.
         reason: String,
     },
 }
 
-/// Why a message is no entry of the journal.
+/// Why a message cannot be read or written as a line of the journal.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// No text.
+    /// The message is not a valid `std_msgs/msg/String`.
     #[error(transparent)]
     Message(#[from] CdrError),
-    /// No JSON of the expected form.
-    #[error("an entry of the journal cannot be read: {0}")]
+    /// The text is not JSON of the expected form.
+    #[error("a line of the journal is not valid: {0}")]
     Malformed(#[from] serde_json::Error),
-    /// Of another version.
+    /// The line has another format or version.
     #[error(
-        "an entry of the journal has format {format:?}, version {version}; expected {JOURNAL_FORMAT:?}, version \
-         {JOURNAL_VERSION}; use the version of column-twin that recorded it"
+        "the journal has format {format:?}, version {version}, recorded by {}; this program reads {JOURNAL_FORMAT:?}, \
+         version {JOURNAL_VERSION}, only: use the program that made the recording",
+        program.as_ref().map_or_else(|| "an unknown program".to_owned(), |it| format!("{it:?}"))
     )]
-    Foreign {
-        /// What it says it is.
+    OtherVersion {
+        /// The format found.
         format: String,
-        /// Its version.
+        /// The version found.
         version: u32,
+        /// Name and version of the recording program, if the line contains them.
+        program: Option<String>,
     },
 }
 
-/// What can be read of any version.
+/// The part of a line that every version has.
 #[derive(Deserialize)]
-struct Label {
+struct Header {
     format: String,
     version: u32,
+    /// Checkpoints name the recording program in all versions, beside fields that may differ.
+    #[serde(default)]
+    about: serde_json::Value,
 }
 
-impl Line {
-    /// An entry; `about` with a checkpoint.
+impl JournalLine {
+    /// A line with an entry; a checkpoint also has `about`.
     #[must_use]
-    pub fn new(entry: LineEntry, about: Option<About>) -> Self {
+    pub fn new(entry: JournalEntry, about: Option<About>) -> Self {
         Self {
             format: JOURNAL_FORMAT.to_owned(),
             version: JOURNAL_VERSION,
@@ -86,30 +94,39 @@ impl Line {
         }
     }
 
-    /// Whether a recording can begin with it.
+    /// Whether the entry is a checkpoint, with which a recording can begin.
     #[must_use]
     pub fn is_checkpoint(&self) -> bool {
-        matches!(self.entry, LineEntry::Twin(Journal::Checkpoint(_)))
+        matches!(self.entry, JournalEntry::Twin(Journal::Checkpoint(_)))
     }
 
-    /// Its bytes as a `std_msgs/msg/String`.
+    /// Encodes the line as a `std_msgs/msg/String`.
     ///
     /// # Errors
-    /// None that is known of: numbers and texts can be written.
+    /// The line is too long for a message.
     pub fn encode(&self) -> Result<Vec<u8>, JournalError> {
         let data = serde_json::to_string(self)?;
         Ok(cdr::encode(&std_msgs::String { data })?)
     }
 
-    /// Reads an entry.
+    /// Decodes a line from a `std_msgs/msg/String`.
     ///
     /// # Errors
-    /// It is none, or of another version.
+    /// The message is not a line of the journal, or has another format version.
     pub fn decode(bytes: &[u8]) -> Result<Self, JournalError> {
         let message: std_msgs::String = cdr::decode(bytes)?;
-        let Label { format, version } = serde_json::from_str(&message.data)?;
+        let Header {
+            format,
+            version,
+            about,
+        } = serde_json::from_str(&message.data)?;
         if format != JOURNAL_FORMAT || version != JOURNAL_VERSION {
-            return Err(JournalError::Foreign { format, version });
+            let program = about["program"].as_str().map(str::to_owned);
+            return Err(JournalError::OtherVersion {
+                format,
+                version,
+                program,
+            });
         }
         Ok(serde_json::from_str(&message.data)?)
     }

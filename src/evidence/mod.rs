@@ -1,27 +1,29 @@
-//! Recordings as evidence: what of the twin is recorded, and the proof by recomputation that the numbers are what the
-//! model gives.
+//! Recordings as evidence: what is recorded of the twin, and how a recording is verified by recomputation.
 //!
-//! Recorded is every message that the node sends, byte for byte, every event and set of parameters that it receives, and
-//! on `~/journal` what recomputing needs: the exact state at rest with all parameters, each input with how far the twin
-//! had come, the refused ones with their reason ([`Line`], JSON in `std_msgs/msg/String`). [`verify`](fn@verify) makes
-//! a twin of it, and compares what that gives out with what was recorded.
+//! A recording contains every message that the node sends, byte for byte, every event and set of parameters that it
+//! receives, and on `~/journal` what recomputation needs: the exact state at rest with all parameters, and each command
+//! with the position of the twin at that time, including rejected commands with their reason ([`JournalLine`], JSON in
+//! `std_msgs/msg/String`). [`verify`](fn@verify) starts a twin from the journal, and compares its outputs with the
+//! recorded messages.
 //!
-//! [`NodeRecording`] is the node's side, [`record_impact`] writes the same without any ROS.
+//! [`NodeRecording`] records a running node; [`record_impact`] writes the same form of recording without ROS.
 
 mod about;
 mod comparison;
-mod entries;
+mod entry_encoder;
 mod journal_line;
 mod node_recording;
 mod replayer;
 mod simulated;
 mod topics;
 mod verification;
+mod verify;
 
 pub use about::{About, build};
 pub use comparison::Difference;
-pub use journal_line::{JOURNAL_FORMAT, JOURNAL_VERSION, JournalError, Line, LineEntry};
+pub use journal_line::{JOURNAL_FORMAT, JOURNAL_VERSION, JournalEntry, JournalError, JournalLine};
 pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, Topics};
-pub use verification::{TopicCheck, Verification, VerifyError, verify};
+pub use verification::{TopicCheck, Verification};
+pub use verify::{VerifyError, verify};

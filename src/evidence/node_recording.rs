@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::entries::Entries;
-use super::journal_line::{Line, LineEntry};
+use super::entry_encoder::EntryEncoder;
+use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::live::{QueueStats, WhenFull};
@@ -17,32 +17,33 @@ use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
     self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
-use crate::twin::Journal;
+use crate::twin::{Journal, RefusalCode};
 
-/// Takes a copy of everything that a node receives and sends; a thread of its own writes it.
+/// Records everything that a node receives and sends; a separate thread writes it.
 ///
-/// The mode `events` leaves out what only repeats itself while the column is at rest: status, and diagnostics in which
-/// no level changes. Every input, all that it leads to, and every checkpoint is recorded in both modes.
+/// The mode `events` leaves out the periodic messages while the column is at rest: status, and diagnostics without a
+/// change of level. Both modes record every command, all its consequences, and every checkpoint.
 pub struct NodeRecording {
-    /// Until it is stopped.
+    /// `None` after the stop.
     recorder: RwLock<Option<RecorderHandle>>,
-    entries: Entries,
+    encoder: EntryEncoder,
     events_only: bool,
-    /// Something has happened since the last status at rest.
-    going_on: AtomicBool,
-    /// The levels of the newest diagnostics.
+    /// A command has been executed since the last status at rest.
+    is_active: AtomicBool,
+    /// The levels of the latest diagnostics.
     levels: Mutex<Option<Vec<u8>>>,
-    /// Recorded times never go back, whatever is done to the clock \[ns\].
+    /// The last recorded time \[ns\]: recorded times never decrease, even if the system clock is set back.
     last_time: AtomicI64,
-    /// What could not even be offered to the recorder.
+    /// Journal entries that could not be encoded.
     unencoded: AtomicU64,
 }
 
 impl NodeRecording {
-    /// Starts to record as the parameters say; `None` where they say nothing is. `options` have the last word.
+    /// Starts a recording as the parameters describe it, with `options` adjusted by the caller; `None` if
+    /// `record.mode` is `off`.
     ///
     /// # Errors
-    /// The directory cannot be written, or there is no thread.
+    /// The directory cannot be written, or the thread cannot be started.
     pub fn start(
         record: &RecordSettings,
         topics: &Topics,
@@ -57,16 +58,16 @@ impl NodeRecording {
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
             recorder: RwLock::new(Some(recorder)),
-            entries: Entries::new(topics),
+            encoder: EntryEncoder::new(topics),
             events_only,
-            going_on: AtomicBool::new(true),
+            is_active: AtomicBool::new(true),
             levels: Mutex::default(),
             last_time: AtomicI64::new(0),
             unencoded: AtomicU64::new(0),
         })))
     }
 
-    /// Writes what is waiting and ends the recording. `None` where it has ended before.
+    /// Writes what is queued and ends the recording; `None` if it has ended already.
     pub fn stop(&self) -> Option<RecorderStatistics> {
         let recorder = self
             .recorder
@@ -89,11 +90,11 @@ impl NodeRecording {
     fn offer(&self, entry: Option<Entry>) {
         let recorder = self.recorder.read().unwrap_or_else(PoisonError::into_inner);
         if let (Some(recorder), Some(entry)) = (&*recorder, entry) {
-            recorder.record(entry); // what is refused is counted there
+            recorder.record(entry); // the recorder counts what it drops
         }
     }
 
-    fn offer_line(&self, line: Result<Option<Entry>, super::JournalError>) {
+    fn offer_line(&self, line: Result<Option<Entry>, JournalError>) {
         match line {
             Ok(entry) => self.offer(entry),
             Err(_) => {
@@ -102,26 +103,26 @@ impl NodeRecording {
         }
     }
 
-    /// Whether the mode lets it through.
-    fn wanted(&self, endpoint: &Endpoint, bytes: &[u8]) -> bool {
+    /// Whether the mode includes this message.
+    fn is_recorded(&self, endpoint: &Endpoint, bytes: &[u8]) -> bool {
         if !self.events_only {
             return true;
         }
-        let repeats = [endpoints::TWIN_STATUS.name, endpoints::DIAGNOSTICS.name];
-        if !repeats.contains(&endpoint.name) {
+        let periodic = [endpoints::TWIN_STATUS.name, endpoints::DIAGNOSTICS.name];
+        if !periodic.contains(&endpoint.name) {
             return true;
         }
-        let going_on = self.going_on.load(Ordering::Relaxed);
+        let is_active = self.is_active.load(Ordering::Relaxed);
         if endpoint.name == endpoints::DIAGNOSTICS.name {
-            return self.changes_a_level(bytes) || going_on;
+            return self.changes_a_level(bytes) || is_active;
         }
         if is_at_rest(bytes) {
-            self.going_on.store(false, Ordering::Relaxed);
+            self.is_active.store(false, Ordering::Relaxed);
         }
-        going_on
+        is_active
     }
 
-    /// Whether these diagnostics say of something that it is better or worse than before.
+    /// Whether a level in these diagnostics differs from the previous ones.
     fn changes_a_level(&self, diagnostics: &[u8]) -> bool {
         let Ok(array) = cdr::decode::<DiagnosticArray>(diagnostics) else {
             return true;
@@ -134,7 +135,7 @@ impl NodeRecording {
     }
 }
 
-/// Whether a status says that nothing goes on.
+/// Whether a status reports that no response is running.
 fn is_at_rest(status: &[u8]) -> bool {
     cdr::decode::<TwinStatus>(status).is_ok_and(|status| {
         !matches!(
@@ -146,45 +147,51 @@ fn is_at_rest(status: &[u8]) -> bool {
 
 impl RecordingTap for NodeRecording {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
-        if self.wanted(endpoint, bytes) {
+        if self.is_recorded(endpoint, bytes) {
             let now = self.now();
-            self.offer(Entries::message(endpoint, Arc::clone(bytes), now, now));
+            self.offer(EntryEncoder::message(endpoint, Arc::clone(bytes), now, now));
         }
     }
 
     fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>) {
         let now = self.now();
         let published = source_stamp.filter(|stamp| *stamp >= 0).unwrap_or(now);
-        self.offer(Entries::message(endpoint, bytes.into(), now, published));
+        self.offer(EntryEncoder::message(
+            endpoint,
+            bytes.into(),
+            now,
+            published,
+        ));
     }
 
-    fn not_taken(&self, endpoint: &Endpoint, what: &str, reason: &str) {
+    fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str) {
         let stamp = self.now();
-        let entry = LineEntry::RefusedByNode {
+        let entry = JournalEntry::RefusedByNode {
             stamp,
             topic: endpoint.name.to_owned(),
             what: what.to_owned(),
+            code,
             reason: reason.to_owned(),
         };
-        self.offer_line(Entries::line(&Line::new(entry, None), stamp));
+        self.offer_line(EntryEncoder::line(&JournalLine::new(entry, None), stamp));
     }
 
     fn journal(&self, entry: &Journal) {
         match entry {
-            Journal::Command(_) => self.going_on.store(true, Ordering::Relaxed),
-            // It goes with the status that follows it, and that one is left out.
-            Journal::Status(_) if self.events_only && !self.going_on.load(Ordering::Relaxed) => {
+            Journal::Command(_) => self.is_active.store(true, Ordering::Relaxed),
+            // The status that follows it is left out as well.
+            Journal::Status(_) if self.events_only && !self.is_active.load(Ordering::Relaxed) => {
                 return;
             }
             Journal::Checkpoint(_) | Journal::Status(_) => {}
         }
-        self.offer_line(self.entries.journal(entry, self.now()));
+        self.offer_line(self.encoder.journal(entry, self.now()));
     }
 
     fn health(&self) -> RecordingHealth {
         let recorder = self.recorder.read().unwrap_or_else(PoisonError::into_inner);
         let Some(recorder) = &*recorder else {
-            return stopped();
+            return health_after_stop();
         };
         let RecorderStatistics {
             queue,
@@ -231,7 +238,7 @@ impl RecordingTap for NodeRecording {
     }
 }
 
-fn stopped() -> RecordingHealth {
+fn health_after_stop() -> RecordingHealth {
     RecordingHealth {
         queue: QueueStats {
             name: "recording".to_owned(),

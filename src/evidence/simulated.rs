@@ -1,9 +1,9 @@
-//! One impact on a virgin column, recorded as a node would, without any ROS and without waiting.
+//! Records a simulated impact on a virgin column as a node would record it, without ROS and faster than real time.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use super::entries::Entries;
+use super::entry_encoder::EntryEncoder;
 use super::journal_line::JournalError;
 use super::topics::Topics;
 use crate::column::{ImpactSpecification, ModelError, Report};
@@ -18,45 +18,45 @@ use crate::parameters::Parameters;
 use crate::recording::{Entry, Finished, RecordingError, Writer, WriterOptions};
 use crate::twin::{Command, ImpactCommand, Nanos, Output, Refusal, Twin};
 
-/// Name of the one event.
+/// Identifier of the event.
 const SIMULATED_EVENT: &str = "simulated";
 
-/// A recording that was written.
+/// A completed recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedImpact {
-    /// The file.
+    /// The files.
     pub finished: Finished,
-    /// What became of the impact; `None` where it could not be followed to its end.
+    /// The outcome of the impact; `None` if the response could not be computed to its end.
     pub report: Option<Report>,
 }
 
-/// Why there is no recording.
+/// Why an impact cannot be recorded.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulatedRecordingError {
-    /// It cannot be written.
+    /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The column is impossible.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A message cannot be written.
+    /// A message cannot be encoded.
     #[error(transparent)]
     Message(#[from] CdrError),
-    /// The journal cannot be written.
+    /// An entry of the journal cannot be encoded.
     #[error(transparent)]
     Journal(#[from] JournalError),
     /// The twin rejects the impact.
     #[error("the impact was rejected: {0}")]
     Refused(#[from] Refusal),
-    /// There is no such instant.
+    /// The start time cannot be represented in a message.
     #[error(
-        "expected an instant from 1970 to 2038 for the beginning of the recording, found {0} ns after 1970"
+        "expected a start time between 1970 and 2038 for the recording, found {0} ns after 1970"
     )]
     Origin(Nanos),
 }
 
-/// Records what the impact that the parameters describe does to a virgin column, into a directory that must not exist.
-/// `origin` is the instant of the event; all times of the recording count from there.
+/// Simulates the impact that the parameters describe on a virgin column, and records it in a directory, which must not
+/// exist. `origin` is the stamp of the event, where the times of the recording start.
 ///
 /// # Errors
 /// The column or the impact is impossible, or the recording cannot be written.
@@ -88,31 +88,31 @@ pub fn record_impact(
     };
     let mut twin = Twin::new(parameters.clone(), None, Box::new(monotonic_nanos), origin)?;
     let topics = Topics::of_default_node();
-    let mut script = Script {
+    let mut recorder = ImpactRecorder {
         writer: Writer::create(directory, options, &topics.declared()?)?,
-        entries: Entries::new(&topics),
+        encoder: EntryEncoder::new(&topics),
         outgoing: Outgoing::new(parameters),
         report: None,
     };
-    let written = script.play(&mut twin, command, &message, origin);
-    let finished = script.writer.finish();
+    let written = recorder.simulate(&mut twin, command, &message, origin);
+    let finished = recorder.writer.finish();
     written?;
     Ok(RecordedImpact {
         finished: finished?,
-        report: script.report,
+        report: recorder.report,
     })
 }
 
-/// Writes down what a twin gives out.
-struct Script {
+/// Writes the outputs of a twin.
+struct ImpactRecorder {
     writer: Writer,
-    entries: Entries,
+    encoder: EntryEncoder,
     outgoing: Outgoing,
     report: Option<Report>,
 }
 
-impl Script {
-    fn play(
+impl ImpactRecorder {
+    fn simulate(
         &mut self,
         twin: &mut Twin,
         command: ImpactCommand,
@@ -123,7 +123,7 @@ impl Script {
         twin.advance_to(origin, &mut out);
         self.write(&mut out, origin)?;
         let bytes = cdr::encode(message)?.into();
-        self.put(Entries::message(
+        self.put(EntryEncoder::message(
             &endpoints::IMPACT_EVENT,
             bytes,
             origin,
@@ -151,11 +151,11 @@ impl Script {
             for message in messages {
                 let endpoint = message.topic().endpoint();
                 let bytes = Arc::from(message.encode()?);
-                self.put(Entries::message(endpoint, bytes, now, now))?;
+                self.put(EntryEncoder::message(endpoint, bytes, now, now))?;
             }
             match output {
                 Output::Journal(entry) => {
-                    let entry = self.entries.journal(&entry, now)?;
+                    let entry = self.encoder.journal(&entry, now)?;
                     self.put(entry)?;
                 }
                 Output::Report(report) => self.report = Some(report.report),

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::endpoints::{self, Endpoint, Qos};
+use crate::endpoints::{self, Endpoint};
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
-/// What is recorded.
+/// The endpoints that are recorded.
 pub const RECORDED: [&Endpoint; 13] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
@@ -22,7 +22,7 @@ pub const RECORDED: [&Endpoint; 13] = [
     &endpoints::ROSOUT,
 ];
 
-/// Name of the node where there is none.
+/// Name of the node in recordings made without a node.
 const NODE: &str = "column_twin";
 
 /// The topics of one recording, in the order of [`RECORDED`].
@@ -32,16 +32,16 @@ pub struct Topics {
 }
 
 impl Topics {
-    /// Under the names that `resolve` gives them.
+    /// The topics with the names that `resolve` returns.
     ///
     /// # Errors
-    /// Those of `resolve`.
+    /// The first error of `resolve`.
     pub fn resolved<E>(resolve: impl FnMut(&Endpoint) -> Result<String, E>) -> Result<Self, E> {
         let names: Result<_, E> = RECORDED.iter().copied().map(resolve).collect();
         Ok(Self { names: names? })
     }
 
-    /// Under the names of a node `/column_twin` whose names nobody has remapped.
+    /// The topics of a node `/column_twin` without remapping.
     #[must_use]
     pub fn of_default_node() -> Self {
         let name = |endpoint: &&Endpoint| match endpoint.name.strip_prefix("~/") {
@@ -53,20 +53,20 @@ impl Topics {
         }
     }
 
-    /// As the recorder needs them.
+    /// The topics as the recorder needs them.
     ///
     /// # Errors
-    /// A message definition of this program is wrong.
+    /// A message definition of this program is invalid.
     pub fn declared(&self) -> Result<Vec<TopicInfo>, RecordingError> {
         let pairs = RECORDED.iter().zip(&self.names);
         pairs
             .map(|(endpoint, name)| {
-                recording::topic(name, endpoint.type_name, offered(&endpoint.qos))
+                recording::topic(name, endpoint.type_name, OfferedQos::from(&endpoint.qos))
             })
             .collect()
     }
 
-    /// Resolved names by those in the table of endpoints.
+    /// Resolved names by the names in the table of endpoints.
     #[must_use]
     pub fn by_endpoint(&self) -> BTreeMap<String, String> {
         let pairs = RECORDED.iter().zip(&self.names);
@@ -75,18 +75,10 @@ impl Topics {
             .collect()
     }
 
-    /// Place of an endpoint in [`RECORDED`]; `None` for one that is not recorded.
+    /// Index of an endpoint in [`RECORDED`]; `None` if it is not recorded.
     #[must_use]
     pub fn index_of(endpoint: &Endpoint) -> Option<usize> {
         RECORDED.iter().position(|it| it.name == endpoint.name)
-    }
-}
-
-fn offered(qos: &Qos) -> OfferedQos {
-    OfferedQos {
-        reliable: qos.reliable,
-        transient_local: qos.transient_local,
-        depth: qos.depth,
     }
 }
 
@@ -95,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn topics_have_their_usual_names() {
+    fn topics_have_the_names_of_a_default_node() {
         let topics = Topics::of_default_node();
         let names: Vec<_> = topics
             .declared()
@@ -109,9 +101,8 @@ mod tests {
         assert_eq!(topics.by_endpoint()["~/journal"], "/column_twin/journal");
     }
 
-    /// What a node sends is recorded.
     #[test]
-    fn nothing_is_forgotten() {
+    fn every_topic_but_the_clock_is_recorded() {
         use crate::endpoints::{Direction, ENDPOINTS};
         let left_out: Vec<_> = ENDPOINTS
             .iter()

@@ -1,4 +1,4 @@
-//! Clocks that a twin can live by.
+//! Clocks that drive a twin.
 
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -12,33 +12,33 @@ use crate::twin::Nanos;
 
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
-/// A wait that is longer than this is one at the notifier, so that an input ends it \[ns\].
+/// A longer wait uses the notifier, so that a command can end it \[ns\].
 const MAX_SLEEP: Nanos = 2_000_000;
 
-/// Tells the time and waits for it.
+/// A clock that can be waited for.
 pub trait Clock: Send + Sync {
-    /// Nanoseconds since the epoch.
+    /// The current time \[ns since the epoch\].
     fn now(&self) -> Nanos;
 
-    /// Waits until `deadline`, or shorter: until the notifier rings where the wait is a long one.
+    /// Waits until `deadline`. A long wait also ends when the notifier is notified.
     fn wait_until(&self, deadline: Nanos, notifier: &Notifier);
 
-    /// Told the notifier of the thread that lives by this clock, before it waits for the first time.
-    fn serve(&self, _bell: &Arc<Notifier>) {}
+    /// Passes the notifier of the thread that uses this clock, before its first wait.
+    fn serve(&self, _notifier: &Arc<Notifier>) {}
 
-    /// Called while nothing depends on it that time goes on evenly: a clock that has been set may jump now.
+    /// Called while no response is running: a clock that has been set may jump now.
     fn resynchronise(&self) {}
 }
 
-/// The time of day, which goes on evenly while a response runs: it is set only in between.
+/// The system time. During a response it advances steadily, even if the system clock is set.
 #[derive(Debug)]
 pub struct SystemClock {
-    /// From monotonic time to time since the epoch \[ns\].
+    /// System time minus monotonic time \[ns\].
     offset: AtomicI64,
 }
 
 impl SystemClock {
-    /// The time of day.
+    /// The current system time.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -68,37 +68,37 @@ impl Clock for SystemClock {
                 tv_sec: monotonic.div_euclid(NANOS_PER_SECOND),
                 tv_nsec: monotonic.rem_euclid(NANOS_PER_SECOND) as _,
             };
-            // A signal ends it early: the caller looks at the clock anyway.
+            // A signal may end the wait early; the caller reads the clock anyway.
             let _ = clock_nanosleep_absolute(ClockId::Monotonic, &request);
         }
     }
 
     fn resynchronise(&self) {
-        // Reading two clocks in turn is not exact: only a clock that was set, or has crept away, is followed.
-        const SET: u64 = 100_000;
+        // Two clocks cannot be read at the same instant: smaller changes of the offset are measurement errors.
+        const MIN_CHANGE: u64 = 100_000;
         let new = offset();
-        if new.abs_diff(self.offset.load(Ordering::Relaxed)) > SET {
+        if new.abs_diff(self.offset.load(Ordering::Relaxed)) > MIN_CHANGE {
             self.offset.store(new, Ordering::Relaxed);
         }
     }
 }
 
-/// From monotonic time to time since the epoch. The thread may lose its processor between two readings: the reading with
-/// the least time around it counts.
+/// System time minus monotonic time. The thread may be preempted between readings, so that the reading that took the least
+/// time counts.
 fn offset() -> i64 {
     const READINGS: usize = 5;
     let reading = || {
         let before = read(ClockId::Monotonic);
         let since_epoch = read(ClockId::Realtime);
-        let around = read(ClockId::Monotonic).saturating_sub(before);
-        let between = before.saturating_add(around / 2);
-        (around, since_epoch.saturating_sub(between))
+        let duration = read(ClockId::Monotonic).saturating_sub(before);
+        let middle = before.saturating_add(duration / 2);
+        (duration, since_epoch.saturating_sub(middle))
     };
     let readings = (0..READINGS).map(|_| reading());
     readings.min().map_or(0, |(_, offset)| offset)
 }
 
-/// Monotonic nanoseconds, for stopwatches.
+/// Monotonic time \[ns\], to measure compute times.
 #[must_use]
 pub fn monotonic_nanos() -> u64 {
     read(ClockId::Monotonic).unsigned_abs()
@@ -111,7 +111,7 @@ fn read(clock: ClockId) -> i64 {
         .saturating_add(time.tv_nsec)
 }
 
-/// A clock that somebody sets: simulated time from `/clock`, or a test.
+/// A clock that is set from outside: simulated time from `/clock`, or a test.
 #[derive(Debug, Default)]
 pub struct SimClock {
     now: AtomicI64,
@@ -119,7 +119,7 @@ pub struct SimClock {
 }
 
 impl SimClock {
-    /// A clock that stands at `now`.
+    /// A clock that shows `now` until it is set.
     #[must_use]
     pub fn new(now: Nanos) -> Self {
         Self {
@@ -128,7 +128,7 @@ impl SimClock {
         }
     }
 
-    /// Sets the time, forwards or backwards.
+    /// Sets the time, forward or backward.
     pub fn set(&self, now: Nanos) {
         self.now.store(now, Ordering::SeqCst);
         if let Some(notifier) = self.notifier.get() {
@@ -149,7 +149,7 @@ impl Clock for SimClock {
     }
 
     fn serve(&self, notifier: &Arc<Notifier>) {
-        // A clock serves one twin; a second one would have to look at it in its own time.
+        // Only the first twin is notified; a second one would poll the clock.
         let _ = self.notifier.set(Arc::clone(notifier));
     }
 }

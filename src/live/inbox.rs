@@ -1,7 +1,7 @@
-//! What waits for the solver: commands, in a bounded queue that refuses when it is full.
+//! The queue of requests to the solver: bounded, and rejects requests when it is full.
 //!
-//! A sender must know whether its command was taken, so this queue never drops one. Data that come in streams, where the
-//! newest matter most, belong into a queue of their own beside it that drops its oldest entries.
+//! A sender must know whether its command was accepted, so this queue never drops one. Streamed data, of which the newest
+//! matter most, need a separate queue that drops its oldest entries.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -11,26 +11,26 @@ use super::notifier::Notifier;
 use super::queue::{Queue, QueueStats, WhenFull};
 use crate::twin::{Accepted, ColumnSnapshot, Command, Refusal, RefusalCode};
 
-/// Most commands that wait for the solver; more are refused.
+/// Maximum number of queued requests; more are rejected.
 pub const MAX_COMMANDS: usize = 64;
 
-/// One thing that the solver is asked.
+/// A request to the solver.
 #[derive(Debug)]
 pub(super) enum Request {
-    /// Give the twin a command.
+    /// Execute a command.
     Command {
         command: Command,
         reply: Reply<Result<Accepted, Refusal>>,
     },
-    /// Copy the column as it is.
-    Look { reply: Reply<ColumnSnapshot> },
+    /// Copy the current state of the column.
+    Snapshot { reply: Reply<ColumnSnapshot> },
 }
 
-/// Where an answer goes, if anyone waits for it.
+/// The sending end for an answer, if the sender of the request waits for one.
 #[derive(Debug)]
 pub(super) struct Reply<T>(Option<SyncSender<T>>);
 
-/// Where an answer arrives.
+/// The receiving end for an answer.
 #[derive(Debug)]
 pub(super) struct Answer<T>(Receiver<T>);
 
@@ -44,7 +44,7 @@ impl<T> Reply<T> {
         (Self(Some(sender)), Answer(receiver))
     }
 
-    /// Never blocks; an answer for which nobody waits any more is dropped.
+    /// Never blocks; the answer is dropped if the receiver has stopped waiting.
     pub fn send(self, answer: T) {
         if let Some(sender) = self.0 {
             let _ = sender.try_send(answer);
@@ -58,49 +58,49 @@ impl<T> Answer<T> {
     }
 }
 
-/// What waits for the solver, and what wakes it.
+/// The queued requests, and the notifier that wakes the solver.
 #[derive(Debug)]
 pub(super) struct Inbox {
-    commands: Queue<Request>,
+    requests: Queue<Request>,
     notifier: Arc<Notifier>,
 }
 
 impl Inbox {
     pub fn new() -> Self {
         Self {
-            commands: Queue::new("inputs".to_owned(), MAX_COMMANDS, WhenFull::Refuse),
+            requests: Queue::new("inputs".to_owned(), MAX_COMMANDS, WhenFull::Reject),
             notifier: Arc::default(),
         }
     }
 
-    /// Wakes the solver when something is submitted.
+    /// Wakes the solver when a request is submitted.
     pub fn notifier(&self) -> &Arc<Notifier> {
         &self.notifier
     }
 
     /// # Errors
-    /// Too many wait already.
+    /// The queue is full.
     pub fn submit(&self, request: Request) -> Result<(), Refusal> {
-        let taken = self.commands.push(request);
+        let accepted = self.requests.push(request);
         self.notifier.notify();
-        if taken {
+        if accepted {
             return Ok(());
         }
         let reason = format!(
-            "{MAX_COMMANDS} commands wait already for the solver; send fewer events and changes, or try again"
+            "the queue of the solver is full ({MAX_COMMANDS} commands); try again, or send fewer events and parameter changes"
         );
         Err(Refusal::new(RefusalCode::QueueFull, reason))
     }
 
     pub fn take(&self) -> Option<Request> {
-        self.commands.pop()
+        self.requests.pop()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.commands.is_empty()
+        self.requests.is_empty()
     }
 
     pub fn stats(&self) -> QueueStats {
-        self.commands.stats()
+        self.requests.stats()
     }
 }

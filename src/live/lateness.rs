@@ -1,18 +1,18 @@
-//! How late a turn of the solver is.
+//! The lateness of a cycle of the solver.
 
 use crate::twin::Nanos;
 
-/// How late a turn began.
+/// The lateness of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Lateness {
-    /// After its deadline \[ns\].
+    /// Delay after the deadline \[ns\].
     pub nanos: u64,
-    /// Whole periods that passed meanwhile: their turns are skipped, and this one makes their steps.
+    /// Whole periods within the delay: their cycles are skipped, and this cycle makes up for their steps.
     pub skipped_periods: u64,
 }
 
-/// The lateness of a turn that was due at `deadline` and begins at `now`; the next is due a whole number of periods
-/// after the deadline, never a period after `now`, so that lateness does not add up.
+/// The lateness of a cycle that was due at `deadline` and starts at `now`. Deadlines stay a whole number of periods apart,
+/// whatever `now` is, so that delays do not accumulate.
 #[must_use]
 pub fn lateness(deadline: Nanos, period: u64, now: Nanos) -> Lateness {
     if now <= deadline {
@@ -47,7 +47,7 @@ mod tests {
     }
 
     #[test]
-    fn no_clock_overflows_it() {
+    fn extreme_times_do_not_overflow() {
         assert_eq!(lateness(i64::MIN, 0, i64::MAX).nanos, u64::MAX);
         assert_eq!(lateness(i64::MAX, 1, i64::MIN), Lateness::default());
     }

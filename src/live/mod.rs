@@ -1,10 +1,10 @@
 //! The twin in real time: clocks, deadlines, bounded queues, the solver's thread.
 //!
-//! The solver's thread waits for absolute deadlines; when it is late it skips whole periods, counts them, and makes up
-//! for their steps, so that no sample is lost. While a response runs it takes no lock and no memory and writes no log:
-//! what leaves the twin goes into bounded queues without locks, and a slow reader loses its own samples, counted. The
-//! forecast is computed in slices between the deadlines. A what-if runs in the thread of whoever asks. The state file
-//! is written by a thread of its own.
+//! The solver's thread waits for absolute deadlines. If it is late, it skips whole periods, counts them, and makes up for
+//! their steps, so that no sample is lost. During a response it takes no lock, allocates no memory and writes no log:
+//! outputs go into bounded lock-free queues, and a slow reader loses only its own samples, which are counted. The forecast
+//! is computed in slices between the deadlines. A prediction runs in the thread of the caller. A separate thread writes
+//! the state file.
 
 mod clock;
 mod inbox;
@@ -29,7 +29,7 @@ pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, WhenFull};
-pub use real_time::{Grant, RealTime, RealTimeGrants, ask_for_sender};
+pub use real_time::{Grant, RealTime, RealTimeGrants, request_for_publisher};
 pub use solver::SOLVER_THREAD;
 pub use state_writer::STATE_WRITER_THREAD;
 
@@ -41,17 +41,17 @@ use queue::OutputQueues;
 use solver::{Shared, Sink, Solver};
 use state_writer::StateWriter;
 
-/// How long an answer of the solver is waited for.
-const ANSWER_WITHIN: Duration = Duration::from_secs(2);
+/// Maximum wait for an answer of the solver.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// How a twin is to live.
+/// Options of a live twin.
 #[derive(Debug, Clone)]
 pub struct LiveOptions {
-    /// What to ask the system for.
+    /// The real-time properties to request.
     pub real_time: RealTime,
-    /// Where the damage is kept, see [`state_file::path`](crate::twin::state_file::path); `None`: nowhere.
+    /// Where to save the damage, see [`state_file::path`](crate::twin::state_file::path); `None`: it is not saved.
     pub state_file: Option<PathBuf>,
-    /// Who reads what leaves the twin.
+    /// The queues to the readers of the outputs.
     pub outputs: Vec<OutputQueue>,
 }
 
@@ -65,21 +65,21 @@ impl Default for LiveOptions {
     }
 }
 
-/// A thread of the twin panicked; its message is on the standard error.
+/// A thread of the twin panicked; its message is on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("thread {0} panicked; please report the message on the standard error")]
+#[error("thread {0} panicked; please report its message on standard error")]
 pub struct Panicked(&'static str);
 
-/// How the live twin does.
+/// Statistics of a live twin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveStatistics {
-    /// Turns of the solver's thread.
-    pub turns: u64,
-    /// Turns that began a whole period late, or more.
+    /// Cycles of the solver's thread.
+    pub cycles: u64,
+    /// Cycles that started at least one period late.
     pub overruns: u64,
-    /// Periods that were skipped by then.
+    /// Periods skipped by late cycles.
     pub skipped_periods: u64,
-    /// Largest lateness of a turn after its deadline \[ns\].
+    /// Maximum delay of a cycle after its deadline \[ns\].
     pub worst_lateness: u64,
     /// Steps of all responses.
     pub steps: u64,
@@ -87,20 +87,20 @@ pub struct LiveStatistics {
     pub newton_iterations: u64,
     /// State files that could not be written.
     pub state_file_failures: u64,
-    /// Every queue.
+    /// All queues.
     pub queues: Vec<QueueStats>,
-    /// What the system granted.
+    /// The real-time properties that were granted.
     pub real_time: RealTimeGrants,
 }
 
-/// Starts twins.
+/// Starts live twins.
 pub struct Live;
 
 impl Live {
-    /// Starts the solver's thread, and the one that keeps the damage.
+    /// Starts the solver's thread and, if there is a state file, the thread that writes it.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// A thread cannot be started.
     pub fn start(
         twin: Twin,
         clock: impl Clock + 'static,
@@ -144,7 +144,7 @@ impl Live {
             queues,
             state_writer,
             parameters,
-            unheard: false,
+            unnotified: false,
         };
         let solver = Solver {
             twin,
@@ -152,22 +152,22 @@ impl Live {
             shared,
             sink,
         };
-        let (told, grants) = sync_channel(1);
-        let wishes = options.real_time;
+        let (sender, grants) = sync_channel(1);
+        let real_time = options.real_time;
         handle.solver = Some(
             thread::Builder::new()
                 .name(SOLVER_THREAD.to_owned())
                 .spawn(move || {
-                    let _ = told.try_send(real_time::ask(&wishes)); // there is room for one
+                    let _ = sender.try_send(real_time::request(&real_time)); // there is room for one
                     solver.run();
                 })?,
         );
-        handle.real_time = grants.recv_timeout(ANSWER_WITHIN).unwrap_or_default();
+        handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
         Ok(handle)
     }
 }
 
-/// A twin that lives in its own thread. Dropped, it stops.
+/// A twin that runs in its own thread. Dropping the handle stops it.
 #[derive(Debug)]
 pub struct LiveHandle {
     shared: Arc<Shared>,
@@ -180,10 +180,10 @@ pub struct LiveHandle {
 }
 
 impl LiveHandle {
-    /// Gives the twin a command without waiting for the outcome, which comes with the outputs.
+    /// Submits a command without waiting for the outcome, which is among the outputs.
     ///
     /// # Errors
-    /// Too many commands wait already.
+    /// The queue of commands is full.
     pub fn submit(&self, command: Command) -> Result<(), Refusal> {
         self.shared.inbox.submit(Request::Command {
             command,
@@ -191,10 +191,10 @@ impl LiveHandle {
         })
     }
 
-    /// Gives the twin a command and waits for the outcome.
+    /// Submits a command and waits for the outcome.
     ///
     /// # Errors
-    /// The command is refused, or there is no answer in time.
+    /// The command is rejected, or the solver does not answer in time.
     pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
         self.ask(|reply| Request::Command { command, reply })?
     }
@@ -202,16 +202,16 @@ impl LiveHandle {
     fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
         let (reply, answer) = Reply::channel();
         self.shared.inbox.submit(request(reply))?;
-        answer.wait(ANSWER_WITHIN).map_err(|_| {
+        answer.wait(ANSWER_TIMEOUT).map_err(|_| {
             let reason = format!(
                 "the solver did not answer within {} s; the command may still be executed, see twin_status",
-                ANSWER_WITHIN.as_secs()
+                ANSWER_TIMEOUT.as_secs()
             );
             Refusal::new(RefusalCode::NoAnswer, reason)
         })
     }
 
-    /// The outputs for the reader of this name; `None` where there is none, or it was taken before.
+    /// The outputs for the reader with this name; `None` if there is no such queue, or its receiver was taken before.
     pub fn outputs(&self, name: &str) -> Option<Receiver> {
         let mut receivers = self
             .receivers
@@ -221,27 +221,27 @@ impl LiveHandle {
         Some(receivers.swap_remove(index))
     }
 
-    /// The parameters as they were last set; those that wait for the end of a response count as set, until they are
-    /// refused then.
+    /// The latest parameters, including a change that waits for the end of a response. If that change is rejected then,
+    /// the previous values return.
     #[must_use]
     pub fn parameters(&self) -> Arc<Parameters> {
         let latest = self.parameters.read();
         Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// A copy of the column as it is now.
+    /// A copy of the current state of the column.
     ///
     /// # Errors
-    /// There is no answer in time.
+    /// The solver does not answer in time.
     pub fn snapshot(&self) -> Result<ColumnSnapshot, Refusal> {
-        self.ask(|reply| Request::Look { reply })
+        self.ask(|reply| Request::Snapshot { reply })
     }
 
-    /// What an impact would do to the column as it is now, computed in the caller's thread. An empty `column_id` means
-    /// the twin's own.
+    /// Predicts the outcome of an impact on the column in its current state, in the thread of the caller. An empty
+    /// `column_id` means the column of this twin.
     ///
     /// # Errors
-    /// The impact would be refused, its response cannot be computed, or there is no answer in time.
+    /// The impact would be rejected, its response cannot be computed, or the solver does not answer in time.
     pub fn predict(
         &self,
         column_id: &str,
@@ -251,7 +251,7 @@ impl LiveHandle {
             .predict(column_id, impact, &monotonic_nanos)
     }
 
-    /// How the twin does.
+    /// Statistics since the start.
     pub fn statistics(&self) -> LiveStatistics {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let shared = &self.shared;
@@ -263,7 +263,7 @@ impl LiveHandle {
         queues.extend(self.queues.iter().flat_map(|it| it.stats()));
         queues.extend(state_writer.map(|it| it.stats()));
         LiveStatistics {
-            turns: read(&shared.turns),
+            cycles: read(&shared.cycles),
             overruns: read(&shared.overruns),
             skipped_periods: read(&shared.skipped_periods),
             worst_lateness: read(&shared.worst_lateness),
@@ -275,19 +275,18 @@ impl LiveHandle {
         }
     }
 
-    /// Whether the solver's thread runs; without a stop it ends by a panic only.
+    /// Whether the solver's thread is running. Before a stop it ends only if it panics.
     pub fn is_running(&self) -> bool {
         self.solver
             .as_ref()
             .is_some_and(|thread| !thread.is_finished())
     }
 
-    /// Stops within a second: the damage is kept, that of a response under way as it is forecast. What is lost all the
-    /// same is said in one [`Notice`](crate::twin::Notice). What has left the twin can still be received; the statistics are
-    /// the last.
+    /// Stops within a second, and returns the final statistics. The damage is saved; for a running response, the predicted
+    /// damage. A [`Notice`](crate::twin::Notice) lists what is lost nevertheless. Queued outputs can still be received.
     ///
     /// # Errors
-    /// A thread had ended by a panic.
+    /// A thread panicked.
     pub fn stop(mut self) -> Result<LiveStatistics, Panicked> {
         self.join()?;
         Ok(self.statistics())
@@ -317,6 +316,6 @@ impl LiveHandle {
 
 impl Drop for LiveHandle {
     fn drop(&mut self) {
-        let _ = self.join(); // a panic has been written by its thread
+        let _ = self.join(); // a thread that panicked has printed its message
     }
 }

@@ -5,36 +5,36 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, Thread};
 use std::time::Duration;
 
-/// How long a thread that the notifier does not know sleeps at a time.
-const UNKNOWN_NAP: Duration = Duration::from_millis(1);
+/// Polling period of further threads.
+const POLL_PERIOD: Duration = Duration::from_millis(1);
 
-/// How long a thread sleeps at the most, so that a ring that crosses with its very first wait is heard in the end.
-const MAX_NAP: Duration = Duration::from_millis(100);
+/// Maximum sleep, because a notification during the very first wait may be lost.
+const MAX_SLEEP: Duration = Duration::from_millis(100);
 
-/// Wakes the one thread that waits at it. Ringing takes no lock and no memory; rings before the next wait are one.
+/// Wakes the thread that waits for it, without a lock or an allocation. Notifications before a wait count as one.
 #[derive(Debug, Default)]
 pub struct Notifier {
-    rung: AtomicBool,
+    notified: AtomicBool,
     sleeper: OnceLock<Thread>,
 }
 
 impl Notifier {
-    /// Wakes the thread that waits, or lets its next wait return at once.
+    /// Wakes the waiting thread, or lets its next wait return immediately.
     pub fn notify(&self) {
-        self.rung.store(true, Ordering::SeqCst);
+        self.notified.store(true, Ordering::SeqCst);
         if let Some(sleeper) = self.sleeper.get() {
             sleeper.unpark();
         }
     }
 
-    /// Waits for a ring, for `most` at the longest and sometimes shorter: look again at what is waited for. The first
-    /// thread that waits is the one that is woken; others look every millisecond.
-    pub fn wait(&self, most: Duration) {
+    /// Waits for a notification, at most `timeout`. May return early, so the caller must check its condition again. Only the
+    /// first thread that ever waits is woken; others poll every millisecond.
+    pub fn wait(&self, timeout: Duration) {
         let me = thread::current();
         let known = self.sleeper.get_or_init(|| me.clone()).id() == me.id();
-        if !self.rung.swap(false, Ordering::SeqCst) {
-            thread::park_timeout(most.min(if known { MAX_NAP } else { UNKNOWN_NAP }));
-            self.rung.store(false, Ordering::SeqCst);
+        if !self.notified.swap(false, Ordering::SeqCst) {
+            thread::park_timeout(timeout.min(if known { MAX_SLEEP } else { POLL_PERIOD }));
+            self.notified.store(false, Ordering::SeqCst);
         }
     }
 }

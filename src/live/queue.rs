@@ -1,4 +1,4 @@
-//! Bounded queues between the threads, each with a name, a policy for when it is full, and its counts.
+//! Bounded queues between the threads, each with a name, a policy for overflow, and counters.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,14 +9,14 @@ use crossbeam_queue::ArrayQueue;
 use super::notifier::Notifier;
 use crate::twin::Output;
 
-/// What a full queue does.
+/// The overflow policy of a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhenFull {
-    /// It refuses, and its sender is told.
-    Refuse,
-    /// It drops its oldest entry.
+    /// The new entry is rejected, and its sender notified.
+    Reject,
+    /// The oldest entry is dropped.
     DropOldest,
-    /// It drops what comes.
+    /// The new entry is dropped.
     DropNewest,
 }
 
@@ -25,31 +25,31 @@ impl WhenFull {
     #[must_use]
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Refuse => "the sender is refused",
+            Self::Reject => "new entries are rejected",
             Self::DropOldest => "the oldest entry is dropped",
             Self::DropNewest => "the newest entry is dropped",
         }
     }
 }
 
-/// A queue as it is now.
+/// The current state of a queue.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QueueStats {
-    /// What it is called.
+    /// Name of the queue.
     pub name: String,
-    /// Most entries.
+    /// Maximum number of entries.
     pub capacity: usize,
-    /// Entries now.
+    /// Current number of entries.
     pub len: usize,
-    /// What it does when it is full.
+    /// Overflow policy.
     pub when_full: WhenFull,
-    /// Entries that were offered since the start.
+    /// Entries offered since the start.
     pub pushed: u64,
-    /// Entries that were refused or dropped since the start.
+    /// Entries rejected or dropped since the start.
     pub dropped: u64,
 }
 
-/// A bounded queue without locks; its memory is taken at the start.
+/// A bounded lock-free queue, allocated at the start.
 #[derive(Debug)]
 pub(crate) struct Queue<T> {
     name: String,
@@ -70,11 +70,11 @@ impl<T> Queue<T> {
         }
     }
 
-    /// Puts an entry in; `false` if an entry was lost, or this one refused.
+    /// Adds an entry; `false` if this or another entry was rejected or dropped.
     pub fn push(&self, entry: T) -> bool {
         self.pushed.fetch_add(1, Ordering::Relaxed);
         let kept = match self.when_full {
-            WhenFull::Refuse | WhenFull::DropNewest => self.entries.push(entry).is_ok(),
+            WhenFull::Reject | WhenFull::DropNewest => self.entries.push(entry).is_ok(),
             WhenFull::DropOldest => self.entries.force_push(entry).is_none(),
         };
         if !kept {
@@ -103,24 +103,25 @@ impl<T> Queue<T> {
     }
 }
 
-/// A reader that everything is sent to which leaves the twin.
+/// The queue to a reader of the outputs of the twin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OutputQueue {
-    /// Who reads it.
+    /// Name of the reader.
     pub name: String,
-    /// Most states that wait for it.
+    /// Maximum number of queued states.
     pub states: usize,
-    /// Most forecasts, reports and changes of parameters together, and most refusals, status and notices together, and most entries of the journal.
+    /// Maximum number of queued forecasts, reports and parameter changes together; of refusals, status and notices
+    /// together; and of entries of the journal.
     pub others: usize,
-    /// What all of them do when they are full.
+    /// Overflow policy of all of them.
     pub when_full: WhenFull,
 }
 
 impl OutputQueue {
-    /// Name of the queue to ROS.
+    /// Name of the reader that publishes the outputs.
     pub const ROS: &str = "ros";
 
-    /// To ROS: the oldest are dropped.
+    /// The queue to the reader that publishes the outputs; drops the oldest entries.
     #[must_use]
     pub fn ros() -> Self {
         Self {
@@ -132,14 +133,14 @@ impl OutputQueue {
     }
 }
 
-/// Ways to one reader.
-const WAYS: usize = 4;
+/// Number of channels to one reader.
+const CHANNELS: usize = 4;
 
-/// All ways to one reader, so that no flood of states or refusals can drop a report.
+/// The channels to one reader, separate so that a flood of states or refusals cannot displace a report.
 #[derive(Debug)]
 pub(super) struct OutputQueues {
     pub name: String,
-    ways: [Queue<Numbered>; WAYS],
+    channels: [Queue<Numbered>; CHANNELS],
     next_number: AtomicU64,
     notifier: Notifier,
 }
@@ -158,14 +159,15 @@ impl OutputQueues {
             others,
             when_full,
         } = queue;
-        let way = |what, capacity| Queue::new(format!("{what} to {name}"), capacity, *when_full);
+        let channel =
+            |what, capacity| Queue::new(format!("{what} to {name}"), capacity, *when_full);
         Self {
             name: name.clone(),
-            ways: [
-                way("states", *states),
-                way("results", *others),
-                way("messages", *others),
-                way("journal", *others),
+            channels: [
+                channel("states", *states),
+                channel("results", *others),
+                channel("messages", *others),
+                channel("journal", *others),
             ],
             next_number: AtomicU64::new(0),
             notifier: Notifier::default(),
@@ -174,8 +176,8 @@ impl OutputQueues {
 
     pub fn push(&self, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
-        let [states, results, messages, journal] = &self.ways;
-        let way = match &output {
+        let [states, results, messages, journal] = &self.channels;
+        let channel = match &output {
             Output::State(_) => states,
             Output::Forecast(_) | Output::Report(_) | Output::ParametersChanged(_) => results,
             Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
@@ -183,21 +185,21 @@ impl OutputQueues {
             }
             Output::Journal(_) => journal,
         };
-        way.push(Numbered { number, output });
+        channel.push(Numbered { number, output });
     }
 
     pub fn notify(&self) {
         self.notifier.notify();
     }
 
-    pub fn stats(&self) -> [QueueStats; WAYS] {
-        self.ways.each_ref().map(Queue::stats)
+    pub fn stats(&self) -> [QueueStats; CHANNELS] {
+        self.channels.each_ref().map(Queue::stats)
     }
 }
 
-/// Where outputs come from, in their order.
+/// A source of outputs, in their order.
 pub trait OutputSource: Send + 'static {
-    /// The next output, waiting for it for at most `timeout`; `None` if none came in that time.
+    /// Waits at most `timeout` for the next output.
     fn receive(&mut self, timeout: Duration) -> Option<Output>;
 }
 
@@ -217,19 +219,19 @@ impl OutputSource for Receiver {
     }
 }
 
-/// The reader's end: everything that one thread gave out in the order in which it did.
+/// The receiving end of a queue. Outputs of one thread are received in the order in which they were sent.
 #[derive(Debug)]
 pub struct Receiver {
     queues: Arc<OutputQueues>,
-    /// At most one of each way, taken out to be compared.
-    heads: [Option<Numbered>; WAYS],
+    /// At most one output of each channel, taken out for comparison.
+    heads: [Option<Numbered>; CHANNELS],
 }
 
 impl Receiver {
     pub(super) fn new(queues: Arc<OutputQueues>) -> Self {
         Self {
             queues,
-            heads: [const { None }; WAYS],
+            heads: [const { None }; CHANNELS],
         }
     }
 
@@ -237,32 +239,32 @@ impl Receiver {
         &self.queues.name
     }
 
-    /// The next output, if there is one.
+    /// The next output, if there is one; does not wait.
     pub fn try_next(&mut self) -> Option<Output> {
-        self.look_into_ways();
+        self.fill_heads();
         if self.heads.iter().all(Option::is_none) {
             return None;
         }
-        // A way that was empty when it was looked into may have got an entry before another way got the one that was
-        // found there. What has a smaller number than one that was found was put in before it: a second look sees it.
-        self.look_into_ways();
+        // While the channels were read one after another, an earlier output may have reached a channel that had been found
+        // empty. Every output with a smaller number than one of the heads was sent before it, so a second pass finds it.
+        self.fill_heads();
         let number_of = |head: &Option<Numbered>| head.as_ref().map_or(u64::MAX, |it| it.number);
         let first = self.heads.iter_mut().min_by_key(|head| number_of(head))?;
         first.take().map(|it| it.output)
     }
 
-    fn look_into_ways(&mut self) {
-        for (head, way) in self.heads.iter_mut().zip(&self.queues.ways) {
+    fn fill_heads(&mut self) {
+        for (head, channel) in self.heads.iter_mut().zip(&self.queues.channels) {
             if head.is_none() {
-                *head = way.pop();
+                *head = channel.pop();
             }
         }
     }
 
-    /// Waits until there may be an output, for `most` at the longest. To be called by one thread.
-    pub fn wait(&self, most: Duration) {
+    /// Waits at most `timeout` until there may be an output. Must be called by one thread only.
+    pub fn wait(&self, timeout: Duration) {
         if self.heads.iter().all(Option::is_none) {
-            self.queues.notifier.wait(most);
+            self.queues.notifier.wait(timeout);
         }
     }
 }
@@ -275,7 +277,7 @@ mod tests {
     #[test]
     fn a_full_queue_follows_its_policy_and_counts() {
         for (when_full, kept) in [
-            (WhenFull::Refuse, [0, 1]),
+            (WhenFull::Reject, [0, 1]),
             (WhenFull::DropNewest, [0, 1]),
             (WhenFull::DropOldest, [3, 4]),
         ] {
@@ -292,15 +294,15 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_before_the_wait_is_heard() {
+    fn a_notification_before_the_wait_ends_it() {
         let notifier = Notifier::default();
         notifier.notify();
         notifier.wait(Duration::MAX);
     }
 
-    /// A reader that looks while the outputs come: each goes another way than the one before, the earlier one first.
+    /// The reader polls while outputs alternate between two channels.
     #[test]
-    fn outputs_of_different_ways_keep_their_order() {
+    fn outputs_of_different_channels_keep_their_order() {
         const OUTPUTS: i64 = 200_000;
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let mut receiver = Receiver::new(Arc::clone(&queues));
@@ -348,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_waits_for_ever() {
+    fn no_wait_is_endless() {
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let mut receiver = Receiver::new(Arc::clone(&queues));
         receiver.wait(Duration::MAX);

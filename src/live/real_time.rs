@@ -1,4 +1,4 @@
-//! What the system grants a thread with deadlines. Nothing of it is needed; all of it makes lateness rarer.
+//! Real-time properties of the solver's thread. All of them are optional, and reduce lateness.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, geteuid, getrlimit};
@@ -10,38 +10,38 @@ use thread_priority::{
 
 use crate::parameters::{Parameters, processors};
 
-/// What to ask the system for.
+/// The real-time properties to request from the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealTime {
-    /// Priority under SCHED_FIFO, 1 to 99; `None`: as every thread.
+    /// Priority under SCHED_FIFO, 1 to 99; `None`: normal scheduling.
     pub fifo_priority: Option<u8>,
-    /// The processors that the solver's thread may run on; empty: all.
+    /// The processors on which the solver's thread may run; empty: all.
     pub processors: Vec<usize>,
-    /// Whether to keep the program's memory from being swapped out.
+    /// Whether to lock the memory of the program, so that it is not swapped out.
     pub lock_memory: bool,
 }
 
 impl Default for RealTime {
-    /// What the parameters say where nobody changes them.
+    /// The properties of the default parameters.
     fn default() -> Self {
         Self::of(&Parameters::default())
     }
 }
 
 impl RealTime {
-    /// What the parameters `real_time.*` say.
+    /// The properties in the parameters `real_time.*`.
     #[must_use]
     pub fn of(parameters: &Parameters) -> Self {
-        let wishes = &parameters.settings().real_time;
+        let settings = &parameters.settings().real_time;
         Self {
-            fifo_priority: (wishes.priority > 0).then_some(wishes.priority),
-            // The parameters' own check lets nothing else through.
-            processors: processors(&wishes.processors).unwrap_or_default(),
-            lock_memory: wishes.lock_memory,
+            fifo_priority: (settings.priority > 0).then_some(settings.priority),
+            // The list was validated with the parameters.
+            processors: processors(&settings.processors).unwrap_or_default(),
+            lock_memory: settings.lock_memory,
         }
     }
 
-    /// Nothing.
+    /// Requests nothing.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -52,36 +52,36 @@ impl RealTime {
     }
 }
 
-/// What became of one wish.
+/// The outcome of a request.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Grant {
-    /// It was not asked for.
+    /// The property was not requested.
     #[default]
-    NotAsked,
-    /// It was granted.
+    NotRequested,
+    /// The property was granted.
     Granted,
-    /// It was not: the twin goes on without. A warning to be logged.
+    /// The property was denied; the twin runs without it, and a warning is logged.
     Denied {
-        /// What the system says.
+        /// The error of the system.
         reason: String,
-        /// What to do about it.
+        /// How to obtain the property.
         hint: &'static str,
     },
 }
 
-/// What the system granted.
+/// The outcome of all requests.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RealTimeGrants {
     /// SCHED_FIFO for the solver's thread.
     pub fifo: Grant,
-    /// The solver's thread on its processors.
+    /// The processors of the solver's thread.
     pub affinity: Grant,
-    /// Memory that is never swapped out.
+    /// Locked memory.
     pub memory: Grant,
 }
 
 impl RealTimeGrants {
-    /// One line for each wish that was not granted.
+    /// One line for each denied request.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         [
             ("SCHED_FIFO", &self.fifo),
@@ -91,35 +91,34 @@ impl RealTimeGrants {
         .into_iter()
         .filter_map(|(name, grant)| match grant {
             Grant::Denied { reason, hint } => Some(format!("{name} not granted: {reason}; {hint}")),
-            Grant::NotAsked | Grant::Granted => None,
+            Grant::NotRequested | Grant::Granted => None,
         })
     }
 }
 
-/// Asks for the calling thread.
-pub(super) fn ask(wishes: &RealTime) -> RealTimeGrants {
-    // Normal threads wake up to 50 microseconds late so that others may wake with them.
+/// Requests the properties for the calling thread.
+pub(super) fn request(wanted: &RealTime) -> RealTimeGrants {
+    // By default the system delays wake-ups by up to 50 microseconds to combine them.
     let _ = set_current_timer_slack(std::num::NonZeroU64::new(1));
     RealTimeGrants {
-        fifo: wishes.fifo_priority.map_or(Grant::NotAsked, fifo),
-        affinity: match wishes.processors.is_empty() {
-            true => Grant::NotAsked,
-            false => affinity(&wishes.processors),
+        fifo: wanted.fifo_priority.map_or(Grant::NotRequested, fifo),
+        affinity: match wanted.processors.is_empty() {
+            true => Grant::NotRequested,
+            false => affinity(&wanted.processors),
         },
-        memory: if wishes.lock_memory {
+        memory: if wanted.lock_memory {
             memory()
         } else {
-            Grant::NotAsked
+            Grant::NotRequested
         },
     }
 }
 
-/// Asks for the calling thread, which sends what the solver gives out: one step below the solver, so that a sample that is
-/// there in time does not wait for programs without deadlines. Below priority 1 there is only what every thread has. What is
-/// denied here is denied to the solver, which says so.
-pub fn ask_for_sender(wishes: &RealTime) {
+/// Requests the properties for the calling thread, which publishes the outputs: one priority below the solver, so that
+/// samples do not wait for programs without deadlines. Denials are not reported, because the solver reports the same ones.
+pub fn request_for_publisher(wanted: &RealTime) {
     let _ = set_current_timer_slack(std::num::NonZeroU64::new(1));
-    if let Some(priority @ 2..) = wishes.fifo_priority {
+    if let Some(priority @ 2..) = wanted.fifo_priority {
         let _ = fifo(priority - 1);
     }
 }
@@ -145,7 +144,7 @@ fn fifo(priority: u8) -> Grant {
     });
     granted(
         result,
-        "for fewer late samples allow it: `rtprio 99` for this user in /etc/security/limits.conf, LimitRTPRIO=99 in a \
+        "to reduce late samples, allow it: `rtprio 99` for this user in /etc/security/limits.conf, LimitRTPRIO=99 in a \
          systemd unit, or --cap-add=SYS_NICE for a container",
     )
 }
@@ -164,16 +163,16 @@ fn affinity(processors: &[usize]) -> Grant {
 }
 
 fn memory() -> Grant {
-    // With a limit, memory that is allocated later must not be locked: its allocation would fail.
+    // Under a limit, future allocations must not be locked, because they would fail.
     let unlimited = geteuid().is_root() || getrlimit(Resource::Memlock).current.is_none();
-    let later = if unlimited {
+    let future = if unlimited {
         MlockAllFlags::FUTURE
     } else {
         MlockAllFlags::empty()
     };
     granted(
-        mlockall(MlockAllFlags::CURRENT | later),
-        "for fewer late samples allow it: `memlock unlimited` for this user in /etc/security/limits.conf, \
+        mlockall(MlockAllFlags::CURRENT | future),
+        "to reduce late samples, allow it: `memlock unlimited` for this user in /etc/security/limits.conf, \
          LimitMEMLOCK=infinity in a systemd unit, or --ulimit memlock=-1 for a container",
     )
 }

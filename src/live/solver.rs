@@ -1,4 +1,4 @@
-//! The solver's thread: inputs, steps, forecast, sleep, again.
+//! The solver's thread: in each cycle it handles requests, steps the twin, computes a part of the forecast, and sleeps.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -14,25 +14,25 @@ use crate::twin::{Command, Nanos, Output, Outputs, Severity, Twin};
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
 
-/// Most inputs of one turn: a flood of them must not hold the steps up.
-const MAX_INPUTS_PER_TURN: usize = 8;
+/// Maximum number of requests per cycle, so that a flood of requests does not delay the steps.
+const MAX_REQUESTS_PER_CYCLE: usize = 8;
 
-/// Steps of a forecast between two looks at the clock, while the response is on time: what is left of the time to a
-/// deadline, and too short for them, is lost to the forecast.
+/// Steps of a forecast between two readings of the clock, while the response is on time. The forecast cannot use a
+/// remainder before a deadline that is too short for a slice.
 const SLICE: u64 = 4;
 
-/// Steps of a forecast per turn while the response catches up: the late samples are late already.
+/// Steps of a forecast per cycle while the response catches up, when samples are late anyway.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
 
-/// Most steps that a stop still makes so that the forecast can be kept: within a second.
+/// Maximum number of steps with which a stop completes a forecast: less than a second.
 const MAX_STEPS_AT_STOP: u64 = 200_000;
 
-/// What the solver's thread shares with all others.
+/// The state that the solver's thread shares with the others.
 #[derive(Debug)]
 pub(super) struct Shared {
     pub inbox: Inbox,
     pub stop: AtomicBool,
-    pub turns: AtomicU64,
+    pub cycles: AtomicU64,
     pub overruns: AtomicU64,
     pub skipped_periods: AtomicU64,
     pub worst_lateness: AtomicU64,
@@ -45,7 +45,7 @@ impl Shared {
         Self {
             inbox: Inbox::new(),
             stop: AtomicBool::new(false),
-            turns: AtomicU64::new(0),
+            cycles: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
             skipped_periods: AtomicU64::new(0),
             worst_lateness: AtomicU64::new(0),
@@ -55,14 +55,14 @@ impl Shared {
     }
 }
 
-/// A turn that lies ahead.
+/// The planned start of the next cycle.
 #[derive(Debug, Clone, Copy)]
 struct Planned {
     deadline: Nanos,
     period: u64,
 }
 
-/// What runs in the solver's thread.
+/// The content of the solver's thread.
 pub(super) struct Solver {
     pub twin: Twin,
     pub clock: Arc<dyn Clock>,
@@ -75,13 +75,13 @@ impl Solver {
         let mut planned = None;
         while !self.shared.stop.load(Ordering::SeqCst) {
             self.note_lateness(planned);
-            let disturbed = self.take_inputs();
+            let disturbed = self.handle_requests();
             self.twin.advance_to(self.clock.now(), &mut self.sink);
             self.sink.notify();
             self.look_ahead();
             self.publish_statistics();
             planned = self.plan(planned, disturbed);
-            // A thread that has a forecast to compute does not sleep: what is left to the deadline is less than a slice.
+            // A thread with an incomplete forecast does not sleep: less than a slice is left before the deadline.
             if self.shared.inbox.is_empty() && !self.twin.is_looking_ahead() {
                 let deadline = self.twin.next_deadline(self.clock.now());
                 self.clock
@@ -91,13 +91,13 @@ impl Solver {
         self.finish();
     }
 
-    /// `true` if there was an input: what was planned before says nothing about lateness any more.
-    fn take_inputs(&mut self) -> bool {
+    /// `true` if there was a request, so that the planned deadline no longer measures lateness.
+    fn handle_requests(&mut self) -> bool {
         if !self.twin.is_responding() {
             self.clock.resynchronise();
         }
         let mut any = false;
-        for _ in 0..MAX_INPUTS_PER_TURN {
+        for _ in 0..MAX_REQUESTS_PER_CYCLE {
             let Some(request) = self.shared.inbox.take() else {
                 break;
             };
@@ -106,7 +106,7 @@ impl Solver {
                     let result = self.twin.handle(command, self.clock.now(), &mut self.sink);
                     reply.send(result);
                 }
-                Request::Look { reply } => reply.send(self.twin.snapshot()),
+                Request::Snapshot { reply } => reply.send(self.twin.snapshot()),
             }
             any = true;
         }
@@ -129,21 +129,21 @@ impl Solver {
             let now = self.clock.now();
             slice_nanos = now.saturating_sub(before).max(0);
             before = now;
-            // A clock that stands still has no deadline that would end this.
-            if self.is_called() {
+            // Under a clock that does not advance, no deadline ends the loop.
+            if self.has_requests() {
                 break;
             }
         }
         self.sink.notify();
     }
 
-    /// Whether somebody wants something of the solver.
-    fn is_called(&self) -> bool {
+    /// Whether a request or a stop is pending.
+    fn has_requests(&self) -> bool {
         !self.shared.inbox.is_empty() || self.shared.stop.load(Ordering::SeqCst)
     }
 
-    /// A deadline in the past counts only where the response was on time before: one that catches up with a late event
-    /// is not late by its own fault.
+    /// A deadline in the past counts only if the response was on time before: while it catches up with a late event, the
+    /// solver is not to blame for the delay.
     fn plan(&self, before: Option<Planned>, disturbed: bool) -> Option<Planned> {
         if !self.twin.is_responding() {
             return None;
@@ -176,14 +176,14 @@ impl Solver {
 
     fn publish_statistics(&self) {
         let statistics = self.twin.statistics();
-        self.shared.turns.fetch_add(1, Ordering::Relaxed);
+        self.shared.cycles.fetch_add(1, Ordering::Relaxed);
         self.shared.steps.store(statistics.steps, Ordering::Relaxed);
         self.shared
             .newton_iterations
             .store(statistics.newton_iterations, Ordering::Relaxed);
     }
 
-    /// A response that a stop breaks off has its damage kept as it is forecast. What is lost all the same is said.
+    /// Completes the forecast of a running response, so that its damage is saved, and reports what is lost.
     fn finish(mut self) {
         let now = self.clock.now();
         self.twin.run_ahead(MAX_STEPS_AT_STOP, now, &mut self.sink);
@@ -192,7 +192,7 @@ impl Solver {
             self.sink.put(Output::Save(Arc::new(saved)));
         }
         let mut lost = self.twin.lost_by_a_stop();
-        lost.extend(self.inputs_left());
+        lost.extend(self.unhandled_requests());
         if !lost.is_empty() {
             let text = format!("lost by the stop: {}", lost.join("; "));
             self.sink.notice(Severity::Error, now, text);
@@ -200,8 +200,8 @@ impl Solver {
         self.sink.notify();
     }
 
-    /// The commands that were accepted for the solver and never reached the twin, in words.
-    fn inputs_left(&self) -> Option<String> {
+    /// Describes the commands that were queued and did not reach the twin.
+    fn unhandled_requests(&self) -> Option<String> {
         let (mut impacts, mut others) = (0, 0);
         for request in std::iter::from_fn(|| self.shared.inbox.take()).take(MAX_COMMANDS) {
             match request {
@@ -210,27 +210,28 @@ impl Solver {
                     ..
                 } => impacts += 1,
                 Request::Command { .. } => others += 1,
-                Request::Look { .. } => {}
+                Request::Snapshot { .. } => {}
             }
         }
         (impacts + others > 0).then(|| {
-            format!("{impacts} impacts and {others} other commands that waited for the solver")
+            format!("{impacts} impacts and {others} other commands in the queue of the solver")
         })
     }
 }
 
-/// Sends what leaves the twin where it belongs.
+/// Passes the outputs of the twin to their readers.
 pub(super) struct Sink {
     pub queues: Vec<Arc<OutputQueues>>,
     pub state_writer: Option<Arc<StateWriter>>,
-    /// As they were last set. Locked only while somebody copies the pointer, and by this thread only when they change.
+    /// The latest parameters. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
-    pub unheard: bool,
+    /// There are outputs of which the readers have not been notified.
+    pub unnotified: bool,
 }
 
 impl Sink {
     fn notify(&mut self) {
-        if std::mem::take(&mut self.unheard) {
+        if std::mem::take(&mut self.unnotified) {
             self.queues.iter().for_each(|queues| queues.notify());
         }
     }
@@ -240,7 +241,7 @@ impl Outputs for Sink {
     fn put(&mut self, output: Output) {
         if let Output::Save(saved) = &output {
             if let Some(state_writer) = &self.state_writer {
-                state_writer.keep(Arc::clone(saved));
+                state_writer.write(Arc::clone(saved));
             }
             return;
         }
@@ -251,7 +252,7 @@ impl Outputs for Sink {
                 .unwrap_or_else(PoisonError::into_inner);
             *latest = Arc::clone(&changed.parameters);
         }
-        self.unheard = true;
+        self.unnotified = true;
         if let Some((last, others)) = self.queues.split_last() {
             others.iter().for_each(|queues| queues.push(output.clone()));
             last.push(output);
@@ -283,15 +284,14 @@ mod tests {
         })
     }
 
-    /// An input that was accepted for the solver is not lost without a word.
     #[test]
-    fn a_stop_says_how_many_inputs_it_loses() {
+    fn a_stop_reports_the_commands_that_it_loses() {
         let twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let shared = Arc::new(Shared::new());
         shared.stop.store(true, Ordering::Relaxed);
         let (reply, _answer) = Reply::channel();
-        assert!(shared.inbox.submit(Request::Look { reply }).is_ok());
+        assert!(shared.inbox.submit(Request::Snapshot { reply }).is_ok());
         let reset = Command::Reset {
             source: "test".into(),
         };
@@ -310,7 +310,7 @@ mod tests {
                 queues: vec![Arc::clone(&queues)],
                 state_writer: None,
                 parameters: Arc::default(),
-                unheard: false,
+                unnotified: false,
             },
         };
         solver.run();
@@ -326,9 +326,9 @@ mod tests {
         );
     }
 
-    /// From the step to the queues, a full one among them.
+    /// From the step to the queues, one of which is full.
     #[test]
-    fn a_response_takes_no_memory() {
+    fn a_response_allocates_no_memory() {
         let few = OutputQueue {
             name: "few".to_owned(),
             states: 3,
@@ -342,7 +342,7 @@ mod tests {
             queues,
             state_writer: None,
             parameters: Arc::default(),
-            unheard: false,
+            unnotified: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
         twin.handle(impact("a"), 0, &mut sink).expect("accepted");

@@ -1,4 +1,4 @@
-//! Writes the state file, in its own thread: a disk may take long.
+//! Writes the state file in a separate thread, because a disk may be slow.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,10 +14,10 @@ use crate::twin::{Notice, Output, SavedState, Severity, state_file};
 /// The thread's name.
 pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
 
-/// How long it sleeps at a time.
-const NAP: Duration = Duration::from_secs(1);
+/// Maximum sleep between two checks of the stop flag.
+const MAX_SLEEP: Duration = Duration::from_secs(1);
 
-/// What is to be written: only the newest matters.
+/// The state to be written: only the newest matters.
 #[derive(Debug)]
 pub(super) struct StateWriter {
     newest: Queue<Arc<SavedState>>,
@@ -45,24 +45,24 @@ impl StateWriter {
         Ok((state_writer, thread))
     }
 
-    pub fn keep(&self, saved: Arc<SavedState>) {
+    pub fn write(&self, saved: Arc<SavedState>) {
         self.newest.push(saved);
         self.notifier.notify();
     }
 
-    /// Writes what is left and ends.
+    /// Lets the thread write the last state and end.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::SeqCst);
         self.notifier.notify();
     }
 
-    /// Files that could not be written.
+    /// Number of failed writes.
     pub fn failures(&self) -> u64 {
         self.failures.load(Ordering::Relaxed)
     }
 
     pub fn stats(&self) -> QueueStats {
-        // One that is replaced by a newer one before it is written is not lost.
+        // A state that is replaced by a newer one before it is written is not lost.
         QueueStats {
             dropped: 0,
             ..self.newest.stats()
@@ -77,14 +77,14 @@ impl StateWriter {
                 if stop {
                     return;
                 }
-                self.notifier.wait(NAP);
+                self.notifier.wait(MAX_SLEEP);
                 continue;
             };
             let result = state_file::store(path, &saved);
             if let Err(error) = &result {
                 self.failures.fetch_add(1, Ordering::Relaxed);
                 if !failing {
-                    say(error.to_string(), outputs, clock);
+                    report(error.to_string(), outputs, clock);
                 }
             }
             failing = result.is_err();
@@ -92,7 +92,7 @@ impl StateWriter {
     }
 }
 
-fn say(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
+fn report(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
     let text: Arc<str> = text.into();
     for queues in outputs {
         let text = Arc::clone(&text);

@@ -1,9 +1,9 @@
-//! `builtin_interfaces`: instants and spans of time. Fields and units: the definition above each struct.
+//! `builtin_interfaces`: time stamps and durations. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
-/// A span of time.
+/// A duration.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/builtin_interfaces/Duration.msg")]
@@ -14,7 +14,7 @@ pub struct Duration {
     pub nanosec: u32,
 }
 
-/// An instant, counted from the epoch of its clock.
+/// A time since the epoch of a clock.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/builtin_interfaces/Time.msg")]
@@ -28,14 +28,14 @@ pub struct Time {
 const NANOS_PER_SEC: i64 = 1_000_000_000;
 
 impl Time {
-    /// The instant that many nanoseconds after the epoch; `None` outside of what 32 bits of seconds hold.
+    /// Converts from nanoseconds since the epoch; `None` if the seconds do not fit into 32 bits.
     pub fn from_nanos(nanos: i64) -> Option<Self> {
         let sec = i32::try_from(nanos.div_euclid(NANOS_PER_SEC)).ok()?;
         let nanosec = u32::try_from(nanos.rem_euclid(NANOS_PER_SEC)).ok()?;
         Some(Self { sec, nanosec })
     }
 
-    /// Nanoseconds after the epoch; `None` when `nanosec` is a second or more, which no instant has.
+    /// Nanoseconds since the epoch; `None` if `nanosec` is not valid, i.e. a second or more.
     pub fn to_nanos(self) -> Option<i64> {
         let nanosec = i64::from(self.nanosec);
         (nanosec < NANOS_PER_SEC).then(|| i64::from(self.sec) * NANOS_PER_SEC + nanosec)

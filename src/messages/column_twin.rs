@@ -1,4 +1,4 @@
-//! `column_twin`: our own messages and services. Fields and units: the definition above each struct.
+//! `column_twin`: the messages and services of this program. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub struct ImpactEvent {
 }
 
 impl Default for ImpactEvent {
-    /// Leaves to the parameters what an event may leave to them; mass and velocity remain to be given.
+    /// Leaves all optional values to the parameters; mass and velocity must be given.
     fn default() -> Self {
         Self {
             header: Header::default(),
@@ -38,7 +38,7 @@ impl Default for ImpactEvent {
     }
 }
 
-/// Sets parameters of one column, all or nothing.
+/// Sets parameters of one column: all of them, or none if one is rejected.
 ///
 /// ```text
 #[doc = include_str!("../../msg/ColumnParameters.msg")]
@@ -80,7 +80,7 @@ pub struct ColumnParameters {
 }
 
 impl Default for ColumnParameters {
-    /// Leaves every parameter as it is.
+    /// Leaves all parameters unchanged.
     fn default() -> Self {
         Self {
             header: Header::default(),
@@ -119,18 +119,18 @@ impl Default for ColumnParameters {
     }
 }
 
-/// What a [`ColumnParameters`] message says of one parameter.
+/// One parameter in a [`ColumnParameters`] message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterEntry<'a> {
-    /// Its value; NaN: as it is.
+    /// A number; NaN leaves the parameter unchanged.
     Number(f64),
-    /// A name or a choice; empty: as it is.
+    /// A name or a choice; an empty text leaves the parameter unchanged.
     Text(&'a str),
 }
 
 impl ParameterEntry<'_> {
-    /// Whether the parameter is left as it is. An infinite number is no such sign: it is a value, and a wrong one.
-    pub fn leaves_as_is(self) -> bool {
+    /// Whether the parameter is left unchanged. An infinite number is a value, which is rejected later.
+    pub fn is_unchanged(self) -> bool {
         match self {
             Self::Number(number) => number.is_nan(),
             Self::Text(text) => text.is_empty(),
@@ -139,7 +139,7 @@ impl ParameterEntry<'_> {
 }
 
 impl ColumnParameters {
-    /// Every parameter by its name, in the order of the message.
+    /// All parameters with their names, in the order of the message.
     #[rustfmt::skip] // one parameter, one line
     pub fn entries(&self) -> impl Iterator<Item = (&'static str, ParameterEntry<'_>)> {
         use ParameterEntry::{Number, Text};
@@ -301,7 +301,7 @@ impl ImpactReport {
     pub const END_COLLAPSED: u8 = 2;
 }
 
-/// How the twin itself is.
+/// State of the twin.
 ///
 /// ```text
 #[doc = include_str!("../../msg/TwinStatus.msg")]
@@ -369,7 +369,7 @@ impl TwinStatus {
     pub const REFUSED_STOPPING: u16 = 20;
 }
 
-/// What would this impact do?
+/// Request for a prediction of an impact.
 ///
 /// ```text
 #[doc = include_str!("../../srv/PredictImpact.srv")]
@@ -385,7 +385,7 @@ pub struct PredictImpactRequest {
     pub height: f64,
 }
 
-/// The answer.
+/// The prediction.
 ///
 /// ```text
 #[doc = include_str!("../../srv/PredictImpact.srv")]

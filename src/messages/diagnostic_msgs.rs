@@ -1,11 +1,11 @@
-//! `diagnostic_msgs`: what `/diagnostics` carries. Fields and units: the definition above each struct.
+//! `diagnostic_msgs`: the messages on `/diagnostics`. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
 use super::std_msgs::Header;
 
-/// States of components.
+/// The states of several components.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/diagnostic_msgs/DiagnosticArray.msg")]
@@ -16,7 +16,7 @@ pub struct DiagnosticArray {
     pub status: Vec<DiagnosticStatus>,
 }
 
-/// State of one component.
+/// The state of one component.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/diagnostic_msgs/DiagnosticStatus.msg")]

@@ -1,10 +1,9 @@
 //! Conversions between the mechanics and messages.
 //!
-//! The mechanics knows no header, column or event: the conversions leave them empty. Nothing is allocated.
+//! The mechanics knows neither header nor column nor event, which are left empty. The conversions allocate nothing.
 
 use crate::column::{
-    End, HINGES, HingeReport, HingeSample, HingeState, ImpactSpecification, Outcome, Phase, Report,
-    Sample,
+    End, HINGES, HingeSample, HingeState, ImpactSpecification, Outcome, Phase, Report, Sample,
 };
 
 use super::column_twin::{
@@ -12,7 +11,7 @@ use super::column_twin::{
 };
 
 impl From<&Sample> for ColumnState {
-    /// With an empty header, column and event.
+    /// Leaves header, column and event empty.
     fn from(sample: &Sample) -> Self {
         Self {
             phase: phase_code(sample.phase),
@@ -43,7 +42,7 @@ impl From<&Sample> for ColumnState {
 }
 
 impl From<&Sample> for HingeForces {
-    /// With an empty header, column and event.
+    /// Leaves header, column and event empty.
     fn from(sample: &Sample) -> Self {
         let of = |value: fn(&HingeSample) -> f64| each_hinge(&sample.hinges, value);
         Self {
@@ -61,7 +60,7 @@ impl From<&Sample> for HingeForces {
 }
 
 impl From<&Report> for ImpactReport {
-    /// With an empty header, column and event, of kind FORECAST, and without a compute time (NaN).
+    /// Leaves header, column and event empty, and sets the kind FORECAST and no compute time (NaN).
     fn from(report: &Report) -> Self {
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Self {
@@ -81,9 +80,7 @@ impl From<&Report> for ImpactReport {
             ledger_residual: report.ledger_residual,
             compute_time: f64::NAN,
             first_yield_time: each_hinge(&report.hinges, |hinge| or_nan(hinge.first_yield)),
-            max_utilisation: each_hinge(&report.hinges, |hinge: &HingeReport| {
-                hinge.max_utilisation
-            }),
+            max_utilisation: each_hinge(&report.hinges, |hinge| hinge.max_utilisation),
             plastic_rotation: each_hinge(&report.hinges, |hinge| hinge.plastic_rotation),
             end: end_code(report.end),
             end_time: report.end_time,
@@ -96,9 +93,8 @@ fn each_hinge<H, T>(hinges: &[H; HINGES], value: impl Fn(&H) -> T) -> [T; HINGES
     hinges.each_ref().map(value)
 }
 
-/// Code of `phase` in [`ColumnState`].
 impl From<&ImpactSpecification> for ImpactEvent {
-    /// With an empty header, column and event; what is left open is NaN.
+    /// Leaves header, column and event empty; an open value becomes NaN.
     fn from(impact: &ImpactSpecification) -> Self {
         Self {
             mass: impact.mass,
@@ -135,7 +131,7 @@ impl From<&PredictImpactRequest> for ImpactSpecification {
     }
 }
 
-/// NaN leaves a value to the parameters. An infinite one is given, and wrong.
+/// NaN means that the parameters give the value. An infinite value counts as given, and is rejected later.
 fn given(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
 }
@@ -178,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nan_is_left_open_and_infinity_is_not() {
+    fn only_nan_leaves_a_value_open() {
         let open = ImpactSpecification {
             mass: 1500.0,
             velocity: f64::NEG_INFINITY,

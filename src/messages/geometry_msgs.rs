@@ -1,4 +1,4 @@
-//! `geometry_msgs`: points, vectors, orientations. Fields and units: the definition above each struct.
+//! `geometry_msgs`: points, vectors, orientations. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub struct Pose {
     pub orientation: Quaternion,
 }
 
-/// An orientation; the default is none.
+/// An orientation; the default is no rotation.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/geometry_msgs/Quaternion.msg")]

@@ -1,8 +1,8 @@
-//! The messages between the twin and other programs: the types in `msg/` and `srv/`, their bytes, names and hashes.
+//! The messages that the twin exchanges with other programs, as Rust types.
 //!
-//! The `.msg` and `.srv` files are the single source of fields, order, constants, units and meaning. The structs
-//! here repeat only fields and constants, and tests compare them with the files; names, type hashes and the schema text in
-//! recordings are computed from the files. Each module has the name of its ROS package.
+//! The files in `msg/` and `srv/` are the single source of fields, order, constants, units and meaning. The structs
+//! repeat only fields and constants, and tests compare them with the files; names, type hashes and the schema text in
+//! recordings are derived from the files. Each module has the name of its ROS package.
 //!
 //! ```
 //! use column_twin::messages::{Message, cdr, column_twin::ImpactEvent};
@@ -14,8 +14,8 @@
 //! # Ok::<(), cdr::CdrError>(())
 //! ```
 //!
-//! Absent by design: the type hash of a service as a whole (nothing announces or records it) and `wstring`
-//! (its characters have 2 or 4 bytes, depending on the vendor).
+//! Not supported: the type hash of a service as a whole, which nothing announces or records, and `wstring`, whose
+//! characters have 2 or 4 bytes, depending on the vendor.
 
 mod table;
 

@@ -1,12 +1,12 @@
-//! `rcl_interfaces`: log messages and changes of parameters, as every node sends them. Fields and units: the definition
-//! above each struct.
+//! `rcl_interfaces`: log messages and parameter changes, which every node publishes. Fields and units are in the
+//! definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
 use super::builtin_interfaces::Time;
 
-/// A line of a node's log.
+/// A log message of a node.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/rcl_interfaces/Log.msg")]
@@ -30,7 +30,7 @@ impl Log {
     pub const FATAL: u8 = 50;
 }
 
-/// Parameters of a node have changed.
+/// A change of parameters of a node.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/rcl_interfaces/ParameterEvent.msg")]
@@ -44,7 +44,7 @@ pub struct ParameterEvent {
     pub deleted_parameters: Vec<Parameter>,
 }
 
-/// One parameter.
+/// A parameter.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/rcl_interfaces/Parameter.msg")]
@@ -55,7 +55,7 @@ pub struct Parameter {
     pub value: ParameterValue,
 }
 
-/// Its value.
+/// The value of a parameter.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/rcl_interfaces/ParameterValue.msg")]

@@ -1,11 +1,11 @@
-//! `rosgraph_msgs`: simulated time. Fields and units: the definition above each struct.
+//! `rosgraph_msgs`: simulated time. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
 use super::builtin_interfaces::Time;
 
-/// The present simulated time.
+/// The current simulated time.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/rosgraph_msgs/Clock.msg")]

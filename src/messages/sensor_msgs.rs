@@ -1,4 +1,4 @@
-//! `sensor_msgs`: joint states and compressed images. Fields and units: the definition above each struct.
+//! `sensor_msgs`: joint states and compressed images. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct CompressedImage {
     pub data: Vec<u8>,
 }
 
-/// Rotations, rates and moments of joints by name.
+/// Positions, velocities and efforts of named joints.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/sensor_msgs/JointState.msg")]

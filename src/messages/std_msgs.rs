@@ -1,4 +1,4 @@
-//! `std_msgs`: header, colour and text. Fields and units: the definition above each struct.
+//! `std_msgs`: header, colour and text. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub struct ColorRGBA {
     pub a: f32,
 }
 
-/// Instant and frame that a message is for.
+/// Time stamp and frame of a message.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/std_msgs/Header.msg")]

@@ -1,9 +1,9 @@
-//! `std_srvs`: the service without an argument. Fields and units: the definition above each struct.
+//! `std_srvs`: the service without arguments. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
-/// Request without content; the one byte is what rosidl sends instead.
+/// A request without content; rosidl sends one byte instead.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/std_srvs/Trigger.srv")]
@@ -13,7 +13,7 @@ pub struct TriggerRequest {
     pub structure_needs_at_least_one_member: u8,
 }
 
-/// Whether it was done, and what there is to say.
+/// Whether the request succeeded, and a message for people.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/std_srvs/Trigger.srv")]

@@ -1,4 +1,4 @@
-//! The single table of types: every struct with its ROS name and the file that defines it.
+//! The table of message types: every struct with its ROS name and the file that defines it.
 
 use ros_interface::{Interface, Message, Part};
 
@@ -7,7 +7,7 @@ use super::{
     sensor_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
-/// Connects each struct with its file and lists all of them, so that no type can be in only one of the two places.
+/// Connects each struct with its file, and lists all of them, so that no type can be missing from the list.
 macro_rules! interfaces {
     ($($package:ident $part:ident $name:ident = $type:ident in $file:literal;)*) => {
         $(impl Message for $package::$type {
@@ -16,7 +16,7 @@ macro_rules! interfaces {
             );
         })*
 
-        /// Every type that the twin reads or writes, and all their dependencies.
+        /// All types that the twin reads or writes, with their dependencies.
         pub const INTERFACES: &[&Interface] = &[$(<$package::$type as Message>::INTERFACE),*];
     };
 }

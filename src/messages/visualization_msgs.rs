@@ -1,4 +1,4 @@
-//! `visualization_msgs`: markers for RViz and Foxglove. Fields and units: the definition above each struct.
+//! `visualization_msgs`: markers for RViz and Foxglove. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use super::geometry_msgs::{Point, Pose, Vector3};
 use super::sensor_msgs::CompressedImage;
 use super::std_msgs::{ColorRGBA, Header};
 
-/// One thing to draw.
+/// An object to display.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/visualization_msgs/Marker.msg")]
@@ -57,7 +57,7 @@ impl Marker {
     pub const DELETEALL: i32 = 3;
 }
 
-/// Things to draw.
+/// Several objects to display.
 ///
 /// ```text
 #[doc = include_str!("../../msg/deps/visualization_msgs/MarkerArray.msg")]

@@ -1,24 +1,25 @@
-//! The four hinges as joints, for tools that plot or show joints: rotation, rate and moment.
+//! The four hinges as joints, with rotation, rate and moment, for tools that plot or display joints.
 
 use crate::column::{HINGE_NAMES, HINGES, Sample};
 use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 
-/// Turns samples into joint states; knows stamp and rotations of the sample before, from which the rates come.
+/// Converts samples to joint states. Rates are computed from the previous sample.
 #[derive(Debug, Clone, Default)]
 pub(super) struct JointStates {
-    before: Option<(i64, [f64; HINGES])>,
+    /// Stamp and rotations of the previous sample.
+    previous: Option<(i64, [f64; HINGES])>,
 }
 
 impl JointStates {
-    /// The joint state of `sample` at an instant. A rate is the mean since the sample before, of an earlier impact too
-    /// where the column had not come to rest; 0 where there is none, or it is not earlier.
+    /// The joint state of `sample` at `stamp`. A rate is the mean since the previous sample, even if that belongs to an
+    /// earlier impact; it is 0 without a previous sample, or if the previous sample is not earlier.
     pub fn convert(&mut self, stamp: i64, header: Header, sample: &Sample) -> JointState {
         let rotations = sample.hinges.map(|hinge| hinge.rotation);
-        let rates = match self.before.replace((stamp, rotations)) {
-            Some((earlier, before)) if stamp > earlier => {
+        let rates = match self.previous.replace((stamp, rotations)) {
+            Some((earlier, previous)) if stamp > earlier => {
                 let span = stamp.saturating_sub(earlier) as f64 * 1e-9;
-                std::array::from_fn(|hinge| (rotations[hinge] - before[hinge]) / span)
+                std::array::from_fn(|hinge| (rotations[hinge] - previous[hinge]) / span)
             }
             _ => [0.0; HINGES],
         };
@@ -61,10 +62,10 @@ mod tests {
         };
         assert_eq!(velocity(500_000_000, 0.25, 0.5), 0.0);
         assert_eq!(velocity(1_000_000_000, 0.5, 1.0), 0.5);
-        // The second impact of a column that still moves: its own time began 10 ms ago, the sample before was 20 ms ago.
+        // The second impact on a moving column: its own time started 10 ms ago, the previous sample is 20 ms old.
         let rate = velocity(1_020_000_000, 0.75, 0.01);
         assert!((rate - 12.5).abs() < 1e-9, "{rate}");
-        // A late impact has taken the column back.
+        // A late impact has rewound the column.
         assert_eq!(velocity(1_010_000_000, 0.75, 0.0), 0.0);
     }
 

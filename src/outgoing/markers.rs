@@ -1,4 +1,4 @@
-//! What there is to see, for RViz and Foxglove: the deformed column, its hinges, the vehicle, and the contact force.
+//! Markers for RViz and Foxglove: the deformed column, its hinges, the vehicle, and the contact force.
 //!
 //! The frame has its origin at the base, `z` up and `x` in the vehicle's direction of travel.
 
@@ -15,16 +15,16 @@ const COLUMN_WIDTH: f64 = 0.2;
 /// Diameter of a hinge \[m\].
 const HINGE_DIAMETER: f64 = 0.25;
 
-/// How far hinges 1a and 1b are shown below and above the impact point \[m\].
+/// Displayed distance of hinges 1a and 1b below and above the impact point \[m\].
 const HINGE_OFFSET: f64 = 0.1;
 
 /// Length, width and height of the vehicle \[m\].
 const VEHICLE: [f64; 3] = [2.0, 1.6, 1.2];
 
-/// Contact force that is shown 1 m long \[N\].
+/// Contact force per length of its arrow \[N/m\].
 const FORCE_PER_METRE: f64 = 1e6;
 
-/// Thickness of the force's arrow: shaft, head \[m\].
+/// Diameters of the arrow of the contact force: shaft and head \[m\].
 const ARROW: [f64; 2] = [0.06, 0.12];
 
 const STEEL: ColorRGBA = color(0.45, 0.5, 0.55);
@@ -38,7 +38,7 @@ const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
     ColorRGBA { r, g, b, a: 1.0 }
 }
 
-/// All markers for one sample. Vehicle and force are taken away where there is none.
+/// All markers of a sample. The markers of an absent vehicle or force are deleted.
 pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> MarkerArray {
     let joints = Joints::new(lengths, sample, 1.0);
     let mut column = marker(header, "column", 0, Marker::LINE_STRIP, STEEL);
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn the_column_bends_where_the_sample_says() {
+    fn the_column_is_deformed_as_in_the_sample() {
         let sample = Sample {
             v1: 0.25,
             u1: 0.125,
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn vehicle_and_force_are_there_only_when_they_are() {
+    fn absent_vehicle_and_force_are_deleted() {
         let idle = of(&Sample::default());
         assert_eq!(by_name(&idle, "vehicle").action, Marker::DELETE);
         assert_eq!(by_name(&idle, "contact_force").action, Marker::DELETE);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_marker_is_known_by_name_and_number() {
+    fn markers_have_unique_identifiers() {
         let markers = of(&Sample::default());
         let mut keys: Vec<_> = markers.iter().map(|it| (it.ns.clone(), it.id)).collect();
         keys.sort();

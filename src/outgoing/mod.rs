@@ -1,12 +1,14 @@
-//! What leaves the twin, as messages: the one conversion that the node, a recording without ROS and `verify` share, so
+//! Converts the outputs of the twin to messages. The node, recordings without ROS and `verify` share this conversion, so
 //! that their messages are equal byte for byte.
 //!
-//! Every state and its hinge forces, every report, forecast and status becomes a message; joint states and markers are
-//! thinned, because they are only looked at. The result depends on nothing but the outputs since the last checkpoint.
+//! Every state with its hinge forces, every report, forecast and status becomes a message. Joint states and markers serve
+//! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
 mod joint_states;
 mod markers;
 mod tap;
+
+use serde::Serialize;
 
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
@@ -23,13 +25,13 @@ use joint_states::JointStates;
 use markers::markers;
 pub use tap::{RecordingHealth, RecordingTap};
 
-/// Shortest time between two joint states, in the time of the samples: 100 Hz show all that a plot can.
+/// Minimum time between the samples of two joint states \[ns\]: 100 Hz suffice for a plot.
 const JOINT_STATES_PERIOD: i64 = 10_000_000;
 
-/// Shortest time between two marker arrays, in the time of the samples: 25 Hz are a film.
+/// Minimum time between the samples of two marker arrays \[ns\]: 25 Hz appear as continuous motion.
 const MARKERS_PERIOD: i64 = 40_000_000;
 
-/// A topic on which the twin sends.
+/// A topic on which the twin publishes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topic {
     /// `column_state`
@@ -49,10 +51,10 @@ pub enum Topic {
 }
 
 impl Topic {
-    /// How many there are.
+    /// Number of topics.
     pub const COUNT: usize = 7;
 
-    /// All of them, each at its [`index`](Self::index).
+    /// All topics, each at its [`index`](Self::index).
     pub const ALL: [Self; Self::COUNT] = [
         Self::ColumnState,
         Self::HingeForces,
@@ -63,7 +65,7 @@ impl Topic {
         Self::Markers,
     ];
 
-    /// Its place in [`ALL`](Self::ALL).
+    /// Index of the topic in [`ALL`](Self::ALL).
     #[must_use]
     pub const fn index(self) -> usize {
         self as usize
@@ -84,8 +86,9 @@ impl Topic {
     }
 }
 
-/// A message that leaves the twin.
-#[derive(Debug, Clone, PartialEq)]
+/// A message of the twin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Message {
     /// On `column_state`.
     ColumnState(ColumnState),
@@ -95,7 +98,7 @@ pub enum Message {
     ImpactForecast(ImpactReport),
     /// On `impact_report`.
     ImpactReport(ImpactReport),
-    /// On `twin_status`. How threads and queues are is not the twin's to know: whoever runs it fills that in.
+    /// On `twin_status`, without the state of threads and queues, which the node adds.
     TwinStatus(TwinStatus),
     /// On `joint_states`.
     JointStates(JointState),
@@ -104,7 +107,7 @@ pub enum Message {
 }
 
 impl Message {
-    /// The topic on which it is sent.
+    /// The topic of the message.
     #[must_use]
     pub fn topic(&self) -> Topic {
         match self {
@@ -118,7 +121,7 @@ impl Message {
         }
     }
 
-    /// Its bytes, encapsulation header included.
+    /// Encodes the message, with its encapsulation header.
     ///
     /// # Errors
     /// See [`cdr::encode`].
@@ -133,7 +136,7 @@ impl Message {
         }
     }
 
-    /// Reads a message of a topic.
+    /// Decodes a message of a topic.
     ///
     /// # Errors
     /// See [`cdr::decode`].
@@ -149,7 +152,7 @@ impl Message {
         })
     }
 
-    /// The instant that it is for; `None` for one without a valid stamp.
+    /// The stamp \[ns since 1970\]; `None` if it is not valid.
     #[must_use]
     pub fn stamp(&self) -> Option<i64> {
         let header = match self {
@@ -163,7 +166,7 @@ impl Message {
         header.stamp.to_nanos()
     }
 
-    /// The impact that it is about; `None` for one that does not say.
+    /// The impact to which the message belongs; `None` if its type has no such field.
     #[must_use]
     pub fn event_id(&self) -> Option<&str> {
         match self {
@@ -176,12 +179,12 @@ impl Message {
     }
 }
 
-/// Turns what leaves a twin into messages.
+/// Converts the outputs of a twin to messages.
 #[derive(Debug, Clone)]
 pub struct Outgoing {
     column_id: String,
     frame_id: String,
-    /// Of a state that does not say them.
+    /// Lengths for states that do not contain them.
     lengths: Lengths,
     joints: JointStates,
     joint_states: Thinning,
@@ -189,7 +192,7 @@ pub struct Outgoing {
 }
 
 impl Outgoing {
-    /// For a twin of these parameters.
+    /// A converter for a twin with these parameters.
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         let settings = parameters.settings();
@@ -203,7 +206,7 @@ impl Outgoing {
         }
     }
 
-    /// Gives `put` the messages of an output, none for what is not for topics.
+    /// Passes the messages for an output to `put`; outputs that are not published have none.
     pub fn convert(&mut self, output: &Output, mut put: impl FnMut(Message)) {
         match output {
             Output::State(state) => self.state(state, put),
@@ -302,7 +305,7 @@ impl Outgoing {
         }
     }
 
-    /// The header of a message for an instant, in the column's frame.
+    /// The header of a message with this stamp, in the frame of the column.
     #[must_use]
     pub fn header(&self, stamp: i64) -> Header {
         Header {
@@ -312,7 +315,7 @@ impl Outgoing {
     }
 }
 
-/// Code of `phase` in `ColumnState` and `TwinStatus`.
+/// The code of a phase in `ColumnState` and `TwinStatus`.
 #[must_use]
 pub fn phase_code(phase: TwinPhase) -> u8 {
     match phase {
@@ -326,7 +329,7 @@ pub fn phase_code(phase: TwinPhase) -> u8 {
     }
 }
 
-/// Lets through what is far enough apart in the time of the samples.
+/// Reduces a stream of samples to a minimum period.
 #[derive(Debug, Clone)]
 struct Thinning {
     period: i64,
@@ -338,7 +341,8 @@ impl Thinning {
         Self { period, last: None }
     }
 
-    /// Whether this one is let through. While nothing is `running` every one is: it is the last that is seen for long.
+    /// Whether the sample is kept. Samples outside of a running response are always kept, because the last sample of a
+    /// response remains on display.
     fn passes(&mut self, stamp: i64, running: bool) -> bool {
         let passes = !running
             || self
@@ -363,12 +367,12 @@ mod tests {
             .collect();
         assert_eq!(passed, [0, 10, 20, 30]);
         assert!(thinning.passes(35, false));
-        // A new impact that was late, or a bag that was wound back.
+        // After a late impact or a rewound recording.
         assert!(thinning.passes(3, true));
     }
 
     #[test]
-    fn a_message_knows_its_topic() {
+    fn every_message_has_the_topic_of_its_type() {
         use crate::messages::Message as _;
         let types = [
             ColumnState::INTERFACE,

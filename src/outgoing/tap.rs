@@ -1,23 +1,24 @@
-//! What the node lets a recording see.
+//! The interface through which the node passes messages to a recording.
 
 use std::sync::Arc;
 
 use crate::endpoints::Endpoint;
 use crate::live::QueueStats;
-use crate::twin::Journal;
+use crate::twin::{Journal, RefusalCode};
 
-/// Takes a copy of everything that the node receives and sends. Called from the node's threads; nothing here blocks.
+/// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
 pub trait RecordingTap: Send + Sync + 'static {
-    /// These bytes were sent, encapsulation header included.
+    /// The node sent a message; `bytes` include the encapsulation header.
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>);
 
-    /// These bytes were received; `source_stamp` is the sender's, nanoseconds since the epoch.
+    /// The node received a message; `source_stamp` is the time of sending \[ns since 1970\], if known.
     fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>);
 
-    /// A message that was received did not reach the twin. `what` names it, `reason` says why.
-    fn not_taken(&self, endpoint: &Endpoint, what: &str, reason: &str);
+    /// The node rejected a received message, so that it did not reach the twin. `what` identifies the message; `code` is
+    /// `None` if only its recording failed.
+    fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str);
 
-    /// An entry of the twin's journal.
+    /// The twin produced an entry of its journal.
     fn journal(&self, entry: &Journal);
 
     /// The state of the recording.
@@ -27,12 +28,12 @@ pub trait RecordingTap: Send + Sync + 'static {
 /// The state of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingHealth {
-    /// Its queue.
+    /// The queue of the recorder.
     pub queue: QueueStats,
-    /// Messages that are in no file.
+    /// Messages that were not written to any file.
     pub lost: u64,
-    /// What keeps it from writing; `None`: nothing does.
+    /// Why the recorder cannot write; `None` while it can.
     pub problem: Option<String>,
-    /// Further facts, for people.
+    /// Further values, for people.
     pub values: Vec<(String, String)>,
 }

@@ -1,4 +1,4 @@
-//! Recordings: the crate `rosbag2_mcap`, with the names, definitions and parameters of this program.
+//! The crate `rosbag2_mcap` with the names, message definitions and parameters of this program.
 
 mod event_summary;
 
@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 
 pub use rosbag2_mcap::*;
 
-use crate::endpoints::JOURNAL;
+use crate::endpoints::{JOURNAL, Qos};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
@@ -14,7 +14,7 @@ pub use event_summary::{EventSummary, summarise_events};
 /// The names of recordings of this program, and of the metadata records in them, begin with this.
 pub const APPLICATION: &str = "column_twin";
 
-/// The topic `name` whose messages are of one of our [types](INTERFACES).
+/// A topic whose messages have one of our [types](INTERFACES).
 ///
 /// # Errors
 /// The type is unknown.
@@ -25,7 +25,9 @@ pub fn topic(name: &str, type_name: &str, qos: OfferedQos) -> Result<TopicInfo, 
         reason,
     };
     let interface = messages::find(type_name).ok_or_else(|| {
-        schema_error("this program has no such type; add it to src/messages/table.rs".to_owned())
+        schema_error(
+            "this program does not define this type; add it to src/messages/table.rs".to_owned(),
+        )
     })?;
     let schema = interface.schema_text(INTERFACES);
     let hash = TypeHash::of(interface, INTERFACES);
@@ -40,11 +42,12 @@ pub fn topic(name: &str, type_name: &str, qos: OfferedQos) -> Result<TopicInfo, 
     })
 }
 
-/// Whether the recording defines the type of `topic` as this program does, so that
-/// [`cdr::decode`](messages::cdr::decode) reads its messages as they were meant.
+/// Checks that a recording defines the type of a topic as this program does, so that
+/// [`cdr::decode`](messages::cdr::decode) decodes its messages correctly.
 ///
 /// # Errors
-/// The type is not one of ours, or its fields, their types or its constants differ; the error names the first difference.
+/// This program does not define the type, or defines other fields, field types or constants; the error names the first
+/// difference.
 pub fn check_definition(of: &RecordedTopic) -> Result<(), RecordingError> {
     let unused = OfferedQos {
         reliable: true,
@@ -54,7 +57,7 @@ pub fn check_definition(of: &RecordedTopic) -> Result<(), RecordingError> {
     of.check_definition(&topic(&of.name, &of.type_name, unused)?.schema)
 }
 
-/// Whether a topic is the journal of a twin, whatever the name of its node.
+/// Whether a topic is the journal of a twin, for any name of the node.
 #[must_use]
 pub fn is_journal(topic: &RecordedTopic) -> bool {
     let name = JOURNAL.name.trim_start_matches('~');
@@ -109,6 +112,16 @@ pub fn with_parameter(error: &RecordingError) -> String {
     }
 }
 
+impl From<&Qos> for OfferedQos {
+    fn from(qos: &Qos) -> Self {
+        Self {
+            reliable: qos.reliable,
+            transient_local: qos.transient_local,
+            depth: qos.depth,
+        }
+    }
+}
+
 impl From<Compression> for ChunkCompression {
     fn from(compression: Compression) -> Self {
         match compression {
@@ -127,7 +140,7 @@ mod tests {
     use crate::parameters::Parameters;
 
     #[test]
-    fn the_parameters_are_its_options() {
+    fn default_parameters_become_recorder_options() {
         let parameters = Parameters::default();
         let options = recorder_options(&parameters.settings().record, SystemTime::UNIX_EPOCH);
         assert_eq!(options.directory, Path::new("recordings"));

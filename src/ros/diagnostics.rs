@@ -102,7 +102,7 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
 
 fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
-        _ if health.solver_ended => (
+        _ if health.has_panicked => (
             DiagnosticStatus::ERROR,
             "a thread of the solver panicked; restart the node and report its log".to_owned(),
         ),
@@ -271,7 +271,7 @@ mod tests {
             ..Health::default()
         };
         let ended = Health {
-            solver_ended: true,
+            has_panicked: true,
             ..Health::default()
         };
         let counters = NodeCounters::default();

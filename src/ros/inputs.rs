@@ -1,4 +1,4 @@
-//! What comes in over DDS: events, sets of parameters, the clock, and requests.
+//! The inputs over DDS: impact events, parameters, the clock, and service requests.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -32,7 +32,7 @@ impl ros2_client::Message for TriggerResponse {}
 impl ros2_client::Message for PredictImpactRequest {}
 impl ros2_client::Message for PredictImpactResponse {}
 
-/// What the twin must hear of without delay.
+/// The subscriptions that must be handled without delay.
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
@@ -40,7 +40,7 @@ pub(super) struct Subscriptions {
 }
 
 impl Subscriptions {
-    /// Subscribes; the clock only where the parameters say `use_sim_time`.
+    /// Subscribes to events and, under `use_sim_time`, to the clock.
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
@@ -56,7 +56,7 @@ impl Subscriptions {
         })
     }
 
-    /// Passes messages on for ever.
+    /// Handles messages until the task is stopped.
     pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
         let events = each(
             &self.events,
@@ -68,7 +68,12 @@ impl Subscriptions {
                 if let Err(refusal) = twin.submit(Command::Impact(impact_command(event))) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
-                        recording.not_taken(&qos::IMPACT_EVENT, &event_id, &refusal.reason);
+                        recording.rejected(
+                            &qos::IMPACT_EVENT,
+                            &event_id,
+                            Some(refusal.code),
+                            &refusal.reason,
+                        );
                     }
                 }
             },
@@ -91,12 +96,12 @@ impl Subscriptions {
     }
 }
 
-/// Hands every message to `take`. What cannot be read, or was lost before, is counted and said.
+/// Passes every message to `handle`. Messages that cannot be read, or were lost before, are counted and logged.
 async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
     endpoint: &Endpoint,
     counters: &NodeCounters,
-    mut take: impl FnMut(M, MessageInfo),
+    mut handle: impl FnMut(M, MessageInfo),
 ) {
     let name = endpoint.name;
     let messages = subscription.async_stream();
@@ -109,23 +114,23 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
                 if lost > 0 && endpoint.qos.reliable {
                     counters.missed.fetch_add(lost, Ordering::Relaxed);
                     tracing::error!(
-                        "{lost} messages on {name} were lost: they came faster than they could be taken"
+                        "{lost} messages on {name} were lost, because they arrived faster than they could be handled"
                     );
                 }
-                take(message, info);
+                handle(message, info);
             }
             Err(error) => {
                 missed.unreadable();
                 NodeCounters::count(&counters.unreadable);
                 tracing::warn!(
-                    "a message on {name} cannot be read: {error}; compare its sender's type"
+                    "a message on {name} cannot be read: {error}; check the message type of its sender"
                 );
             }
         }
     }
 }
 
-/// Records what was received, in the one encoding that this program writes.
+/// Records a received message in the encoding of this program.
 fn record<M: crate::messages::Message>(
     recording: &Option<Arc<dyn RecordingTap>>,
     endpoint: &Endpoint,
@@ -140,11 +145,11 @@ fn record<M: crate::messages::Message>(
             let source = info.source_timestamp().map(|stamp| stamp.to_nanos());
             recording.received(endpoint, bytes, source);
         }
-        Err(error) => recording.not_taken(endpoint, "a message", &error.to_string()),
+        Err(error) => recording.rejected(endpoint, "a message", None, &error.to_string()),
     }
 }
 
-/// What is answered, and may take a while to answer: a thread of its own.
+/// The services and parameter messages, which may take longer and have a separate thread.
 pub(super) struct Services {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<TriggerRequest, TriggerResponse>,
@@ -184,7 +189,7 @@ impl Services {
         })
     }
 
-    /// Answers for ever.
+    /// Answers requests until the task is stopped.
     pub async fn run(self, twin: Arc<LiveTwin>, counters: Arc<NodeCounters>) {
         let ParameterServers {
             get,
@@ -209,9 +214,10 @@ impl Services {
                     if let Some(recording) = &recording
                         && !refusal.code.is_from_twin()
                     {
-                        recording.not_taken(
+                        recording.rejected(
                             &qos::COLUMN_PARAMETERS,
                             "a set of parameters",
+                            Some(refusal.code),
                             &refusal.reason,
                         );
                     }
@@ -246,7 +252,7 @@ impl Services {
     }
 }
 
-/// Answers every request with what `reply` makes of it.
+/// Answers every request with the result of `reply`.
 async fn answer<Request, Response>(
     endpoint: &Endpoint,
     server: &Server<Request, Response>,
@@ -262,13 +268,13 @@ async fn answer<Request, Response>(
             Ok((id, request)) => {
                 if let Err(error) = server.async_send_response(id, reply(request)).await {
                     NodeCounters::count(&counters.unpublished);
-                    tracing::warn!("a reply of {} cannot be sent: {error:?}", endpoint.name);
+                    tracing::warn!("a response of {} cannot be sent: {error:?}", endpoint.name);
                 }
             }
             Err(error) => {
                 NodeCounters::count(&counters.unreadable);
                 tracing::warn!(
-                    "a request to {} cannot be read: {error}; compare its sender's type",
+                    "a request to {} cannot be read: {error}; check the service type of its sender",
                     endpoint.name
                 );
             }
@@ -328,7 +334,7 @@ fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, R
         }
     } else {
         let reason =
-            format!("they are for column {found:?}, but this is the twin of column {own:?}");
+            format!("the message is for column {found:?}, but this is the twin of column {own:?}");
         Command::RejectedChange {
             refusal: Refusal::new(RefusalCode::OtherColumn, reason),
             source,
@@ -337,7 +343,7 @@ fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, R
     let outcome = twin.execute(command);
     match &outcome {
         Ok(_) => tracing::info!("the parameters on {topic} were accepted"),
-        // The twin has reported it among its outputs.
+        // The twin reports its refusals among its outputs.
         Err(refusal) if refusal.code.is_from_twin() => {}
         Err(refusal) => {
             tracing::warn!("a change of parameters on {topic} was rejected: {refusal}");
@@ -355,16 +361,16 @@ fn impact_command(event: ImpactEvent) -> ImpactCommand {
     }
 }
 
-/// Both parts count, whatever they are, so that the refusal of a wrong stamp can give its distance.
+/// Converts invalid stamps too, so that their refusal can state the distance from the current time.
 fn nanos(stamp: Time) -> i64 {
     i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
 }
 
-/// What the message does not leave as it is.
+/// The parameters that the message changes.
 fn changes(message: &ColumnParameters) -> Vec<(String, Value)> {
     message
         .entries()
-        .filter(|(_, entry)| !entry.leaves_as_is())
+        .filter(|(_, entry)| !entry.is_unchanged())
         .map(|(name, entry)| {
             let value = match entry {
                 ParameterEntry::Number(number) => Value::Double(number),
@@ -380,7 +386,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_the_message_says_is_changed() {
+    fn unset_parameters_are_left_unchanged() {
         let message = ColumnParameters {
             top_load: 2e5,
             section_name: "HEB300".to_owned(),
@@ -399,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impossible_stamp_is_still_an_instant() {
+    fn an_invalid_stamp_is_converted() {
         let stamp = Time {
             sec: 1,
             nanosec: u32::MAX,

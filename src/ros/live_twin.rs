@@ -1,4 +1,4 @@
-//! The live twin as the node sees it: its commands, health and clock, from the start to the stop.
+//! The live twin from the point of view of the node: commands, health and clock, from start to stop.
 
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
@@ -11,78 +11,77 @@ use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode, Twin};
 
-use super::pictures::{self, Pictures};
+use super::node_viewer::{self, NodeViewer};
 
-/// Why there is no live twin.
+/// Why the live twin cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveTwinError {
-    /// The state file is there and cannot be read.
+    /// The state file cannot be read or reserved.
     #[error(transparent)]
     StateFile(#[from] StateFileError),
     /// The column is impossible.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// No thread.
-    #[error("the system gives no thread for the solver: {0}")]
+    /// A thread cannot be started.
+    #[error("a thread cannot be started: {0}; check the limit of processes (ulimit -u)")]
     Thread(#[from] std::io::Error),
-    /// Nobody reads the outputs.
+    /// The options lack the queue to the node.
     #[error("the options have no output queue called {name}; add OutputQueue::ros()", name = OutputQueue::ROS)]
     NoQueue,
 }
 
-/// A twin that runs in threads of its own. Called from the node's threads, never from the solver's.
+/// A twin that runs in its own threads. Called from the threads of the node, never from the solver's.
 pub struct LiveTwin {
-    /// Until the twin is stopped.
-    living: RwLock<Option<Living>>,
-    viewer: Mutex<Pictures>,
-    /// As it was at the stop.
+    /// `None` after the stop.
+    running: RwLock<Option<Running>>,
+    viewer: Mutex<NodeViewer>,
+    /// The health at the stop.
     last_health: Mutex<Health>,
     clock: Arc<dyn Clock>,
-    /// Under `use_sim_time` the same clock, which can be set.
+    /// The same clock under `use_sim_time`, which can be set.
     simulated: Option<Arc<SimClock>>,
-    /// Those of the start, among them the ones that are read-only.
-    first_parameters: Arc<Parameters>,
+    /// The parameters at the start, including those that cannot change.
+    initial_parameters: Arc<Parameters>,
 }
 
-/// What ends with the stop, in this order.
-struct Living {
+/// What the stop drops, in this order.
+struct Running {
     handle: LiveHandle,
-    /// No other program's until the last damage is written.
+    /// Reserved until the last damage is written.
     _state_file: Option<Reserved>,
 }
 
 /// The state of the twin's threads and queues.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Health {
-    /// Periods of the solver that were skipped because it was late.
+    /// Periods that the solver skipped because it was late.
     pub overruns: u64,
-    /// Largest lateness of the solver after its deadline \[s\].
+    /// Maximum delay of the solver after its deadline \[s\].
     pub worst_lateness: f64,
-    /// Events and parameters that found their queue full.
+    /// Events and parameter changes rejected because the queue was full.
     pub dropped_inputs: u64,
     /// Samples that were not published.
     pub dropped_states: u64,
-    /// Outputs that the queues to the node have dropped: they are not published, and in no recording either.
+    /// Outputs dropped by the queues to the node, which are neither published nor recorded.
     pub dropped_recording: u64,
-    /// Frames that the viewer did not show.
+    /// States that the viewer did not show.
     pub dropped_viewer: u64,
-    /// A thread of the twin has panicked: nothing is computed any more, or no damage saved.
-    pub solver_ended: bool,
+    /// A thread of the twin panicked: nothing is computed, or no damage is saved.
+    pub has_panicked: bool,
     /// All queues.
     pub queues: Vec<QueueStats>,
     /// Statistics of the solver, for people.
     pub statistics: Vec<(String, String)>,
-    /// The parts of the real-time set-up that were not granted, with what to do about it.
+    /// The real-time properties that were denied, and how to obtain them.
     pub hints: Vec<String>,
 }
 
 impl LiveTwin {
-    /// Starts the twin of these parameters with the damage in its state file, and the viewer where there is to be one.
-    /// `options.state_file` and `options.real_time` are taken from the parameters. What leaves the twin comes out of the
-    /// receiver.
+    /// Starts the twin with the damage in its state file and, depending on the parameters, the viewer. The parameters
+    /// replace `options.state_file` and `options.real_time`. The receiver returns the outputs of the twin.
     ///
     /// # Errors
-    /// The column is impossible, or its state file or a thread cannot be had.
+    /// The column is impossible, its state file cannot be used, or a thread cannot be started.
     pub fn start(
         parameters: Parameters,
         options: LiveOptions,
@@ -100,7 +99,7 @@ impl LiveTwin {
             Loaded::Damage(saved) => Some(saved),
             Loaded::Rejected { reason, kept_as } => {
                 tracing::warn!(
-                    "the state file cannot be used, so the column starts virgin: {reason}; the file was kept as {}",
+                    "the state file cannot be used, so the column starts virgin: {reason}; the file was renamed to {}",
                     kept_as.display()
                 );
                 None
@@ -111,8 +110,8 @@ impl LiveTwin {
             real_time: RealTime::of(&parameters),
             ..options
         };
-        pictures::ask_for_outputs(&parameters, &mut options);
-        let first_parameters = Arc::new(parameters.clone());
+        node_viewer::add_queue(&parameters, &mut options);
+        let initial_parameters = Arc::new(parameters.clone());
         let new = |now| Twin::new(parameters, saved.as_deref(), Box::new(monotonic_nanos), now);
         let (clock, handle): (Arc<dyn Clock>, _) = match &simulated {
             Some(clock) => {
@@ -134,9 +133,9 @@ impl LiveTwin {
         let outputs = handle
             .outputs(OutputQueue::ROS)
             .ok_or(LiveTwinError::NoQueue)?;
-        let viewer = pictures::start(&first_parameters, &handle, clock.now())?;
+        let viewer = node_viewer::start(&initial_parameters, &handle, clock.now())?;
         let twin = Self {
-            living: RwLock::new(Some(Living {
+            running: RwLock::new(Some(Running {
                 handle,
                 _state_file: reserved,
             })),
@@ -144,42 +143,42 @@ impl LiveTwin {
             last_health: Mutex::default(),
             clock,
             simulated,
-            first_parameters,
+            initial_parameters,
         };
         Ok((Arc::new(twin), outputs))
     }
 
-    /// Ends the twin's threads and the viewer. What has left the twin can still be received.
+    /// Stops the threads of the twin and the viewer. Queued outputs can still be received.
     pub fn stop(&self) {
         let last_health = || {
             self.last_health
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
         };
-        let mut place = self.living.write().unwrap_or_else(PoisonError::into_inner);
-        let Some(Living {
+        let mut running = self.running.write().unwrap_or_else(PoisonError::into_inner);
+        let Some(Running {
             handle,
             _state_file,
-        }) = place.take()
+        }) = running.take()
         else {
             return;
         };
-        // Before anybody can ask: the last messages contain it, too.
+        // Set before the lock is released, because the last messages contain it.
         *last_health() = health(&handle);
-        drop(place);
+        drop(running);
         match handle.stop() {
-            // With what the stop itself has cost.
+            // Includes what the stop itself lost.
             Ok(statistics) => *last_health() = health_of(statistics, false),
             Err(panicked) => {
                 tracing::error!("{panicked}");
-                last_health().solver_ended = true;
+                last_health().has_panicked = true;
             }
         }
         let mut viewer = self.viewer.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut *viewer).stop();
     }
 
-    /// Gives the twin a command and returns at once; the outcome comes with the outputs.
+    /// Submits a command without waiting for the outcome, which is among the outputs.
     ///
     /// # Errors
     /// The command did not reach the twin.
@@ -187,19 +186,19 @@ impl LiveTwin {
         self.ask(|handle| handle.submit(command))
     }
 
-    /// Gives the twin a command and waits for the outcome.
+    /// Submits a command and waits for the outcome.
     ///
     /// # Errors
-    /// The command was refused; unless it did not reach the twin, the refusal is among the outputs.
+    /// The command was rejected. If it reached the twin, the refusal is also among the outputs.
     pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
         self.ask(|handle| handle.execute(command))
     }
 
-    /// What an impact would do to the column as it is now, computed in the caller's thread. An empty `column_id` means
-    /// the twin's own.
+    /// Predicts the outcome of an impact on the column in its current state, in the thread of the caller. An empty
+    /// `column_id` means the column of this twin.
     ///
     /// # Errors
-    /// The impact would be refused, or there is no answer.
+    /// The impact would be rejected, or the solver does not answer.
     pub fn predict(
         &self,
         column_id: &str,
@@ -208,15 +207,15 @@ impl LiveTwin {
         self.ask(|handle| handle.predict(column_id, impact))
     }
 
-    /// The name of the twin's column.
+    /// The identifier of the column.
     pub fn column_id(&self) -> &str {
-        &self.first_parameters.settings().column_id
+        &self.initial_parameters.settings().column_id
     }
 
-    /// The parameters as they were last set.
+    /// The latest parameters.
     pub fn parameters(&self) -> Arc<Parameters> {
         self.ask(|handle| Ok(handle.parameters()))
-            .unwrap_or_else(|_| Arc::clone(&self.first_parameters))
+            .unwrap_or_else(|_| Arc::clone(&self.initial_parameters))
     }
 
     /// The state of the twin's threads and queues.
@@ -227,12 +226,12 @@ impl LiveTwin {
         })
     }
 
-    /// The time of the twin's clock, nanoseconds since the epoch.
+    /// The time of the twin's clock \[ns since the epoch\].
     pub fn now(&self) -> i64 {
         self.clock.now()
     }
 
-    /// The time on `/clock`, nanoseconds since the epoch; has no effect without `use_sim_time`.
+    /// Sets the simulated time \[ns since the epoch\]; has no effect without `use_sim_time`.
     pub fn set_clock(&self, now: i64) {
         if let Some(clock) = &self.simulated {
             clock.set(now);
@@ -240,14 +239,14 @@ impl LiveTwin {
     }
 
     /// # Errors
-    /// After the stop, when there is no twin to ask.
+    /// The twin has been stopped.
     fn ask<T>(
         &self,
         question: impl FnOnce(&LiveHandle) -> Result<T, Refusal>,
     ) -> Result<T, Refusal> {
-        let living = self.living.read().unwrap_or_else(PoisonError::into_inner);
-        match &*living {
-            Some(living) => question(&living.handle),
+        let running = self.running.read().unwrap_or_else(PoisonError::into_inner);
+        match &*running {
+            Some(running) => question(&running.handle),
             None => Err(Refusal::new(RefusalCode::Stopping, "the twin is stopping")),
         }
     }
@@ -257,7 +256,7 @@ fn health(handle: &LiveHandle) -> Health {
     health_of(handle.statistics(), !handle.is_running())
 }
 
-fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
+fn health_of(statistics: LiveStatistics, has_panicked: bool) -> Health {
     let queues = statistics.queues;
     let dropped = |name: &str| {
         let queue = queues.iter().find(|queue| queue.name == name);
@@ -271,10 +270,10 @@ fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
         dropped_inputs: dropped("inputs"),
         dropped_states: dropped(&format!("states to {}", OutputQueue::ROS)),
         dropped_recording: dropped_to_ros.map(|queue| queue.dropped).sum(),
-        dropped_viewer: dropped(&format!("states to {}", pictures::QUEUE)),
+        dropped_viewer: dropped(&format!("states to {}", node_viewer::QUEUE)),
         statistics: [
-            ("turns", statistics.turns),
-            ("late turns", statistics.overruns),
+            ("cycles", statistics.cycles),
+            ("late cycles", statistics.overruns),
             ("steps", statistics.steps),
             ("Newton iterations", statistics.newton_iterations),
             ("state files not written", statistics.state_file_failures),
@@ -282,7 +281,7 @@ fn health_of(statistics: LiveStatistics, solver_ended: bool) -> Health {
         .map(|(name, count)| (name.to_owned(), count.to_string()))
         .to_vec(),
         hints: statistics.real_time.warnings().collect(),
-        solver_ended,
+        has_panicked,
         queues,
     }
 }

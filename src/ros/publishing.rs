@@ -1,4 +1,4 @@
-//! The publishing thread: takes what leaves the twin and sends it. The solver never waits for it.
+//! The publishing thread: publishes the outputs of the twin. The solver never waits for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,16 +23,16 @@ use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
 
-/// Longest time between two diagnostics.
+/// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// Longest wait for an output, after which the thread looks whether it is to stop.
+/// Maximum wait for an output before the thread checks the stop flag.
 const MAX_WAIT: Duration = Duration::from_millis(100);
 
-/// Longest time that what is waiting at the end may take to be published.
-const LAST_WORDS: Duration = Duration::from_millis(300);
+/// Maximum time to publish queued outputs after the stop.
+const FINAL_PUBLISHING_TIME: Duration = Duration::from_millis(300);
 
-/// Sends everything that leaves the twin, and hands the very bytes to the recording.
+/// Publishes all outputs of the twin, and passes the same bytes to the recording.
 pub(super) struct Publishing {
     publishers: Publishers,
     recording: Option<Arc<dyn RecordingTap>>,
@@ -44,7 +44,7 @@ pub(super) struct Publishing {
     parameters: Arc<Parameters>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
-    /// The time to publish is over: what still waits is recorded only.
+    /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
 
@@ -89,17 +89,19 @@ impl Publishing {
         })
     }
 
-    /// Sends until the twin has ended, or `stop` is set and nothing is waiting any more. By then the twin has ended, so
-    /// that what waits is bounded by its queues.
+    /// Publishes until `stop` is set and no outputs are queued. The twin must be stopped before, so that its queues bound the
+    /// remaining outputs.
     pub fn run(mut self, mut outputs: impl OutputSource, stop: &AtomicBool) {
         self.announce_parameters();
         let mut end = None;
         loop {
             if stop.load(Ordering::Relaxed) {
-                let end = *end.get_or_insert_with(|| Instant::now() + LAST_WORDS);
+                let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !self.is_over {
                     self.is_over = true;
-                    tracing::warn!("not all that was computed could be published before the end");
+                    tracing::warn!(
+                        "some outputs could not be published before the end; they are recorded only"
+                    );
                 }
             }
             match outputs.receive(self.wait()) {
@@ -140,8 +142,8 @@ impl Publishing {
                     recording.journal(&entry);
                 }
             }
-            Output::Refused(refused) => say_refused(&refused),
-            Output::Notice(notice) => say(&notice),
+            Output::Refused(refused) => log_refusal(&refused),
+            Output::Notice(notice) => log_notice(&notice),
             Output::ParametersChanged(changed) => self.parameters_changed(changed.parameters),
             Output::State(_)
             | Output::Forecast(_)
@@ -151,7 +153,7 @@ impl Publishing {
         }
     }
 
-    /// Adds what the twin does not know: how its threads and queues are.
+    /// Adds the state of threads and queues, which the twin does not know.
     fn twin_status(&mut self, status: TwinStatus) {
         let health = self.twin.health();
         let lost = self.recording_health(&health).map(|it| it.lost);
@@ -168,7 +170,7 @@ impl Publishing {
         self.diagnose(false);
     }
 
-    /// What the queue to this thread has dropped is missing in the recording as well, which gets its bytes here.
+    /// Outputs that the queue to this thread dropped are missing in the recording too, which receives its messages here.
     fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
         let mut recording = self.recording.as_ref()?.health();
         recording.lost += health.dropped_recording;
@@ -196,8 +198,8 @@ impl Publishing {
         self.parameters = parameters;
     }
 
-    /// Publishes diagnostics when something has changed in them, or in any case.
-    fn diagnose(&mut self, in_any_case: bool) {
+    /// Publishes diagnostics if they have changed, or always if `unconditionally`.
+    fn diagnose(&mut self, unconditionally: bool) {
         let health = self.twin.health();
         let array = diagnostics(
             self.outgoing.header(self.twin.now()),
@@ -208,7 +210,7 @@ impl Publishing {
             &self.counters,
         );
         let last = self.last_diagnostics.as_ref();
-        if in_any_case || !last.is_some_and(|(_, last)| same_state(last, &array)) {
+        if unconditionally || !last.is_some_and(|(_, last)| same_state(last, &array)) {
             self.send_bytes(
                 &self.publishers.diagnostics,
                 &qos::DIAGNOSTICS,
@@ -224,8 +226,8 @@ impl Publishing {
         self.send_bytes(publisher, topic.endpoint(), message.encode());
     }
 
-    /// Sends one message and records it. Does not wait: where a reader has been too slow for the writer's whole window,
-    /// it is lost to it and counted.
+    /// Publishes and records one message without waiting. If a reader is so slow that the history is full, the message is
+    /// lost for it, and counted.
     fn send_bytes(
         &self,
         publisher: &Publisher<Raw>,
@@ -256,7 +258,7 @@ impl Publishing {
     }
 }
 
-fn say(notice: &Notice) {
+fn log_notice(notice: &Notice) {
     let text = &notice.text;
     match notice.severity {
         Severity::Info => tracing::info!("{text}"),
@@ -265,7 +267,7 @@ fn say(notice: &Notice) {
     }
 }
 
-fn say_refused(refused: &Refused) {
+fn log_refusal(refused: &Refused) {
     let Refused {
         refusal,
         event_id,

@@ -1,4 +1,4 @@
-//! `column-twin run`: the node from its arguments to its clean end.
+//! `column-twin run`: runs the node from its arguments to a clean stop.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,53 +17,53 @@ use super::rosout::start_logging;
 use super::signals::StopSignals;
 use super::twin_node::TwinNode;
 
-/// What the command line and the environment ask for.
+/// The command line and the environment of a run.
 #[derive(Debug, Clone, Default)]
 pub struct RunOptions {
-    /// What stood behind `--ros-args`.
+    /// The arguments after `--ros-args`.
     pub ros: RosArguments,
-    /// What the environment says.
+    /// The settings in environment variables.
     pub environment: Environment,
-    /// Parameter files of the program's own flags, read before all ROS arguments.
+    /// Parameter files of `--config`, which ROS arguments override.
     pub parameter_files: Vec<PathBuf>,
 }
 
-/// How a node that ran has ended.
+/// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RunEnd {
-    /// Messages that are missing in its recordings.
+    /// Messages missing in its recordings.
     pub lost_in_recording: u64,
-    /// A thread of the twin had ended by a panic.
-    pub solver_ended: bool,
+    /// A thread of the twin panicked.
+    pub has_panicked: bool,
 }
 
-/// Why the node did not start.
+/// Why the node cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A name that is none.
+    /// A name is not valid.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// Wrong parameters.
+    /// Parameters are not valid.
     #[error(transparent)]
     Parameters(#[from] ParameterFaults),
-    /// No node.
+    /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// No twin.
+    /// The twin cannot be started.
     #[error("the twin cannot start: {0}")]
     Twin(#[from] LiveTwinError),
-    /// No recording.
-    #[error("no recording: {0}")]
+    /// The recording cannot be started.
+    #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
-    /// Logging or signals.
-    #[error("{0}; is the node started twice in one program?")]
+    /// Logging or signal handling cannot be set up.
+    #[error("{0}; a program can run only one node")]
     Process(Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// Runs the node until SIGINT or SIGTERM.
 ///
 /// # Errors
-/// Names or parameters are wrong, or there is no participant, thread or twin to be had.
+/// Names or parameters are not valid, or the node, the twin or the recording cannot be started.
 pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let RunOptions {
         ros, environment, ..
@@ -73,13 +73,13 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let (parameters, deprecated) = load_parameters(options, &names)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
-    say_what_is_not_done(options);
+    warn_of_ignored_settings(options);
     for warning in &deprecated {
         tracing::warn!("{warning}");
     }
     let recording = RunRecording::start(&parameters, &names)?;
     let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
-    let node = TwinNode::start_recorded(
+    let node = TwinNode::start(
         environment,
         names,
         Arc::clone(&twin),
@@ -102,11 +102,11 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let health = twin.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
-        solver_ended: health.solver_ended,
+        has_panicked: health.has_panicked,
     })
 }
 
-/// The recording of a run, if there is one. Ends last, when all that there is has been sent.
+/// The recording of a run, if there is one. Ends last, after everything has been published.
 #[cfg(feature = "record")]
 struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 
@@ -116,16 +116,16 @@ impl RunRecording {
         use crate::evidence::{NodeRecording, Topics};
         use crate::recording::{RecorderOptions, RecorderReport, ReportLevel};
         let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
-        let say = |report: &RecorderReport| match report.level() {
+        let log = |report: &RecorderReport| match report.level() {
             ReportLevel::Info => tracing::info!("{report}"),
             ReportLevel::Warning => tracing::warn!("{report}"),
             ReportLevel::Error => tracing::error!("{report}"),
         };
-        let told = |options| RecorderOptions {
-            on_report: Some(Arc::new(say)),
+        let with_log = |options| RecorderOptions {
+            on_report: Some(Arc::new(log)),
             ..options
         };
-        NodeRecording::start(&parameters.settings().record, &topics, told)
+        NodeRecording::start(&parameters.settings().record, &topics, with_log)
             .map(Self)
             .map_err(|error| RunError::Recording(crate::recording::with_parameter(&error).into()))
     }
@@ -135,7 +135,7 @@ impl RunRecording {
         Some(tap)
     }
 
-    /// Messages that are missing, among them those that did not come as far as to the recording.
+    /// Ends the recording, and returns the number of missing messages, including those dropped before the recorder.
     fn stop(self, dropped_before: u64) -> u64 {
         let statistics = self.0.and_then(|recording| recording.stop());
         statistics.map_or(0, |it| it.lost + dropped_before)
@@ -151,7 +151,7 @@ impl RunRecording {
         match parameters.settings().record.mode {
             crate::parameters::RecordMode::Off => Ok(Self),
             _ => Err(RunError::Recording(
-                "record.mode asks for one, and this program was built without the feature `record`"
+                "record.mode asks for a recording, but this program was built without the feature `record`; set it to off"
                     .into(),
             )),
         }
@@ -175,7 +175,7 @@ fn load_parameters(
     Parameters::load_in_order(&names.for_parameters(), sources)
 }
 
-fn say_what_is_not_done(options: &RunOptions) {
+fn warn_of_ignored_settings(options: &RunOptions) {
     for warning in &options.environment.warnings {
         tracing::warn!("{warning}");
     }

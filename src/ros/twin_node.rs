@@ -1,13 +1,13 @@
-//! The twin's node: everything of the contract, running in threads of its own.
+//! The node of a twin: all topics and services, in separate threads.
 //!
-//! | thread | what it does |
+//! | thread | responsibility |
 //! |---|---|
-//! | `column_twin/ros` | takes events and the clock, follows which peers there are |
-//! | `column_twin/srv` | answers services, takes sets of parameters |
-//! | `column_twin/pub` | publishes what leaves the twin, and diagnostics |
+//! | `column_twin/ros` | receives events and the clock, tracks peers |
+//! | `column_twin/srv` | answers service requests, receives parameters |
+//! | `column_twin/pub` | publishes the outputs of the twin, and diagnostics |
 //! | `column_twin/log` | publishes `/rosout` |
 //!
-//! RustDDS adds two to three threads of its own.
+//! RustDDS adds two or three threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use ros2_client::Publisher;
 
-use crate::live::{OutputSource, RealTime, ask_for_sender};
+use crate::live::{OutputSource, RealTime, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
@@ -34,12 +34,12 @@ use super::raw::Raw;
 use super::rosout::RosoutQueue;
 use super::task::Task;
 
-/// Longest wait for a log message, after which the thread looks whether it is to stop.
+/// Maximum wait for a log message before the thread checks the stop flag.
 const MAX_WAIT: Duration = Duration::from_millis(100);
 
-/// The running node. Ends with [`stop`](Self::stop).
+/// A running node, until [`stop`](Self::stop).
 pub struct TwinNode {
-    // In the order in which they end.
+    // In the order in which they are stopped.
     inputs: Vec<Task>,
     twin: Arc<LiveTwin>,
     publisher: JoinHandle<()>,
@@ -50,25 +50,11 @@ pub struct TwinNode {
 }
 
 impl TwinNode {
-    /// Starts the node of a running twin.
+    /// Starts the node of a running twin; `recording` receives a copy of all messages.
     ///
     /// # Errors
-    /// When there is no participant, endpoint or thread to be had.
+    /// A participant, an endpoint or a thread cannot be created.
     pub fn start(
-        environment: &Environment,
-        names: Names,
-        twin: Arc<LiveTwin>,
-        outputs: impl OutputSource,
-        log: Option<RosoutQueue>,
-    ) -> Result<Self, NodeError> {
-        Self::start_recorded(environment, names, twin, outputs, log, None)
-    }
-
-    /// The same with a recording of everything that the node receives and sends.
-    ///
-    /// # Errors
-    /// When there is no participant, endpoint or thread to be had.
-    pub fn start_recorded(
         environment: &Environment,
         names: Names,
         twin: Arc<LiveTwin>,
@@ -94,7 +80,7 @@ impl TwinNode {
         let stop_publishing = Arc::clone(&stop);
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {
-            ask_for_sender(&real_time);
+            request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
         let events = node.twin_events(&twin.parameters().settings().column_id)?;
@@ -104,7 +90,9 @@ impl TwinNode {
             Task::start("column_twin/ros", move || async move {
                 futures::join!(events, subscriptions.run(event_twin, matches));
             })?,
-            Task::start("column_twin/srv", move || services.run(service_twin, counters))?,
+            Task::start("column_twin/srv", move || {
+                services.run(service_twin, counters)
+            })?,
         ];
         Ok(Self {
             inputs,
@@ -123,13 +111,13 @@ impl TwinNode {
         self.node.names()
     }
 
-    /// What is known of peers.
+    /// The known peers.
     #[must_use]
     pub fn matches(&self) -> Arc<Matches> {
         self.node.matches()
     }
 
-    /// Takes nothing more in, stops the twin, sends what is still waiting, and leaves the network.
+    /// Stops receiving, stops the twin, publishes queued outputs, and leaves the network.
     pub fn stop(self) {
         for task in self.inputs {
             task.stop();
@@ -137,16 +125,16 @@ impl TwinNode {
         self.twin.stop();
         let ends = [
             (self.stop, Some(self.publisher)),
-            // What the others say at their end is published too.
+            // Last, so that the log messages of the other threads are published.
             (self.stop_log, self.log),
         ];
         for (stop, thread) in ends {
             stop.store(true, Ordering::Relaxed);
             if thread.is_some_and(|thread| thread.join().is_err()) {
-                tracing::error!("a publishing thread has panicked");
+                tracing::error!("a publishing thread panicked");
             }
         }
-        // All threads have ended, and with them all endpoints: the participant can go.
+        // All threads have ended, and with them all endpoints.
         drop(self.node);
     }
 }
@@ -164,7 +152,7 @@ fn publish_log(
     spawn("column_twin/log", move || {
         loop {
             match queue.records.recv_timeout(MAX_WAIT) {
-                // A failure is not logged: it would be published too.
+                // A failure is not logged, because the log message would have to be published too.
                 Ok(record) => {
                     let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));
                     let Some(raw) = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok()) else {

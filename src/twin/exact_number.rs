@@ -1,12 +1,13 @@
-//! Numbers in JSON that are read back to the last bit, with those that are not finite as words.
+//! Numbers in JSON that read back bit for bit, including numbers that are not finite.
 //!
-//! JSON has neither NaN nor infinity, but an input that was rejected for one must be read back too.
+//! JSON has neither NaN nor infinity, which are written as words: a command that was rejected for such a number must read
+//! back too.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::parameters::Value;
 
-/// A number in JSON.
+/// The form of a number in JSON.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Written {
@@ -72,11 +73,11 @@ pub(super) mod option {
     }
 }
 
-/// For `#[serde(with)]` of changes of parameters.
+/// For `#[serde(with)]` of parameter changes.
 pub(super) mod changes {
     use super::{Deserialize, Deserializer, Serialize, Serializer, Value, Word, Written};
 
-    /// A value in JSON: as it is, or with its numbers that are not finite replaced.
+    /// The form of a value in JSON, with replacements for numbers that are not finite.
     #[derive(Serialize, Deserialize)]
     #[serde(untagged)]
     enum Any {
@@ -85,7 +86,7 @@ pub(super) mod changes {
         Array(Vec<Element>),
     }
 
-    /// An element of an array of numbers of which one is not finite.
+    /// An element of an array in which at least one number is not finite.
     #[derive(Serialize, Deserialize)]
     #[serde(untagged)]
     enum Element {
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn every_number_reads_back_to_the_last_bit() {
+    fn every_number_reads_back_bit_for_bit() {
         let numbers = [
             0.1,
             -0.0,
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn other_values_are_unchanged() {
+    fn other_values_read_back_unchanged() {
         let words = ["nan", "1.5"];
         let changes = [
             Value::from(words[0]),

@@ -1,4 +1,4 @@
-//! What survives a restart: the damage of the column, as text.
+//! The damage of the column as text, which survives a restart of the program.
 
 use std::sync::Arc;
 
@@ -12,23 +12,23 @@ use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow};
 use crate::parameters::Parameters;
 
-/// First entry of a state file.
+/// Format name in every state file.
 const FORMAT: &str = "column_twin state";
 
-/// Version of the content that is written, and the only one that is read.
+/// The format version that this program writes, and the only one that it reads.
 const VERSION: u32 = 1;
 
-/// The damage of the column, and which impacts it comes from.
+/// The damage of the column, and the impacts that caused it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedState {
-    /// The column.
+    /// Identifier of the column.
     pub column_id: Arc<str>,
-    /// Digest of what the column is: its lengths, section, steel, resistances, hinges and supports.
+    /// Digest of the properties to which the damage belongs: lengths, section, steel, resistances, hinges and supports.
     pub fingerprint: Arc<str>,
-    /// When it was taken \[ns\] since the epoch.
+    /// When the state was saved \[ns since the epoch\].
     pub stamp: Nanos,
-    /// Whether it stands.
+    /// Whether the column stands.
     pub condition: Condition,
     /// Height of hinges 1a and 1b above the base \[m\].
     pub impact_height: f64,
@@ -40,45 +40,45 @@ pub struct SavedState {
     pub plastic_work_since_reset: f64,
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
-    /// Refused impacts since the last reset.
+    /// Rejected impacts since the last reset.
     pub refused_since_reset: u64,
-    /// The last accepted impact; empty if there was none.
+    /// Identifier of the last accepted impact; empty if there was none.
     pub last_event_id: Arc<str>,
     /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
     pub seen_ids: Vec<Arc<str>>,
 }
 
-/// Why a text is not the state of this column.
+/// Why a text is not a saved state of this column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SavedStateError {
-    /// It is no JSON of the expected form.
-    #[error("it is truncated or no state file of column_twin: {0}")]
+    /// The text is not JSON of the expected form.
+    #[error("it is truncated, or not a state file of column_twin: {0}")]
     Malformed(String),
-    /// It is of another format or version.
+    /// The text has another format or version.
     #[error(
         "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}"
     )]
-    Foreign {
-        /// What it says it is.
+    OtherVersion {
+        /// The format found.
         format: String,
-        /// Its version.
+        /// The version found.
         version: u32,
     },
-    /// Its checksum is not that of its content.
-    #[error("its checksum does not fit its content: it was damaged or edited")]
+    /// The checksum does not match the content.
+    #[error("its checksum does not match its content: it was damaged or edited")]
     Checksum,
-    /// It is of another column.
-    #[error("it is of column \"{found}\"; this twin is of column \"{expected}\"")]
+    /// The state belongs to another column.
+    #[error("it belongs to column \"{found}\", but this is the twin of column \"{expected}\"")]
     OtherColumn {
-        /// Whose it is.
+        /// The column in the file.
         found: String,
-        /// Whose it should be.
+        /// The column of this twin.
         expected: String,
     },
-    /// The column has other properties than when it was damaged.
+    /// The properties of the column differ from those with which it was damaged.
     #[error(
-        "the parameters of column \"{0}\" (lengths, section, steel, resistances, hinges or supports) are not those \
-         that it was damaged with; with the old ones the file can be used again"
+        "the lengths, section, steel, resistances, hinges or supports of column \"{0}\" differ from those with which it \
+         was damaged; with the previous parameters the file can be used again"
     )]
     OtherParameters(String),
 }
@@ -93,9 +93,9 @@ struct Envelope<Content> {
     content: Content,
 }
 
-/// What can be read of any version.
+/// The part that every version has.
 #[derive(Deserialize)]
-struct Label {
+struct Header {
     format: String,
     version: u32,
 }
@@ -140,7 +140,7 @@ impl SavedState {
         }
     }
 
-    /// The column at rest with this damage; under another load than then it is in its new equilibrium.
+    /// The column at rest with this damage. Under a different load it is in the new equilibrium.
     ///
     /// # Errors
     /// The column is impossible.
@@ -157,7 +157,7 @@ impl SavedState {
     /// The text of a state file.
     ///
     /// # Errors
-    /// None that is known of: numbers and texts can be written as JSON.
+    /// A value cannot be represented in JSON.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(&Envelope {
             format: FORMAT.to_owned(),
@@ -167,16 +167,16 @@ impl SavedState {
         })
     }
 
-    /// Reads the text of a state file of the column that has these parameters.
+    /// Reads the text of a state file for the column with these parameters.
     ///
     /// # Errors
-    /// It is truncated, foreign, damaged, or of another column.
+    /// The text is truncated or damaged, has another format, or belongs to another column.
     pub fn from_json(text: &str, parameters: &Parameters) -> Result<Self, SavedStateError> {
         let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
-        let Label { format, version } = serde_json::from_str(text).map_err(malformed)?;
+        let Header { format, version } = serde_json::from_str(text).map_err(malformed)?;
         if format != FORMAT || version != VERSION {
             let format = printable(&format);
-            return Err(SavedStateError::Foreign { format, version });
+            return Err(SavedStateError::OtherVersion { format, version });
         }
         let read: Envelope<Self> = serde_json::from_str(text).map_err(malformed)?;
         if checksum(&read.content).map_err(malformed)? != read.checksum {
@@ -196,7 +196,7 @@ impl SavedState {
     }
 }
 
-/// Digest of the column's make: its lengths, section, steel, resistances, hinges and supports.
+/// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
     let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
     hex(&Sha256::digest(json))
@@ -209,7 +209,7 @@ fn checksum(content: &SavedState) -> Result<String, serde_json::Error> {
 pub(super) fn hex(bytes: &[u8]) -> String {
     use std::fmt::Write;
     bytes.iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}"); // a String takes everything
+        let _ = write!(text, "{byte:02x}"); // writing to a String cannot fail
         text
     })
 }

@@ -1,9 +1,9 @@
-//! Identifiers of the impacts that were accepted.
+//! Identifiers of accepted impacts.
 
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
 
-/// Most identifiers that are remembered, the oldest are forgotten. Older events are refused by their stamps.
+/// Maximum number of remembered identifiers. Repeated events with forgotten identifiers are rejected for their stamps.
 pub const MAX_SEEN_IDS: usize = 1024;
 
 /// The last [`MAX_SEEN_IDS`] identifiers.
@@ -43,7 +43,7 @@ impl SeenIds {
         self.set.clear();
     }
 
-    /// All of them, the oldest first.
+    /// All identifiers, the oldest first.
     pub fn to_vec(&self) -> Vec<Arc<str>> {
         self.in_order.iter().cloned().collect()
     }
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oldest_are_forgotten_and_no_more_are_kept() {
+    fn only_the_newest_identifiers_are_kept() {
         let mut seen = SeenIds::of(&[]);
         let room = seen.in_order.capacity();
         for number in 0..10 * MAX_SEEN_IDS {

@@ -1,4 +1,4 @@
-//! The state file: read at the start, replaced as a whole, never lost half way. The only IO of the twin.
+//! The state file: read at the start, and replaced atomically. The only IO of the twin.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
@@ -10,86 +10,86 @@ use thiserror::Error;
 use super::saved_state::{SavedState, hex};
 use crate::parameters::Parameters;
 
-/// Longest state file that is read \[B\]; the longest that is written is well below.
+/// Maximum size of a state file that is read \[B\]; written files are much smaller.
 pub const MAX_STATE_FILE_BYTES: u64 = 4 << 20;
 
-/// Most files that are kept aside.
+/// Maximum number of rejected files that are kept.
 const MAX_REJECTED: u32 = 100;
 
-/// What a state file held.
+/// The outcome of reading a state file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Loaded {
-    /// There is none: the column is virgin.
+    /// There is no file: the column is virgin.
     Absent,
-    /// The damage of this column.
+    /// The saved damage of this column.
     Damage(Box<SavedState>),
-    /// It cannot be used: the column is virgin. Say so.
+    /// The file cannot be used, so the column is virgin. The caller must report this.
     Rejected {
         /// Why.
         reason: String,
-        /// Where the file is now.
+        /// The new name of the file.
         kept_as: PathBuf,
     },
 }
 
-/// What went wrong with a state file.
+/// An error of the state file.
 #[derive(Debug, Error)]
 pub enum StateFileError {
-    /// It is there and cannot be read.
+    /// The file exists, but cannot be read.
     #[error("the state file {path} cannot be read: {source}; check its permissions")]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
-    /// It cannot be used, nor be moved out of the way.
+    /// The file cannot be used, and cannot be renamed.
     #[error(
-        "the state file {path} cannot be used ({reason}) nor be renamed to keep it: {source}; move it away"
+        "the state file {path} cannot be used ({reason}), and cannot be renamed to keep it: {source}; move it away"
     )]
     CannotKeep {
         /// The file.
         path: PathBuf,
-        /// Why it cannot be used.
+        /// Why the file cannot be used.
         reason: String,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
-    /// Another twin has it.
+    /// Another twin uses the file.
     #[error(
-        "the state file {path} is in use by another running twin of this column (it holds {lock}); two of them would \
-         overwrite each other's damage: stop the other one, or give this one a column_id or a state.directory of its own"
+        "the state file {path} is in use by another running twin of this column, which holds {lock}; two twins would \
+         overwrite each other's damage: stop the other one, or start this one with another column_id or state.directory"
     )]
     InUse {
         /// The file.
         path: PathBuf,
-        /// The file beside it that is locked.
+        /// The lock file.
         lock: PathBuf,
     },
-    /// It cannot be reserved for this twin.
+    /// The lock file cannot be created or locked.
     #[error(
-        "the damage cannot be kept: {lock} cannot be made or locked: {source}; check the permissions, choose another \
-         state.directory, or an empty one for a damage that ends with the program"
+        "the damage cannot be saved, because {lock} cannot be created or locked: {source}; check its permissions, set \
+         another state.directory, or set it to '' to run without saving"
     )]
     NotReserved {
-        /// The file beside the state file that would be locked.
+        /// The lock file.
         lock: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
-    /// It cannot be written; the one before is still there.
+    /// The file cannot be written; the previous one is unchanged.
     #[error(
-        "the state file {path} cannot be written: {source}; the damage since the last one is lost at a restart"
+        "the state file {path} cannot be written: {source}; a restart would lose the damage since the last successful write"
     )]
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
 }
 
-/// The state file of these parameters: `state.directory` and the column's name, or `None` where the directory is empty.
+/// The path of the state file: `state.directory` and a name for the column; `None` if `state.directory` is empty.
 #[must_use]
 pub fn path(parameters: &Parameters) -> Option<PathBuf> {
     let settings = parameters.settings();
@@ -97,8 +97,8 @@ pub fn path(parameters: &Parameters) -> Option<PathBuf> {
     (!directory.is_empty()).then(|| Path::new(directory).join(file_name(&settings.column_id)))
 }
 
-/// A name that every file system takes, and another one for every column: other bytes than letters, digits, `-` and
-/// `_` are written as `%` and two digits; a name too long is cut and told apart by a digest.
+/// A unique file name for a column, which every file system accepts: bytes other than letters, digits, `-` and `_` are
+/// written as `%` and two digits; a name that is too long is cut, and a digest is appended.
 fn file_name(column_id: &str) -> String {
     use sha2::{Digest, Sha256};
     use std::fmt::Write;
@@ -108,7 +108,7 @@ fn file_name(column_id: &str) -> String {
         match byte {
             b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' => name.push(char::from(byte)),
             _ => {
-                let _ = write!(name, "%{byte:02X}"); // a String takes everything
+                let _ = write!(name, "%{byte:02X}"); // writing to a String cannot fail
             }
         }
     }
@@ -119,17 +119,17 @@ fn file_name(column_id: &str) -> String {
     name + ".json"
 }
 
-/// A state file that is this twin's alone for as long as this value lives, whatever ends the program.
+/// The exclusive use of a state file, until this value is dropped or the program ends, even by a crash.
 #[derive(Debug)]
 pub struct Reserved {
     _lock: File,
 }
 
-/// Reserves a state file against other programs, and makes its folder. The file beside it that is locked stays behind: to
-/// delete it would let a third program lock a new one while a second one holds the old.
+/// Reserves a state file for this program, and creates its folder. The lock file is never deleted: otherwise a third
+/// program could lock a new file while a second one still holds the deleted one.
 ///
 /// # Errors
-/// Another twin has it, or it cannot be made.
+/// Another twin uses the file, or the lock file cannot be created.
 pub fn reserve(path: &Path) -> Result<Reserved, StateFileError> {
     let lock = with_suffix(path, ".lock");
     let open = || {
@@ -153,17 +153,16 @@ pub fn reserve(path: &Path) -> Result<Reserved, StateFileError> {
     }
 }
 
-/// Reads the state file of the column that has these parameters. One that cannot be used is kept aside under another
-/// name.
+/// Reads the state file for the column with these parameters. A file that cannot be used is kept under another name.
 ///
 /// # Errors
-/// It is there and cannot be read, or cannot be kept aside.
+/// The file exists but cannot be read, or cannot be renamed.
 pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileError> {
     let text = match read(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Loaded::Absent),
         Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-            return keep_aside(path, error.to_string());
+            return reject(path, error.to_string());
         }
         Err(source) => {
             return Err(StateFileError::Unreadable {
@@ -174,7 +173,7 @@ pub fn load(path: &Path, parameters: &Parameters) -> Result<Loaded, StateFileErr
     };
     match SavedState::from_json(&text, parameters) {
         Ok(saved) => Ok(Loaded::Damage(Box::new(saved))),
-        Err(error) => keep_aside(path, error.to_string()),
+        Err(error) => reject(path, error.to_string()),
     }
 }
 
@@ -184,14 +183,15 @@ fn read(path: &Path) -> io::Result<String> {
         .take(MAX_STATE_FILE_BYTES + 1)
         .read_to_string(&mut text)?;
     if text.len() as u64 > MAX_STATE_FILE_BYTES {
-        let reason =
-            format!("it is longer than {MAX_STATE_FILE_BYTES} bytes: no state file of column_twin");
+        let reason = format!(
+            "it is not a state file of column_twin: it is longer than {MAX_STATE_FILE_BYTES} bytes"
+        );
         return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
     }
     Ok(text)
 }
 
-fn keep_aside(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
+fn reject(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
     let kept_as = (1..MAX_REJECTED)
         .map(|number| with_suffix(path, &format!(".rejected-{number}")))
         .find(|free| !free.exists())
@@ -206,10 +206,10 @@ fn keep_aside(path: &Path, reason: String) -> Result<Loaded, StateFileError> {
     }
 }
 
-/// Replaces the state file: whoever reads it, and whenever the machine stops, finds the old one or the new one.
+/// Replaces the state file atomically: a reader, or a restart after a power failure, finds either the old or the new one.
 ///
 /// # Errors
-/// It cannot be written; the old one is then untouched.
+/// The file cannot be written; the old one is unchanged.
 pub fn store(path: &Path, saved: &SavedState) -> Result<(), StateFileError> {
     replace(path, saved).map_err(|source| StateFileError::Unwritable {
         path: path.to_owned(),
@@ -226,7 +226,7 @@ fn replace(path: &Path, saved: &SavedState) -> io::Result<()> {
     file.sync_all()?;
     drop(file);
     fs::rename(&new, path)?;
-    File::open(directory)?.sync_all() // the rename, too, is to outlive a power cut
+    File::open(directory)?.sync_all() // so that the rename survives a power failure
 }
 
 fn folder(path: &Path) -> &Path {

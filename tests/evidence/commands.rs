@@ -1,4 +1,4 @@
-//! `simulate --record` and `verify` as they are typed.
+//! The commands `simulate --record`, `verify` and `replay`, run as by a user.
 
 use std::path::Path;
 use std::process::Output;
@@ -6,7 +6,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
-fn typed(folder: &Path, line: &str) -> (i32, String, String) {
+pub fn typed(folder: &Path, line: &str) -> (i32, String, String) {
     let Output {
         status,
         stdout,
@@ -22,7 +22,7 @@ fn typed(folder: &Path, line: &str) -> (i32, String, String) {
 }
 
 #[test]
-fn a_simulated_impact_is_recorded_and_proven() {
+fn a_simulated_impact_is_recorded_and_verified() {
     let folder = TempDir::new().unwrap();
     for (index, options) in [
         "--mass 1500 --velocity 10",
@@ -45,7 +45,7 @@ fn a_simulated_impact_is_recorded_and_proven() {
             let (code, said, fault) = typed(folder.path(), &format!("verify {bag}"));
             assert_eq!(code, 0, "{said}{fault}");
             assert!(
-                said.contains("which is this one") && said.contains("Equal: "),
+                said.contains("which is this build") && said.contains("Equal: "),
                 "{said}"
             );
         }
@@ -56,9 +56,9 @@ fn a_simulated_impact_is_recorded_and_proven() {
     assert!(fault.contains("exists already"), "{fault}");
 }
 
-/// As before `| head`: a reader that is gone is no failure, and no panic.
+/// For example with `| head`.
 #[test]
-fn a_reader_that_has_seen_enough_is_no_failure() {
+fn a_closed_standard_output_is_no_failure() {
     use std::process::Stdio;
 
     let folder = TempDir::new().unwrap();
@@ -90,7 +90,7 @@ fn a_reader_that_has_seen_enough_is_no_failure() {
 }
 
 #[test]
-fn one_wrong_bit_ends_with_code_1_and_is_named() {
+fn one_flipped_bit_ends_with_code_1_and_is_named() {
     let folder = TempDir::new().unwrap();
     let (code, ..) = typed(folder.path(), "simulate --record bag");
     assert_eq!(code, 0);
@@ -105,7 +105,7 @@ fn one_wrong_bit_ends_with_code_1_and_is_named() {
 }
 
 #[test]
-fn what_is_no_recording_ends_with_code_2() {
+fn input_that_is_not_a_recording_ends_with_code_2() {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("text.mcap"), "no recording").unwrap();
     std::fs::write(folder.path().join("empty.mcap"), "").unwrap();
@@ -128,7 +128,7 @@ fn what_is_no_recording_ends_with_code_2() {
     }
 }
 
-/// What was recorded can be looked at, from the recording alone.
+/// The viewer needs nothing but the recording.
 #[cfg(feature = "viewer")]
 #[test]
 fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {

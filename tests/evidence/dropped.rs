@@ -1,4 +1,4 @@
-//! What does not come as far as to the recording, or comes there late.
+//! Messages that do not reach the recording, or reach it late.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -9,16 +9,16 @@ use column_twin::live::{LiveOptions, OutputSource, QueueStats, RealTime, Receive
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
 use column_twin::ros::{LiveTwin, Names, TwinNode, qos};
-use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::twin::{Command, Journal, Output, Refusal, RefusalCode};
 
 use super::domain::{Domain, PATIENCE};
 use super::recorded_twin::{START, parameters, the_one_recording};
 
-/// Keeps what the node sends.
+/// Keeps the messages that the node sends.
 #[derive(Default)]
 struct Tap(Mutex<Vec<(&'static str, Vec<u8>)>>);
 
@@ -43,7 +43,7 @@ impl RecordingTap for Tap {
 
     fn received(&self, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
 
-    fn not_taken(&self, _: &Endpoint, _: &str, _: &str) {}
+    fn rejected(&self, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
 
     fn journal(&self, _: &Journal) {}
 
@@ -78,7 +78,7 @@ fn node(
     outputs: impl OutputSource,
     recording: &Arc<Tap>,
 ) -> TwinNode {
-    TwinNode::start_recorded(
+    TwinNode::start(
         &domain.environment,
         Names::new("/", "column_twin", &[]).unwrap(),
         Arc::clone(twin),
@@ -89,14 +89,14 @@ fn node(
     .unwrap()
 }
 
-/// What the queue to the node drops is missing in its recording too: an error, and still known after the stop.
+/// Outputs dropped by the queue to the node are missing in its recording: an error, whose count is kept after the stop.
 #[test]
-fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
+fn outputs_dropped_by_the_queue_to_the_node_are_missing_in_the_recording() {
     let domain = Domain::fresh();
     let (twin, outputs) = started();
     let begin = Instant::now();
     while twin.health().dropped_recording == 0 {
-        // Nobody takes the refusals.
+        // No reader takes the refusals.
         let _ = twin.submit(Command::RejectedChange {
             refusal: Refusal::new(RefusalCode::OtherColumn, "a test"),
             source: "test".into(),
@@ -105,17 +105,17 @@ fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
     }
     let recording = Arc::<Tap>::default();
     let node = node(&domain, &twin, outputs, &recording);
-    let said = || recording.of::<TwinStatus>(&qos::TWIN_STATUS).pop();
-    while said().is_none() {
+    let latest = || recording.of::<TwinStatus>(&qos::TWIN_STATUS).pop();
+    while latest().is_none() {
         assert!(begin.elapsed() < PATIENCE, "no status");
         std::thread::sleep(Duration::from_millis(10));
     }
     node.stop();
     let health = twin.health();
     let lost = health.dropped_recording;
-    assert!(lost > 0 && !health.solver_ended, "{health:?}");
+    assert!(lost > 0 && !health.has_panicked, "{health:?}");
     assert!(!health.queues.is_empty() && !health.statistics.is_empty());
-    assert_eq!(said().unwrap().dropped_recording, lost + 2);
+    assert_eq!(latest().unwrap().dropped_recording, lost + 2);
     let diagnostics = recording.of::<DiagnosticArray>(&qos::DIAGNOSTICS);
     let of_recording = diagnostics.last().unwrap().status.last().unwrap();
     assert_eq!(of_recording.level, DiagnosticStatus::ERROR);
@@ -125,7 +125,7 @@ fn what_the_queue_to_the_node_drops_is_missing_in_the_recording() {
     );
 }
 
-/// Outputs that come slowly.
+/// A slow source of outputs.
 struct Slow(Vec<Output>);
 
 impl OutputSource for Slow {
@@ -140,7 +140,7 @@ impl OutputSource for Slow {
 }
 
 #[test]
-fn what_waits_when_the_time_to_publish_is_over_is_still_recorded() {
+fn outputs_that_are_too_late_to_be_published_are_recorded() {
     const COUNT: usize = 100;
     let domain = Domain::fresh();
     let (twin, _) = started();
@@ -156,7 +156,7 @@ fn what_waits_when_the_time_to_publish_is_over_is_still_recorded() {
     );
 }
 
-/// At rest the mode `events` leaves out what only repeats itself, and nothing that has become worse or better.
+/// At rest, the mode `events` records diagnostics only if a level changes.
 #[test]
 fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
     let directory = tempfile::TempDir::new().unwrap();

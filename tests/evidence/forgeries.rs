@@ -1,11 +1,14 @@
-//! What was changed in a recording is found, and named.
+//! Forged recordings: every change is found, and the first one is named.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use column_twin::evidence::{Line, LineEntry, RECORDED, Topics, Verification, VerifyError, verify};
+use column_twin::evidence::{
+    JournalEntry, JournalError, JournalLine, RECORDED, Topics, Verification, VerifyError, verify,
+};
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ColumnState, ImpactReport};
+use column_twin::messages::std_msgs;
 use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
 use column_twin::twin::Journal;
 use tempfile::TempDir;
@@ -23,7 +26,7 @@ fn recording() -> Finished {
     twin.finish()
 }
 
-/// Writes a recording anew; `change` says what becomes of each message.
+/// Writes a copy of a recording in which `change` has changed or removed messages.
 fn forged(
     original: &Path,
     mut change: impl FnMut(&Message) -> Option<Vec<u8>>,
@@ -52,7 +55,7 @@ fn forged(
     (directory, path)
 }
 
-/// A copy in which one field of the `which`-th message of a topic was changed.
+/// Verifies a copy in which one field of the `which`-th message of a topic is changed.
 fn changed<M: column_twin::messages::Message>(
     original: &Path,
     topic: &str,
@@ -74,7 +77,7 @@ fn changed<M: column_twin::messages::Message>(
     verify(&path).unwrap()
 }
 
-/// A copy in which the last bit of `v1` of the seventh state was changed.
+/// A copy in which the last bit of `v1` of the seventh state is changed.
 pub fn with_one_bit_flipped(original: &Path) -> (TempDir, PathBuf) {
     let mut count = 0;
     forged(original, |message| {
@@ -88,13 +91,13 @@ pub fn with_one_bit_flipped(original: &Path) -> (TempDir, PathBuf) {
     })
 }
 
-/// The last bit.
+/// Flips the last bit.
 fn flip(number: &mut f64) {
     *number = f64::from_bits(number.to_bits() ^ 1);
 }
 
 #[test]
-fn a_copy_is_as_good_as_the_original() {
+fn an_unchanged_copy_is_equal() {
     let original = recording();
     let (_directory, path) = forged(&original.path(), |message| Some(message.data.clone()));
     let found = verify(&path).unwrap();
@@ -128,7 +131,7 @@ fn one_flipped_bit_is_named() {
 }
 
 #[test]
-fn reports_are_compared_but_for_their_compute_time() {
+fn reports_are_compared_except_for_their_compute_time() {
     let original = recording();
     let found = changed(
         &original.path(),
@@ -154,7 +157,7 @@ fn reports_are_compared_but_for_their_compute_time() {
     );
 }
 
-/// The exact state at rest is a witness too.
+/// Exact states at rest are compared too.
 #[test]
 fn a_changed_state_at_rest_is_found() {
     let original = recording();
@@ -163,8 +166,8 @@ fn a_changed_state_at_rest_is_found() {
         if !message.topic.ends_with("/journal") {
             return Some(message.data.clone());
         }
-        let mut line = Line::decode(&message.data).unwrap();
-        if let LineEntry::Twin(Journal::Checkpoint(point)) = &mut line.entry {
+        let mut line = JournalLine::decode(&message.data).unwrap();
+        if let JournalEntry::Twin(Journal::Checkpoint(point)) = &mut line.entry {
             points += 1;
             if points == 2 {
                 let mut other = (**point).clone();
@@ -182,7 +185,7 @@ fn a_changed_state_at_rest_is_found() {
 }
 
 #[test]
-fn messages_that_were_taken_out_are_missed() {
+fn removed_messages_are_missing() {
     let original = recording();
     for topic in [
         "/column_state",
@@ -197,7 +200,7 @@ fn messages_that_were_taken_out_are_missed() {
             (*message.topic != *topic || count != 2).then(|| message.data.clone())
         });
         let found = verify(&path).unwrap();
-        // The last report has nothing behind it that shows that it is missing, but its own status has.
+        // Nothing follows the last report that would show its absence, but a status follows this one.
         assert_eq!(
             (found.missing(), found.is_equal()),
             (1, false),
@@ -207,7 +210,7 @@ fn messages_that_were_taken_out_are_missed() {
 }
 
 #[test]
-fn messages_that_were_put_in_are_found() {
+fn inserted_messages_are_found() {
     let original = recording();
     let mut twice = false;
     let directory = TempDir::new().unwrap();
@@ -237,17 +240,17 @@ fn messages_that_were_put_in_are_found() {
     writer.finish().unwrap();
     let found = verify(&path).unwrap();
     assert!(!found.is_equal(), "{found}");
-    assert_eq!(found.topics[3].foreign, 1, "{found}");
+    assert_eq!(found.topics[3].unexpected, 1, "{found}");
 }
 
 #[test]
-fn what_cannot_be_checked_is_said() {
+fn the_result_states_what_could_not_be_checked() {
     let original = recording();
     // Without its first checkpoint.
     let mut points = 0;
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal")
-            && Line::decode(&message.data).unwrap().is_checkpoint()
+            && JournalLine::decode(&message.data).unwrap().is_checkpoint()
         {
             points += 1;
             if points == 1 {
@@ -272,12 +275,12 @@ fn what_cannot_be_checked_is_said() {
             .contains("Equal as far as it could be checked: "),
         "{found}"
     );
-    // Without an input.
+    // Without a command.
     let mut inputs = 0;
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
-            let line = Line::decode(&message.data).unwrap();
-            if matches!(line.entry, LineEntry::Twin(Journal::Command(_))) {
+            let line = JournalLine::decode(&message.data).unwrap();
+            if matches!(line.entry, JournalEntry::Twin(Journal::Command(_))) {
                 inputs += 1;
                 if inputs == 1 {
                     return None;
@@ -291,16 +294,16 @@ fn what_cannot_be_checked_is_said() {
     assert_eq!(found.missing_entries, 1, "{found}");
 }
 
-/// Each entry that the twin numbers, but the last, which nothing shows to be missing, and the first checkpoint, from
-/// which a recording may also begin.
+/// For every numbered entry except the last one, whose absence nothing shows, and the first checkpoint, because a recording
+/// may also begin with the second one.
 #[test]
-fn an_entry_of_the_journal_that_was_taken_out_is_missed() {
+fn removed_entries_of_the_journal_are_missing() {
     let original = recording();
     let numbered = |message: &Message| {
         message.topic.ends_with("/journal")
             && !matches!(
-                Line::decode(&message.data).unwrap().entry,
-                LineEntry::Twin(Journal::Status(_))
+                JournalLine::decode(&message.data).unwrap().entry,
+                JournalEntry::Twin(Journal::Status(_))
             )
     };
     let reader = Reader::open(&original.path()).unwrap();
@@ -309,31 +312,31 @@ fn an_entry_of_the_journal_that_was_taken_out_is_missed() {
         .filter(|it| numbered(it.as_ref().unwrap()))
         .count();
     assert_eq!(count, 5, "three states at rest and two inputs");
-    for taken_out in 1..count - 1 {
+    for removed in 1..count - 1 {
         let mut index = 0;
         let (_directory, path) = forged(&original.path(), |message| {
             index += usize::from(numbered(message));
-            let is_it = numbered(message) && index == taken_out + 1;
+            let is_it = numbered(message) && index == removed + 1;
             (!is_it).then(|| message.data.clone())
         });
         let found = verify(&path).unwrap();
-        assert!(!found.is_equal(), "{taken_out}: {found}");
-        assert_eq!(found.missing_entries, 1, "{taken_out}: {found}");
+        assert!(!found.is_equal(), "{removed}: {found}");
+        assert_eq!(found.missing_entries, 1, "{removed}: {found}");
     }
 }
 
-/// However many entries are said to be missing, they are more than none.
+/// The count of missing entries does not overflow.
 #[test]
-fn a_number_beyond_all_others_is_not_equal() {
+fn an_entry_with_an_extreme_number_is_not_equal() {
     let original = recording();
     let mut inputs = 0;
     let (_directory, path) = forged(&original.path(), |message| {
         if message.topic.ends_with("/journal") {
-            let mut line = Line::decode(&message.data).unwrap();
-            if let LineEntry::Twin(Journal::Command(handled)) = &mut line.entry {
+            let mut line = JournalLine::decode(&message.data).unwrap();
+            if let JournalEntry::Twin(Journal::Command(record)) = &mut line.entry {
                 inputs += 1;
                 if inputs == 2 {
-                    Arc::make_mut(handled).number = u64::MAX;
+                    Arc::make_mut(record).number = u64::MAX;
                     return Some(line.encode().unwrap());
                 }
             }
@@ -345,9 +348,9 @@ fn a_number_beyond_all_others_is_not_equal() {
     assert!(!found.is_equal() && found.missing() > 1_000_000, "{found}");
 }
 
-/// Nothing but the first checkpoint is left of what the journal said of it.
+/// Only the first checkpoint is left of the journal.
 #[test]
-fn messages_of_which_none_can_be_compared_are_not_equal() {
+fn a_recording_without_any_comparable_message_is_not_equal() {
     let original = recording();
     let mut entries = 0;
     let (_directory, path) = forged(&original.path(), |message| {
@@ -366,7 +369,7 @@ fn messages_of_which_none_can_be_compared_are_not_equal() {
 }
 
 #[test]
-fn a_recording_without_a_journal_is_none_to_verify() {
+fn a_recording_without_a_journal_cannot_be_verified() {
     let original = recording();
     let (_directory, path) = forged(&original.path(), |message| {
         (!message.topic.ends_with("/journal")).then(|| message.data.clone())
@@ -379,4 +382,74 @@ fn a_recording_without_a_journal_is_none_to_verify() {
         verify(Path::new("nothing/there")),
         Err(VerifyError::Recording(_))
     ));
+}
+
+/// A recording of which the journal consists of this line.
+fn with_journal(line: &serde_json::Value) -> (TempDir, PathBuf) {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("bag");
+    let declared = Topics::of_default_node().declared().unwrap();
+    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
+    let text = std_msgs::String {
+        data: line.to_string(),
+    };
+    let entry = Entry {
+        topic: declared
+            .iter()
+            .position(|it| it.name.ends_with("/journal"))
+            .unwrap(),
+        log_time: 0,
+        publish_time: 0,
+        data: cdr::encode(&text).unwrap().into(),
+        checkpoint: true,
+    };
+    writer.write(&entry).unwrap();
+    writer.finish().unwrap();
+    (directory, path)
+}
+
+/// Version 1 had other names and fields in its entries; only format, version and program are read.
+#[test]
+fn a_journal_of_version_1_is_refused_with_the_version_that_recorded_it() {
+    let line = serde_json::json!({
+        "format": "column_twin journal",
+        "version": 1,
+        "about": {
+            "program": "column_twin 0.1.0",
+            "build": "x86_64-linux release 0123",
+            "topics": { "~/journal": "/column_twin/journal" },
+        },
+        "entry": { "twin": { "starting_point": { "number": 0, "stamp": 0, "condition": "stands" } } },
+    });
+    let (_directory, path) = with_journal(&line);
+    let error = verify(&path).unwrap_err();
+    assert!(
+        matches!(
+            &error,
+            VerifyError::Journal(JournalError::OtherVersion { version: 1, program: Some(program), .. })
+                if program == "column_twin 0.1.0"
+        ),
+        "{error:?}"
+    );
+    let text = error.to_string();
+    assert!(
+        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 2"),
+        "{text}"
+    );
+    let mut commands = vec!["verify"];
+    if cfg!(feature = "viewer") {
+        commands.push("replay --rrd impact.rrd");
+    }
+    for command in commands {
+        let line = format!("{command} {}", path.display());
+        let (code, _, fault) = super::commands::typed(path.parent().unwrap(), &line);
+        assert_eq!(code, 2, "{command}: {fault}");
+        assert!(fault.contains("column_twin 0.1.0"), "{command}: {fault}");
+    }
+    // These commands read any recording with the definitions in it.
+    for command in ["info", "export --json --output -"] {
+        let line = format!("{command} {}", path.display());
+        let (code, _, fault) = super::commands::typed(path.parent().unwrap(), &line);
+        assert_eq!(code, 0, "{command}: {fault}");
+    }
 }

@@ -1,4 +1,4 @@
-//! A disk that fills up while a node records.
+//! A disk that becomes full while a node records.
 
 use std::fs::File;
 use std::io::Write;
@@ -16,8 +16,8 @@ use super::incoming::reader;
 use super::node::{Bytes, program, recordings, slow_impact, stopped};
 use super::small_disk::SmallDisk;
 
-/// What the node says of its recording next.
-fn said_of_recording(diagnostics: &Bytes) -> DiagnosticStatus {
+/// The next diagnostics of the recording.
+fn recording_status(diagnostics: &Bytes) -> DiagnosticStatus {
     let message = diagnostics
         .messages
         .recv_timeout(PATIENCE)
@@ -27,7 +27,7 @@ fn said_of_recording(diagnostics: &Bytes) -> DiagnosticStatus {
     said.status.into_iter().find(of_recording).expect("said")
 }
 
-/// Takes all the room that there is.
+/// Fills the disk.
 fn fill(path: &Path) {
     let mut file = File::create(path).unwrap();
     for size in [65_536, 1] {
@@ -35,10 +35,10 @@ fn fill(path: &Path) {
     }
 }
 
-/// The twin lives on, its diagnostics are an ERROR with the count, the file up to there is whole and proven, and when room
-/// comes back there is another one. The program's end says what is missing.
+/// The twin keeps running, and its diagnostics report an ERROR with the number of lost messages. The recording up to then is
+/// complete and verified, and another one starts when there is space again. The exit code reports the loss.
 #[test]
-fn a_node_outlives_a_full_disk_and_says_what_is_missing() {
+fn a_node_survives_a_full_disk_and_reports_its_losses() {
     let Some(disk) = SmallDisk::mount() else {
         return;
     };
@@ -49,18 +49,18 @@ fn a_node_outlives_a_full_disk_and_says_what_is_missing() {
     let diagnostics = Bytes::start(&mut reader, &qos::DIAGNOSTICS);
     slow_impact(&domain, "before");
     reports.messages.recv_timeout(PATIENCE).expect("a report");
-    let said = said_of_recording(&diagnostics);
+    let said = recording_status(&diagnostics);
     assert_eq!(said.level, DiagnosticStatus::OK, "{said:?}");
 
     let ballast = disk.path().join("ballast");
     fill(&ballast);
-    // Until the room is used up that was set aside before.
+    // Until the preallocated space is used up.
     let said = (0..)
         .map(|number| {
             slow_impact(&domain, &format!("without room {number}"));
             reports.messages.recv_timeout(PATIENCE).expect("a report");
             diagnostics.messages.try_iter().for_each(drop);
-            said_of_recording(&diagnostics)
+            recording_status(&diagnostics)
         })
         .take(60)
         .find(|said| said.level == DiagnosticStatus::ERROR)

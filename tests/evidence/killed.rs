@@ -1,4 +1,4 @@
-//! A node that is killed while the column moves.
+//! A node that is killed during a response.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -32,8 +32,8 @@ fn recorded(path: &Path) -> Vec<i64> {
     stamps(states.map(|it| it.data))
 }
 
-/// Kills a node so long after its column began to move; repairs and proves its recording, and says how much of what was
-/// received from it is missing there.
+/// Kills a node at a time after the column started to move, repairs and verifies its recording, and returns the duration of
+/// received states that it lacks.
 fn missing_after_a_kill(after: Duration) -> Duration {
     let directory = TempDir::new().unwrap();
     let domain = Domain::fresh();
@@ -46,7 +46,7 @@ fn missing_after_a_kill(after: Duration) -> Duration {
     std::thread::sleep(kill_at.saturating_duration_since(Instant::now()));
     node.kill().unwrap();
     node.wait().unwrap();
-    // What was on its way is there after a moment.
+    // Messages in transit arrive after a moment.
     let rest = std::iter::from_fn(|| {
         let more = states.messages.recv_timeout(Duration::from_millis(200));
         more.ok().map(|it| it.bytes().to_vec())
@@ -68,9 +68,9 @@ fn missing_after_a_kill(after: Duration) -> Duration {
 
 #[test]
 #[ignore = "slow: 20 nodes on loopback are killed"]
-fn recordings_of_twenty_killed_nodes_are_proven() {
+fn recordings_of_twenty_killed_nodes_are_verified() {
     let mut all: Vec<_> = (0..KILLS)
-        // From 0.06 s to 0.3 s of a response of a third of a second, at no multiple of anything.
+        // From 0.06 s to 0.3 s of a response of a third of a second, at irregular times.
         .map(|kill| missing_after_a_kill(Duration::from_micros(60_000 + (kill * 79_193) % 240_000)))
         .collect();
     all.sort();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::Arc;
 
 use column_twin::evidence::{NodeRecording, Topics, verify};
@@ -11,11 +11,9 @@ use column_twin::messages::cdr;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
-use column_twin::twin::Command as TwinCommand;
 use column_twin::ros::qos;
-use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact,
-};
+use column_twin::ros::{ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact};
+use column_twin::twin::Command;
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
@@ -64,7 +62,7 @@ fn recorded(path: &Path) -> BTreeMap<String, Vec<Vec<u8>>> {
 }
 
 #[test]
-fn the_recording_is_what_went_over_the_wire_and_is_proven() {
+fn the_recording_has_the_published_bytes_and_is_verified() {
     let domain = Domain::fresh();
     let directory = TempDir::new().unwrap();
     let place = directory.path().display().to_string();
@@ -85,7 +83,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
         ..LiveOptions::default()
     };
     let (twin, outputs) = LiveTwin::start(parameters, options).unwrap();
-    let node = TwinNode::start_recorded(
+    let node = TwinNode::start(
         &domain.environment,
         names,
         Arc::clone(&twin),
@@ -105,7 +103,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
             "{outcome:?}"
         );
         reports.messages.recv_timeout(PATIENCE).expect("a report");
-        let load = TwinCommand::SetParameters {
+        let load = Command::SetParameters {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
@@ -116,7 +114,7 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
             "{refused:?}"
         );
     }
-    let reset = TwinCommand::Reset {
+    let reset = Command::Reset {
         source: "test".into(),
     };
     twin.execute(reset).unwrap();
@@ -157,12 +155,12 @@ fn the_recording_is_what_went_over_the_wire_and_is_proven() {
     );
 }
 
-/// A recorder that cannot follow costs the node nothing, and what is missing is counted and accounted for.
+/// A slow recorder does not delay the node, and its losses are counted and declared.
 #[test]
-fn losses_are_counted_and_accounted_for() {
+fn losses_are_counted_and_declared() {
+    use column_twin::outgoing::RecordingTap;
     use column_twin::parameters::{RecordMode, RecordSettings};
     use column_twin::recording::RecorderOptions;
-    use column_twin::outgoing::RecordingTap;
 
     let directory = TempDir::new().unwrap();
     let record = RecordSettings {
@@ -193,7 +191,7 @@ fn losses_are_counted_and_accounted_for() {
 
 /// The program as a user starts it.
 pub fn program(domain: &Domain, directory: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_column-twin"))
+    std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"))
         .args([
             "run",
             "--ros-args",
@@ -235,7 +233,7 @@ pub fn recordings(directory: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
+fn the_recording_of_a_killed_node_is_repaired_at_the_next_start_and_verified() {
     let directory = TempDir::new().unwrap();
     let first = Domain::fresh();
     let mut node = program(&first, directory.path());
@@ -274,7 +272,7 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
     let found = recordings(directory.path());
     assert_eq!(found.len(), 3, "{found:?}");
     for path in &found {
-        // The original stays as it was left: a file without an end, in a directory without metadata.
+        // The original is unchanged: a file without an end, in a directory without metadata.
         let whole = *path != cut_off;
         let name = path.file_name().unwrap().display();
         let file = path.join(format!("{name}_0.mcap"));
@@ -286,7 +284,7 @@ fn a_killed_node_repairs_its_recording_at_the_next_start_and_it_is_proven() {
 }
 
 #[test]
-fn a_recording_that_cannot_start_is_said_at_once() {
+fn a_recording_that_cannot_start_ends_the_program() {
     let directory = TempDir::new().unwrap();
     let file = directory.path().join("file");
     std::fs::write(&file, "").unwrap();

@@ -1,4 +1,4 @@
-//! A twin by a mock clock, recorded as the node records it.
+//! A twin under a mock clock, recorded as by the node.
 
 use column_twin::column::ImpactSpecification;
 use std::path::{Path, PathBuf};
@@ -96,14 +96,14 @@ impl RecordedTwin {
         }
     }
 
-    pub fn give(&mut self, input: Command) {
+    pub fn execute(&mut self, command: Command) {
         let mut out = Vec::new();
-        let _ = self.twin.handle(input, self.now, &mut out);
+        let _ = self.twin.handle(command, self.now, &mut out);
         self.put(out);
     }
 
     pub fn hit(&mut self, event: ImpactCommand) {
-        self.give(Command::Impact(event));
+        self.execute(Command::Impact(event));
     }
 
     pub fn set(&mut self, changes: &[(&str, Value)]) {
@@ -111,19 +111,19 @@ impl RecordedTwin {
             .iter()
             .map(|(name, value)| ((*name).to_owned(), value.clone()))
             .collect();
-        self.give(Command::SetParameters {
+        self.execute(Command::SetParameters {
             changes,
             source: "test".into(),
         });
     }
 
     pub fn reset(&mut self) {
-        self.give(Command::Reset {
+        self.execute(Command::Reset {
             source: "test".into(),
         });
     }
 
-    /// One turn of a solver that wakes `nanos` later, with a slice of the forecast.
+    /// One cycle of a solver that wakes after `nanos`, with a slice of the forecast.
     pub fn advance(&mut self, nanos: Nanos) {
         self.now += nanos;
         let mut out = Vec::new();
@@ -138,7 +138,7 @@ impl RecordedTwin {
         }
     }
 
-    /// Ends the recording; where it is.
+    /// Ends the recording.
     pub fn finish(self) -> Finished {
         let statistics = self.recording.stop().expect("it ran");
         assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
@@ -148,24 +148,24 @@ impl RecordedTwin {
     }
 }
 
-/// A recording that was finished.
+/// A finished recording.
 pub struct Finished {
     directory: TempDir,
 }
 
 impl Finished {
-    /// The one recording that there is.
+    /// The path of the only recording.
     pub fn path(&self) -> PathBuf {
         the_one_recording(self.directory.path())
     }
 
-    /// All recordings that there are, in their order.
+    /// The paths of all recordings, in order.
     pub fn paths(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.directory.path()).expect("readable");
         let mut found: Vec<_> = entries
             .map(|entry| entry.expect("readable").path())
             .collect();
-        // `_2` is before `_10`.
+        // `_2` precedes `_10`.
         found.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
         found
     }
@@ -174,8 +174,8 @@ impl Finished {
         verify(&self.path()).expect("can be verified")
     }
 
-    /// Everything was compared, and is equal.
-    pub fn is_proven(&self) -> Verification {
+    /// Verifies that everything was compared, and is equal.
+    pub fn assert_verified(&self) -> Verification {
         let found = self.verify();
         assert!(found.is_equal(), "{found}");
         assert_eq!(found.unchecked, Vec::<String>::new(), "{found}");

@@ -1,4 +1,4 @@
-//! A recording that is replayed is received as it was recorded.
+//! Replayed recordings are received as they were recorded.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -31,12 +31,12 @@ fn recording() -> Finished {
 }
 
 #[derive(Default)]
-struct Script {
+struct Commands {
     commands: Vec<ReplayCommand>,
     last: Option<ReplayProgress>,
 }
 
-impl ReplayControls for Script {
+impl ReplayControls for Commands {
     fn command(&mut self) -> Option<ReplayCommand> {
         self.commands.pop()
     }
@@ -45,7 +45,7 @@ impl ReplayControls for Script {
         self.last = Some(*progress);
     }
 
-    fn say(&mut self, line: &str) {
+    fn print(&mut self, line: &str) {
         println!("{line}");
     }
 }
@@ -68,11 +68,11 @@ fn recorded(bag: &Finished, topic: &str) -> Vec<Vec<u8>> {
     of_topic.map(|it| it.data).collect()
 }
 
-/// Replays to a reader of two topics, which are remapped; what it received.
+/// Replays to a reader of two remapped topics, and returns what it received.
 fn received(
     bag: &Finished,
     rate: f64,
-    script: &mut Script,
+    user: &mut Commands,
 ) -> (Vec<Vec<u8>>, Vec<Vec<u8>>, Replayed) {
     let domain = Domain::fresh();
     let rules = [
@@ -95,7 +95,7 @@ fn received(
         rate,
         ..options(bag)
     };
-    let replayed = replay(&domain.environment, &ros.remap_rules, &options, script).unwrap();
+    let replayed = replay(&domain.environment, &ros.remap_rules, &options, user).unwrap();
     let all = |of: &Bytes, wanted: usize| -> Vec<Vec<u8>> {
         (0..wanted)
             .map_while(|_| of.messages.recv_timeout(PATIENCE).ok())
@@ -110,7 +110,7 @@ fn received(
 fn every_message_arrives_in_order_at_every_rate() {
     let bag = recording();
     for rate in [0.5, 1.0, 10.0] {
-        let (states, reports, replayed) = received(&bag, rate, &mut Script::default());
+        let (states, reports, replayed) = received(&bag, rate, &mut Commands::default());
         assert_eq!(states, recorded(&bag, "/column_state"));
         assert_eq!(reports, recorded(&bag, "/impact_report"));
         assert_eq!((replayed.sent, replayed.lost), (states.len() as u64 + 1, 0));
@@ -119,10 +119,10 @@ fn every_message_arrives_in_order_at_every_rate() {
 }
 
 #[test]
-fn keys_pause_step_and_end_it() {
+fn keys_pause_step_and_stop_a_replay() {
     let bag = recording();
-    let mut script = Script {
-        // The last is taken first.
+    let mut user = Commands {
+        // Executed from last to first.
         commands: vec![
             ReplayCommand::Stop,
             ReplayCommand::Faster,
@@ -137,14 +137,14 @@ fn keys_pause_step_and_end_it() {
         wait_for_readers: Duration::ZERO,
         ..options(&bag)
     };
-    let replayed = replay(&domain.environment, &[], &options, &mut script).unwrap();
-    let last = script.last.unwrap();
+    let replayed = replay(&domain.environment, &[], &options, &mut user).unwrap();
+    let last = user.last.unwrap();
     assert!(last.paused && last.rate > 1.0, "{last:?}");
     assert_eq!(replayed.sent, 2, "{last:?}");
 }
 
 #[test]
-fn it_tells_the_recorded_time_and_begins_again() {
+fn the_recorded_time_is_published_and_the_replay_repeated() {
     let bag = recording();
     let domain = Domain::fresh();
     let (environment, span) = (
@@ -160,16 +160,17 @@ fn it_tells_the_recorded_time_and_begins_again() {
         topics: vec!["/column_state".to_owned()],
         ..options(&bag)
     };
-    struct UntilTold(std::sync::mpsc::Receiver<()>);
-    impl ReplayControls for UntilTold {
+    struct UntilStopped(std::sync::mpsc::Receiver<()>);
+    impl ReplayControls for UntilStopped {
         fn command(&mut self) -> Option<ReplayCommand> {
             self.0.try_recv().ok().map(|()| ReplayCommand::Stop)
         }
         fn show(&mut self, _: &ReplayProgress) {}
-        fn say(&mut self, _: &str) {}
+        fn print(&mut self, _: &str) {}
     }
-    let (stop, told) = std::sync::mpsc::channel();
-    let player = thread::spawn(move || replay(&environment, &[], &options, &mut UntilTold(told)));
+    let (stop, stopped) = std::sync::mpsc::channel();
+    let player =
+        thread::spawn(move || replay(&environment, &[], &options, &mut UntilStopped(stopped)));
     let expected = recorded(&bag, "/column_state");
     for message in expected.iter().chain(&expected).chain(&expected) {
         let received = states.messages.recv_timeout(PATIENCE).expect("a state");
@@ -185,14 +186,14 @@ fn it_tells_the_recorded_time_and_begins_again() {
 }
 
 #[test]
-fn a_wrong_topic_is_said_with_those_that_there_are() {
+fn an_unknown_topic_is_rejected_with_a_list_of_all_topics() {
     let bag = recording();
     let domain = Domain::fresh();
     let options = ReplayOptions {
         topics: vec!["/nothing".to_owned()],
         ..options(&bag)
     };
-    let error = replay(&domain.environment, &[], &options, &mut Script::default()).unwrap_err();
+    let error = replay(&domain.environment, &[], &options, &mut Commands::default()).unwrap_err();
     assert!(matches!(error, ReplayError::NoSuchTopic { .. }));
     let said = error.to_string();
     assert!(
@@ -201,7 +202,7 @@ fn a_wrong_topic_is_said_with_those_that_there_are() {
     );
 }
 
-/// A state each millisecond, recorded at whole milliseconds.
+/// Writes one state per millisecond.
 fn written(directory: &Path, count: i64) -> (PathBuf, Vec<i64>) {
     let path = directory.join(format!("states_{count}"));
     let declared = Topics::of_default_node().declared().unwrap();
@@ -237,7 +238,7 @@ fn interop(file: &str) -> PathBuf {
     tests.join("interop").join(file)
 }
 
-/// The Python of the environment of other people's programs, which is built when there is none.
+/// The Python interpreter of the environment for interoperability tests, which is built if necessary.
 fn python() -> PathBuf {
     let output = Command::new(interop("environment.sh")).output().unwrap();
     assert!(output.status.success(), "environment.sh: {}", output.status);
@@ -245,7 +246,7 @@ fn python() -> PathBuf {
     Path::new(environment.trim()).join("bin/python")
 }
 
-/// Prints the table of the timing: a measurement, not a promise about this machine.
+/// Prints the measured timing, without a limit for this machine.
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop, and replays ten times slower"]
 fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
@@ -276,10 +277,11 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
             clock: None,
             wait_for_readers: PATIENCE,
         };
-        let replayed = replay(&domain.environment, &[], &options, &mut Script::default()).unwrap();
+        let replayed =
+            replay(&domain.environment, &[], &options, &mut Commands::default()).unwrap();
         let [half, most, worst] = replayed.lateness.unwrap().map(|it| 1e3 * it);
         println!(
-            "rate {rate}: sent later than due: {half:.3} ms, 99 of 100 {most:.3} ms, {worst:.3} ms at most"
+            "rate {rate}: delay: median {half:.3} ms, 99th percentile {most:.3} ms, maximum {worst:.3} ms"
         );
         let output = reader.wait_with_output().unwrap();
         print!("{}", String::from_utf8_lossy(&output.stdout));
@@ -288,7 +290,7 @@ fn rclpy_receives_all_in_order_at_a_tenth_one_and_ten() {
     }
 }
 
-/// Written by somebody else: our states and a text, in a directory of rosbag2.
+/// States and a text in a directory of rosbag2, written by another program.
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn a_recording_of_another_program_is_replayed() {
@@ -311,15 +313,15 @@ fn a_recording_of_another_program_is_replayed() {
         repeat: false,
         topics: Vec::new(),
         clock: None,
-        // Nobody reads the texts: after this it begins without.
+        // The texts have no reader, so that the replay starts after this time.
         wait_for_readers: Duration::from_secs(2),
     };
-    let mut script = Script::default();
+    let mut user = Commands::default();
     let environment = domain.environment.clone();
-    let player = thread::spawn(move || replay(&environment, &[], &options, &mut script));
+    let player = thread::spawn(move || replay(&environment, &[], &options, &mut user));
     let replayed = player.join().unwrap().unwrap();
     assert_eq!((replayed.sent, replayed.lost), (600, 0));
-    // The first ones may be gone before the reader was found.
+    // The first states may have been published before the reader was discovered.
     let received: Vec<ColumnState> = states
         .messages
         .try_iter()

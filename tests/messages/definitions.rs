@@ -306,7 +306,7 @@ fn column_parameters_lists_every_parameter() {
     let fields: Vec<_> = fields.iter().map(|field| field.name.as_str()).collect();
     assert_eq!(fields[..2], ["header", "column_id"]);
     assert_eq!(names, fields[2..]);
-    assert!(entries.iter().all(|(_, entry)| entry.leaves_as_is()));
+    assert!(entries.iter().all(|(_, entry)| entry.is_unchanged()));
 
     let message = ColumnParameters {
         top_load: f64::INFINITY,
@@ -315,7 +315,7 @@ fn column_parameters_lists_every_parameter() {
     };
     let set: Vec<_> = message
         .entries()
-        .filter(|(_, entry)| !entry.leaves_as_is())
+        .filter(|(_, entry)| !entry.is_unchanged())
         .collect();
     assert_eq!(
         set,

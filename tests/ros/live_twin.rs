@@ -26,10 +26,9 @@ impl RunningTwin {
         changes: &[(&str, Value)],
         log: Option<RosoutQueue>,
     ) -> Self {
-        let (twin, outputs) =
-            LiveTwin::start(parameters(changes), LiveOptions::default()).unwrap();
+        let (twin, outputs) = LiveTwin::start(parameters(changes), LiveOptions::default()).unwrap();
         let names = Names::new("/", "column_twin", &[]).unwrap();
-        let node = TwinNode::start(&domain.environment, names, twin, outputs, log).unwrap();
+        let node = TwinNode::start(&domain.environment, names, twin, outputs, log, None).unwrap();
         Self { node }
     }
 

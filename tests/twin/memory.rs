@@ -99,7 +99,7 @@ fn an_hour_of_traffic_keeps_no_memory() {
                 }),
                 _ => Command::Impact(light(&id, now)),
             };
-            twin.handle(input, now, out);
+            let _ = twin.handle(input, now, out);
             for _ in 0..24 {
                 twin.run_ahead(u64::MAX, now, out);
                 now += 15 * MS;

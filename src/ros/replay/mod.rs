@@ -1,4 +1,4 @@
-//! `column-twin replay`: a recording over DDS, with its timing and its very bytes.
+//! `column-twin replay`: publishes a recording over DDS, with its original bytes and timing.
 
 mod pace;
 
@@ -32,128 +32,128 @@ use pace::Pace;
 /// Name of the node.
 const NODE_NAME: &str = "column_twin_replay";
 
-/// How often keys are looked at and progress is shown.
-const LOOK: Duration = Duration::from_millis(50);
+/// Period in which keys are handled and progress is shown.
+const POLL_PERIOD: Duration = Duration::from_millis(50);
 
-/// How long a reliable reader that does not keep up is waited for before a message is lost to it.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Maximum wait for a reliable reader that does not keep up; then it loses a message.
+const SLOW_READER_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// How long readers may still ask for what they missed, at the end.
-const LAST_WORDS: Duration = Duration::from_millis(300);
+/// Time at the end in which readers can request retransmissions.
+const RETRANSMISSION_TIME: Duration = Duration::from_millis(300);
 
-/// Steps in which keys change the rate.
+/// Factor by which a key changes the rate.
 const RATE_STEP: f64 = 1.1;
 
-/// Quality of service of a topic that neither the recording nor the table of endpoints knows.
+/// Quality of service of topics for which neither the recording nor the table of endpoints has one.
 const UNKNOWN_QOS: OfferedQos = OfferedQos {
     reliable: true,
     transient_local: false,
     depth: 100,
 };
 
-/// What to replay, and how.
+/// Options of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplayOptions {
     /// The recording.
     pub bag: PathBuf,
     /// Recorded seconds per second, one of [`RATES`].
     pub rate: f64,
-    /// Begin again at the end.
+    /// Start again at the end.
     pub repeat: bool,
-    /// Topics to replay, by their recorded names; empty: all but the journal, which nobody has sent.
+    /// Topics to replay, by their recorded names; empty: all but the journal, which was never published.
     pub topics: Vec<String>,
-    /// How often to publish `/clock` \[Hz\]; `None`: not at all.
+    /// Rate of `/clock` \[Hz\]; `None`: it is not published.
     pub clock: Option<f64>,
-    /// How long to wait at the beginning until every topic has a reader.
+    /// Maximum initial wait until every topic has a reader.
     pub wait_for_readers: Duration,
 }
 
-/// What a person asks for while it is replayed.
+/// A command of the user during a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReplayCommand {
-    /// Pause, or go on.
+    /// Pause or resume.
     TogglePause,
-    /// While it is paused: the next message.
+    /// Publish the next message while paused.
     Next,
-    /// A tenth faster.
+    /// Increase the rate by 10 %.
     Faster,
-    /// A tenth slower.
+    /// Decrease the rate by 10 %.
     Slower,
-    /// The end.
+    /// Stop the replay.
     Stop,
 }
 
-/// Where a replay is.
+/// The progress of a replay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayProgress {
-    /// Recorded time since the beginning.
+    /// Recorded time since the start of the recording.
     pub played: Duration,
-    /// Recorded time from beginning to end.
+    /// Duration of the recording.
     pub whole: Duration,
-    /// Messages that were sent.
+    /// Messages sent.
     pub sent: u64,
     /// Recorded seconds per second.
     pub rate: f64,
-    /// It is paused.
+    /// Whether the replay is paused.
     pub paused: bool,
 }
 
-/// A person at a replay.
+/// The user interface of a replay.
 pub trait ReplayControls {
-    /// What is asked for since the last time; called often, must not wait.
+    /// The next command of the user, if there is one. Called often; must not wait.
     fn command(&mut self) -> Option<ReplayCommand>;
-    /// Where the replay is.
+    /// Shows the progress.
     fn show(&mut self, progress: &ReplayProgress);
-    /// A line of text.
-    fn say(&mut self, line: &str);
+    /// Prints a line of text.
+    fn print(&mut self, line: &str);
 }
 
-/// What was replayed.
+/// The result of a replay.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Replayed {
-    /// Messages that were sent.
+    /// Messages sent.
     pub sent: u64,
-    /// Messages that could not be sent: a reader did not keep up, or they are no plain CDR.
+    /// Messages that could not be sent, because a reader did not keep up or they are not plain CDR.
     pub lost: u64,
-    /// How late messages were sent: half of them, 99 of 100, all of them at most \[s\].
+    /// Delay of the messages: median, 99th percentile and maximum \[s\].
     pub lateness: Option<[f64; 3]>,
 }
 
-/// Why a recording is not replayed.
+/// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// It cannot be read.
+    /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A name that is none.
+    /// A name is not valid.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// No node.
+    /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// No handler.
+    /// Signal handling cannot be set up.
     #[error("signals cannot be handled: {0}")]
     Signals(#[from] std::io::Error),
-    /// A topic that is not there.
-    #[error("--topics: {wanted} is not in the recording; there are: {}", found.join(", "))]
+    /// A selected topic is not in the recording.
+    #[error("--topics: the recording has no topic {wanted}; expected one of {}", found.join(", "))]
     NoSuchTopic {
-        /// What was asked for.
+        /// The selected topic.
         wanted: String,
-        /// What is there.
+        /// The topics of the recording.
         found: Vec<String>,
     },
-    /// Nothing to do.
-    #[error("there is no message to replay in {}", bag.display())]
+    /// The recording is empty.
+    #[error("{} contains no messages to replay", bag.display())]
     Nothing {
         /// The recording.
         bag: PathBuf,
     },
 }
 
-/// Replays until the end, or until it is told to stop.
+/// Replays a recording until its end, or until the user stops it.
 ///
 /// # Errors
-/// The recording cannot be read, or there is no node to be had.
+/// The recording cannot be read, or the node cannot be created.
 pub fn replay(
     environment: &Environment,
     rules: &[RemapRule],
@@ -190,8 +190,8 @@ pub fn replay(
         signals,
         controls,
         replayed: Replayed::default(),
-        lateness: Lateness::default(),
-        next_look: 0,
+        delays: Delays::default(),
+        next_poll: 0,
     };
     let played = player.play();
     if player
@@ -199,22 +199,22 @@ pub fn replay(
         .iter()
         .any(|it| node.matches().count(it.publisher.guid()) > 0)
     {
-        // The one place that cannot wait for an event: ros2-client does not say what is acknowledged.
-        thread::sleep(LAST_WORDS);
+        // ros2-client does not report acknowledgements, so that there is no event to wait for.
+        thread::sleep(RETRANSMISSION_TIME);
     }
     let Player {
         mut replayed,
-        lateness,
+        delays,
         channels,
         ..
     } = player;
-    replayed.lateness = lateness.quantiles();
+    replayed.lateness = delays.quantiles();
     task.stop();
     drop(channels);
     Ok(played.map(|()| replayed)?)
 }
 
-/// A topic that is replayed.
+/// A replayed topic.
 struct Channel {
     recorded: Arc<str>,
     resolved: String,
@@ -239,8 +239,8 @@ fn channels(
     }
     let chosen = |topic: &&RecordedTopic| match options.topics.is_empty() {
         true => {
-            let own_clock = options.clock.is_some() && *topic.name == *endpoints::CLOCK.name;
-            !recording::is_journal(topic) && !own_clock
+            let replaces_clock = options.clock.is_some() && *topic.name == *endpoints::CLOCK.name;
+            !recording::is_journal(topic) && !replaces_clock
         }
         false => options
             .topics
@@ -262,23 +262,19 @@ fn channels(
         .collect()
 }
 
-/// As it was offered when it was recorded, else as the node offers it.
+/// The recorded quality of service of a topic, or else that of the node.
 fn profile(topic: &RecordedTopic) -> QosProfile {
     let of_table = || {
         let endpoint = ENDPOINTS.iter().find(|endpoint| {
             *endpoint.type_name == *topic.type_name && topic.name.ends_with(endpoint.name)
         })?;
-        Some(OfferedQos {
-            reliable: endpoint.qos.reliable,
-            transient_local: endpoint.qos.transient_local,
-            depth: endpoint.qos.depth,
-        })
+        Some(OfferedQos::from(&endpoint.qos))
     };
     let offered = topic.qos.or_else(of_table).unwrap_or(UNKNOWN_QOS);
     QosProfile {
         reliability: match offered.reliable {
             true => Reliability::Reliable {
-                when_full: WhenFull::Wait(PATIENCE),
+                when_full: WhenFull::Wait(SLOW_READER_TIMEOUT),
             },
             false => Reliability::BestEffort,
         },
@@ -299,33 +295,33 @@ fn profile(topic: &RecordedTopic) -> QosProfile {
 fn wait_for_readers(
     node: &Node,
     channels: &[Channel],
-    patience: Duration,
+    timeout: Duration,
     signals: &StopSignals,
     controls: &mut dyn ReplayControls,
 ) {
-    if patience.is_zero() {
+    if timeout.is_zero() {
         return;
     }
-    let deadline = Instant::now() + patience;
+    let deadline = Instant::now() + timeout;
     let matches = node.matches();
     for channel in channels {
         let mut found = false;
         while !found && !signals.asked() && Instant::now() < deadline {
-            let until = (Instant::now() + LOOK).min(deadline);
+            let until = (Instant::now() + POLL_PERIOD).min(deadline);
             found = matches.wait_for(channel.publisher.guid(), 1, until);
         }
-        // The time that is left for the later ones may have been spent on the first.
+        // The wait for earlier channels may have used up the time, although this one has a reader.
         if !found && matches.count(channel.publisher.guid()) == 0 {
-            controls.say(&format!("nobody reads {} yet", channel.resolved));
+            controls.print(&format!("no reader for {} yet", channel.resolved));
         }
     }
 }
 
-/// `/clock`.
+/// Publishes `/clock`.
 struct ClockTopic {
     publisher: Publisher<Raw>,
     period: i64,
-    /// Monotonic \[ns\].
+    /// When the next message is due, in monotonic time \[ns\].
     next: i64,
 }
 
@@ -355,7 +351,7 @@ impl ClockTopic {
         let clock = Time::from_nanos(recorded).map(|clock| Clock { clock });
         let bytes = clock.and_then(|clock| cdr::encode(&clock).ok());
         if let Some(Ok(raw)) = bytes.map(|bytes| Raw::new(bytes.into())) {
-            // The next tick says it anew.
+            // The next message replaces a lost one.
             let _ = self.publisher.publish(raw);
         }
     }
@@ -370,12 +366,12 @@ struct Player<'a> {
     signals: StopSignals,
     controls: &'a mut dyn ReplayControls,
     replayed: Replayed,
-    lateness: Lateness,
-    /// Monotonic \[ns\].
-    next_look: i64,
+    delays: Delays,
+    /// When to poll next, in monotonic time \[ns\].
+    next_poll: i64,
 }
 
-/// What a wait ended with.
+/// Why a wait ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Waited {
     Due,
@@ -407,7 +403,7 @@ impl Player<'_> {
                 return Ok(Waited::Stop);
             }
             if let Some(due) = pace.due(message.log_time) {
-                self.lateness.note(now().saturating_sub(due));
+                self.delays.add(now().saturating_sub(due));
             }
             let sent = Raw::new(message.data.into())
                 .ok()
@@ -420,12 +416,12 @@ impl Player<'_> {
         Ok(self.wait_for(self.span.1, pace))
     }
 
-    /// Waits until a recorded instant is due, with an eye on keys, signals and the clock.
+    /// Waits until a recorded time is due, and meanwhile handles keys and signals and publishes the clock.
     fn wait_for(&mut self, recorded: i64, pace: &mut Pace) -> Waited {
         loop {
-            let present = now();
-            if present >= self.next_look {
-                self.next_look = present + LOOK.as_nanos() as i64;
+            let now = now();
+            if now >= self.next_poll {
+                self.next_poll = now + POLL_PERIOD.as_nanos() as i64;
                 self.show(pace);
                 if self.signals.asked() {
                     return Waited::Stop;
@@ -433,10 +429,10 @@ impl Player<'_> {
                 while let Some(command) = self.controls.command() {
                     match command {
                         ReplayCommand::Stop => return Waited::Stop,
-                        ReplayCommand::TogglePause if pace.is_paused() => pace.resume(present),
-                        ReplayCommand::TogglePause => pace.pause(present),
-                        ReplayCommand::Faster => pace.set_rate(pace.rate() * RATE_STEP, present),
-                        ReplayCommand::Slower => pace.set_rate(pace.rate() / RATE_STEP, present),
+                        ReplayCommand::TogglePause if pace.is_paused() => pace.resume(now),
+                        ReplayCommand::TogglePause => pace.pause(now),
+                        ReplayCommand::Faster => pace.set_rate(pace.rate() * RATE_STEP, now),
+                        ReplayCommand::Slower => pace.set_rate(pace.rate() / RATE_STEP, now),
                         ReplayCommand::Next if pace.is_paused() => {
                             pace.skip_to(recorded);
                             return Waited::Due;
@@ -446,14 +442,14 @@ impl Player<'_> {
                 }
             }
             if let Some(clock) = &mut self.clock {
-                clock.tick(present, pace.position(present).min(self.span.1));
+                clock.tick(now, pace.position(now).min(self.span.1));
             }
             let due = pace.due(recorded);
-            if due.is_some_and(|due| due <= present) {
+            if due.is_some_and(|due| due <= now) {
                 return Waited::Due;
             }
             let tick = self.clock.as_ref().map_or(i64::MAX, |it| it.next);
-            sleep_until(due.unwrap_or(i64::MAX).min(self.next_look).min(tick));
+            sleep_until(due.unwrap_or(i64::MAX).min(self.next_poll).min(tick));
         }
     }
 
@@ -482,18 +478,18 @@ fn sleep_until(deadline: i64) {
         tv_sec: deadline.div_euclid(NANOS_PER_SECOND),
         tv_nsec: deadline.rem_euclid(NANOS_PER_SECOND) as _,
     };
-    // A signal ends it early: the caller looks at the clock anyway.
+    // A signal may end the wait early; the caller reads the clock anyway.
     let _ = clock_nanosleep_absolute(ClockId::Monotonic, &request);
 }
 
-/// How late messages were sent, as counts in classes that grow by a tenth: bounded, however long the replay is.
+/// A histogram of the delays of messages with logarithmic classes, whose size does not depend on the length of the replay.
 #[derive(Debug, Clone)]
-struct Lateness {
-    classes: [u64; Lateness::CLASSES],
+struct Delays {
+    classes: [u64; Delays::CLASSES],
     worst: i64,
 }
 
-impl Default for Lateness {
+impl Default for Delays {
     fn default() -> Self {
         Self {
             classes: [0; Self::CLASSES],
@@ -502,18 +498,18 @@ impl Default for Lateness {
     }
 }
 
-impl Lateness {
+impl Delays {
     const CLASSES: usize = 256;
     const GROWTH: f64 = 1.1;
 
-    fn note(&mut self, nanos: i64) {
+    fn add(&mut self, nanos: i64) {
         let nanos = nanos.max(0);
         self.worst = self.worst.max(nanos);
         let class = ((nanos as f64).max(1.0).ln() / Self::GROWTH.ln()) as usize;
         self.classes[class.min(Self::CLASSES - 1)] += 1;
     }
 
-    /// \[s\]
+    /// Median, 99th percentile and maximum \[s\]; `None` if there are no delays.
     fn quantiles(&self) -> Option<[f64; 3]> {
         let all: u64 = self.classes.iter().sum();
         let below = |share: f64| {
@@ -534,11 +530,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_are_within_a_tenth() {
-        let mut lateness = Lateness::default();
-        assert_eq!(lateness.quantiles(), None);
-        (1..=1000).for_each(|k| lateness.note(k * 1000));
-        let [half, most, worst] = lateness.quantiles().expect("noted");
+    fn quantiles_are_accurate_to_a_tenth() {
+        let mut delays = Delays::default();
+        assert_eq!(delays.quantiles(), None);
+        (1..=1000).for_each(|k| delays.add(k * 1000));
+        let [half, most, worst] = delays.quantiles().expect("noted");
         assert!((0.5e-3..0.56e-3).contains(&half), "{half}");
         assert!((0.99e-3..=1e-3).contains(&most), "{most}");
         assert_eq!(worst, 1e-3);

@@ -1,19 +1,19 @@
-//! When each message of a recording is due.
+//! The due times of recorded messages.
 
-/// Slowest and fastest replay, in recorded seconds per second.
+/// Admissible rates of a replay, in recorded seconds per second.
 pub const RATES: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 
-/// From recorded time to monotonic time, both in nanoseconds. Deadlines are absolute: lateness does not add up.
+/// Maps recorded time to monotonic time, both in nanoseconds. Due times are absolute, so that delays do not accumulate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pace {
     rate: f64,
-    /// A recorded instant and when it is due.
+    /// A recorded time and the monotonic time at which it is due.
     anchor: (i64, i64),
     paused: bool,
 }
 
 impl Pace {
-    /// The recorded instant `first` is due at `now`.
+    /// Starts the replay: the recorded time `first` is due at `now`.
     pub fn new(rate: f64, first: i64, now: i64) -> Self {
         Self {
             rate: rate.clamp(*RATES.start(), *RATES.end()),
@@ -22,15 +22,15 @@ impl Pace {
         }
     }
 
-    /// When a recorded instant is due; `None` while it is paused.
+    /// When a recorded time is due; `None` while paused.
     pub fn due(&self, recorded: i64) -> Option<i64> {
         let (first, at) = self.anchor;
         let since = recorded.saturating_sub(first) as f64 / self.rate;
-        // A float holds the nanoseconds of 100 days; `as` saturates.
+        // A float represents 100 days in nanoseconds exactly; `as` saturates.
         (!self.paused).then(|| at.saturating_add(since.round() as i64))
     }
 
-    /// The recorded instant that is played at `now`.
+    /// The recorded time that is replayed at `now`.
     pub fn position(&self, now: i64) -> i64 {
         let (first, at) = self.anchor;
         if self.paused {
@@ -58,7 +58,7 @@ impl Pace {
         self.paused = false;
     }
 
-    /// While it is paused: on to a later instant.
+    /// Advances to a later recorded time while paused.
     pub fn skip_to(&mut self, recorded: i64) {
         self.anchor.0 = self.anchor.0.max(recorded);
     }
@@ -76,7 +76,7 @@ mod tests {
     const S: i64 = 1_000_000_000;
 
     #[test]
-    fn a_rate_stretches_and_squeezes() {
+    fn the_rate_scales_the_time() {
         for (rate, due) in [(0.1, 20 * S), (1.0, 2 * S), (10.0, S / 5)] {
             let pace = Pace::new(rate, 100 * S, 7);
             assert_eq!(pace.due(102 * S), Some(7 + due));
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pause_moves_everything_behind_it() {
+    fn a_pause_delays_everything_after_it() {
         let mut pace = Pace::new(2.0, 0, 0);
         pace.pause(S);
         assert_eq!((pace.due(3 * S), pace.position(50 * S)), (None, 2 * S));
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn no_instant_overflows_it() {
+    fn extreme_times_do_not_overflow() {
         let pace = Pace::new(0.0, i64::MIN, i64::MAX);
         assert_eq!(pace.due(i64::MAX), Some(i64::MAX));
         assert_eq!(pace.position(i64::MIN), i64::MIN);

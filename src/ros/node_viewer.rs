@@ -1,4 +1,4 @@
-//! The viewer beside the node, as the parameters `viewer.*` say.
+//! The viewer of a node, as configured by the parameters `viewer.*`.
 
 use std::sync::Arc;
 
@@ -8,18 +8,18 @@ use crate::parameters::{Parameters, ViewerMode};
 #[cfg(feature = "viewer")]
 use crate::viewer::{LiveViewer, ViewerError, output_queue};
 
-/// Name of the queue of outputs to the viewer.
+/// Name of the output queue to the viewer.
 pub(super) const QUEUE: &str = "viewer";
 
-/// A viewer that may be there.
+/// The viewer of a node, if there is one.
 #[derive(Default)]
-pub(super) struct Pictures {
+pub(super) struct NodeViewer {
     #[cfg(feature = "viewer")]
     viewer: Option<LiveViewer>,
 }
 
-impl Pictures {
-    /// Stops within a second, whatever the viewer does.
+impl NodeViewer {
+    /// Stops within a second, even if the viewer does not respond.
     pub fn stop(self) {
         #[cfg(feature = "viewer")]
         if let Some(viewer) = self.viewer {
@@ -28,8 +28,8 @@ impl Pictures {
     }
 }
 
-/// Adds the viewer's queue to those of the twin's outputs, where there is to be a viewer.
-pub(super) fn ask_for_outputs(parameters: &Parameters, options: &mut LiveOptions) {
+/// Adds the queue to the viewer to the outputs of the twin, if the parameters enable the viewer.
+pub(super) fn add_queue(parameters: &Parameters, options: &mut LiveOptions) {
     if parameters.settings().viewer.mode == ViewerMode::Off {
         return;
     }
@@ -39,43 +39,43 @@ pub(super) fn ask_for_outputs(parameters: &Parameters, options: &mut LiveOptions
     {
         let _ = options;
         tracing::warn!(
-            "viewer.mode has no effect: this program was built without the feature `viewer`"
+            "viewer.mode has no effect, because this program was built without the feature `viewer`"
         );
     }
 }
 
-/// Starts the viewer's thread, where there is to be one.
+/// Starts the viewer if its queue exists.
 ///
 /// # Errors
-/// There is no thread.
+/// The thread cannot be started.
 #[cfg(feature = "viewer")]
 pub(super) fn start(
     parameters: &Arc<Parameters>,
     handle: &LiveHandle,
     now: i64,
-) -> std::io::Result<Pictures> {
+) -> std::io::Result<NodeViewer> {
     let Some(outputs) = handle.outputs(QUEUE) else {
-        return Ok(Pictures::default());
+        return Ok(NodeViewer::default());
     };
-    match LiveViewer::start(parameters, outputs, now, Arc::new(tell)) {
-        Ok(viewer) => Ok(Pictures { viewer }),
+    match LiveViewer::start(parameters, outputs, now, Arc::new(log)) {
+        Ok(viewer) => Ok(NodeViewer { viewer }),
         Err(ViewerError::Thread(error)) => Err(error),
         Err(error) => Err(std::io::Error::other(error)),
     }
 }
 
-/// There is none.
+/// Does nothing without the feature `viewer`.
 #[cfg(not(feature = "viewer"))]
 pub(super) fn start(
     _parameters: &Arc<Parameters>,
     _handle: &LiveHandle,
     _now: i64,
-) -> std::io::Result<Pictures> {
-    Ok(Pictures::default())
+) -> std::io::Result<NodeViewer> {
+    Ok(NodeViewer::default())
 }
 
 #[cfg(feature = "viewer")]
-fn tell(severity: crate::twin::Severity, text: String) {
+fn log(severity: crate::twin::Severity, text: String) {
     use crate::twin::Severity::{Error, Info, Warning};
     match severity {
         Info => tracing::info!("viewer: {text}"),
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_queue_has_its_name() {
+    fn the_viewer_reads_the_queue_of_this_name() {
         assert_eq!(output_queue().name, QUEUE);
     }
 }

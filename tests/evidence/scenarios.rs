@@ -1,4 +1,4 @@
-//! Whatever happens to a twin, its recording is what the model gives.
+//! Recordings of many scenarios are equal to their recomputation.
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::verify;
@@ -13,7 +13,7 @@ fn one_impact() {
     let mut twin = RecordedTwin::new(parameters());
     twin.hit(event("a", twin.now));
     twin.until_rest();
-    let found = twin.finish().is_proven();
+    let found = twin.finish().assert_verified();
     assert!(found.topics.iter().all(|it| it.compared > 0), "{found}");
     assert_eq!(
         (found.checkpoints, found.states_at_rest, found.inputs),
@@ -40,7 +40,7 @@ fn damage_over_several_impacts_with_changes_in_between() {
         twin.advance(MS);
     }
     assert!(twin.twin.status(twin.now).residual_v1 > 0.0);
-    twin.finish().is_proven();
+    twin.finish().assert_verified();
 }
 
 #[test]
@@ -57,13 +57,13 @@ fn a_second_impact_during_the_response_on_time_late_and_early() {
             ..event("b", twin.now + offset * MS)
         });
         twin.until_rest();
-        twin.finish().is_proven();
+        twin.finish().assert_verified();
     }
 }
 
-/// Taken back into a response that is over; and the same where the recording does not reach back to it.
+/// The response that was over is resumed.
 #[test]
-fn an_impact_that_comes_after_the_end_of_the_response_that_it_hits() {
+fn an_impact_that_arrives_after_the_end_of_the_response_to_which_it_belongs() {
     let mut twin = RecordedTwin::new(parameters());
     let stamp = twin.now;
     twin.hit(event("a", stamp));
@@ -73,11 +73,11 @@ fn an_impact_that_comes_after_the_end_of_the_response_that_it_hits() {
     twin.until_rest();
     twin.hit(event("c", twin.now));
     twin.until_rest();
-    twin.finish().is_proven();
+    twin.finish().assert_verified();
 }
 
 #[test]
-fn a_change_that_waits_and_a_reset_that_breaks_off() {
+fn a_waiting_parameter_change_and_a_reset_during_a_response() {
     let mut twin = RecordedTwin::new(parameters());
     twin.hit(event("a", twin.now));
     (0..5).for_each(|_| twin.advance(MS));
@@ -98,11 +98,11 @@ fn a_change_that_waits_and_a_reset_that_breaks_off() {
         ..event("a", twin.now)
     });
     twin.until_rest();
-    twin.finish().is_proven();
+    twin.finish().assert_verified();
 }
 
 #[test]
-fn a_collapse_and_everything_that_is_refused() {
+fn a_collapse_and_rejected_commands() {
     let mut twin = RecordedTwin::new(parameters());
     twin.set(&[("top.load", Value::from(2e6))]);
     let now = twin.now;
@@ -155,12 +155,12 @@ fn a_collapse_and_everything_that_is_refused() {
     twin.hit(event("after", twin.now));
     twin.advance(MS);
     twin.reset();
-    twin.hit(event("anew", twin.now));
+    twin.hit(event("new", twin.now));
     twin.until_rest();
-    twin.finish().is_proven();
+    twin.finish().assert_verified();
 }
 
-/// A twin that is behind is given things between its calls.
+/// Commands arrive while the twin is behind the clock.
 #[test]
 fn a_twin_that_catches_up() {
     let mut twin = RecordedTwin::new(parameters());
@@ -172,12 +172,11 @@ fn a_twin_that_catches_up() {
     twin.advance(0);
     twin.hit(event("c", stamp + 600 * MS));
     twin.until_rest();
-    twin.finish().is_proven();
+    twin.finish().assert_verified();
 }
 
-/// Of the time at rest, only what something has led to.
 #[test]
-fn the_mode_events_leaves_the_time_at_rest_out() {
+fn the_mode_events_records_little_while_the_column_is_at_rest() {
     let count = |mode| {
         let mut twin = RecordedTwin::with_mode(parameters(), mode);
         (0..20).for_each(|_| twin.advance(1_000 * MS));
@@ -186,7 +185,7 @@ fn the_mode_events_leaves_the_time_at_rest_out() {
         (0..20).for_each(|_| twin.advance(1_000 * MS));
         twin.hit(event("a", twin.now));
         (0..20).for_each(|_| twin.advance(1_000 * MS));
-        let found = twin.finish().is_proven();
+        let found = twin.finish().assert_verified();
         (found.topics[0].compared, found.topics[4].compared)
     };
     let ((states, few), (all_states, many)) =
@@ -212,11 +211,12 @@ fn of_size(max_file_size: u64) -> RecordedTwin {
     RecordedTwin::with_options(parameters(), RecordMode::Always, limited)
 }
 
-/// Each begins with a checkpoint and can be proven without the others; what reaches back before it is said.
+/// Each recording begins with a checkpoint and can be verified without the others; it states what it cannot check because it
+/// belongs to an earlier one.
 #[test]
-fn every_recording_stands_for_itself() {
-    // Passed by most impacts, and never twice by one: there a recording ends in any case. When a limit is seen to be
-    // passed depends on when the recorder's thread writes.
+fn every_recording_can_be_verified_alone() {
+    // Most impacts exceed the limit, and none exceeds it twice, where a recording would have to end during a response. The
+    // timing of the recorder's thread decides when it notices.
     let mut twin = of_size(size_of_one_impact() * 6 / 10);
     let mut stamp = twin.now;
     for id in ["a", "b", "c"] {
@@ -230,7 +230,7 @@ fn every_recording_stands_for_itself() {
     let recordings = twin.finish();
     let paths = recordings.paths();
     assert!(paths.len() > 1, "{paths:?}");
-    let mut reach_back = 0;
+    let mut incomplete = 0;
     for (index, path) in paths.iter().enumerate() {
         let found = verify(path).expect("can be verified");
         assert!(found.is_equal(), "{found}");
@@ -238,16 +238,16 @@ fn every_recording_stands_for_itself() {
         let whole = found.unchecked.is_empty();
         let all = found.topics.iter().map(|it| it.recorded).sum::<u64>();
         assert_eq!(found.compared() == all, whole, "{index}: {found}");
-        reach_back += usize::from(!whole);
+        incomplete += usize::from(!whole);
     }
-    // At most the one that begins after the response that the late impact belongs into.
-    assert!(reach_back < 2, "{reach_back} of {paths:?}");
+    // At most the recording that begins after the response to which the late impact belongs.
+    assert!(incomplete < 2, "{incomplete} of {paths:?}");
 }
 
-/// One that had to begin in the middle of a response is not taken for a forged one: what cannot be checked is said.
+/// The result states what could not be checked.
 #[test]
-fn a_recording_that_begins_in_the_middle_is_no_forgery() {
-    // Less than an impact, more than what every recording begins with: else they would begin a hundred times a second.
+fn a_recording_that_begins_during_a_response_is_no_forgery() {
+    // Less than one impact, but more than the beginning of every recording, so that not every message starts a new one.
     let mut twin = of_size(size_of_one_impact() * 4 / 10);
     for id in ["a", "b"] {
         twin.hit(event(id, twin.now));
@@ -264,14 +264,14 @@ fn a_recording_that_begins_in_the_middle_is_no_forgery() {
         let found = verify(path).expect("can be verified");
         assert!(!found.is_contradicted(), "{found}");
         assert_eq!(found.is_equal(), found.compared() > 0, "{found}");
-        // An entry of the journal may be missing that no message needs.
+        // A missing entry of the journal may affect no message.
         assert!(
             found.unchecked_messages() == 0 || !found.unchecked.is_empty(),
             "{found}"
         );
         unchecked += usize::from(!found.unchecked.is_empty());
     }
-    // How many depends on when the recorder's thread writes; the first begins at rest.
+    // The number depends on the timing of the recorder's thread; the first recording begins at rest.
     assert!(unchecked < paths.len(), "{unchecked} of {}", paths.len());
 }
 
@@ -308,9 +308,9 @@ fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
     }
 }
 
-/// Random courses, with turns of all lengths: what is computed anew takes other strides than the recorded twin did.
+/// Random commands and intervals between calls: the recomputation advances in other strides than the recorded twin.
 #[test]
-fn random_courses() {
+fn random_scenarios() {
     let mut responses = 0;
     for seed in 0..60 {
         let random = &mut Random(seed);
@@ -338,7 +338,7 @@ fn random_courses() {
         }
         twin.until_rest();
         responses += twin.twin.position().response;
-        twin.finish().is_proven();
+        twin.finish().assert_verified();
     }
     assert!(responses > 300, "{responses}");
 }

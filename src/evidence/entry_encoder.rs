@@ -1,28 +1,28 @@
-//! Makes entries of a recording.
+//! Encodes messages and journal entries as entries of a recording.
 
 use std::sync::Arc;
 
 use super::about::About;
-use super::journal_line::{JournalError, Line, LineEntry};
+use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::recording::Entry;
 use crate::twin::Journal;
 
-/// Makes entries of a recording of these topics.
+/// Encodes messages and journal entries for a recording.
 #[derive(Debug)]
-pub(super) struct Entries {
+pub(super) struct EntryEncoder {
     about: About,
 }
 
-impl Entries {
+impl EntryEncoder {
     pub fn new(topics: &Topics) -> Self {
         Self {
             about: About::this_program(topics.by_endpoint()),
         }
     }
 
-    /// A message; `None` for one of a topic that is not recorded.
+    /// A message; `None` if its topic is not recorded.
     pub fn message(
         endpoint: &Endpoint,
         data: Arc<[u8]>,
@@ -41,11 +41,12 @@ impl Entries {
     /// An entry of the twin's journal.
     pub fn journal(&self, entry: &Journal, time: i64) -> Result<Option<Entry>, JournalError> {
         let about = matches!(entry, Journal::Checkpoint(_)).then(|| self.about.clone());
-        Self::line(&Line::new(LineEntry::Twin(entry.clone()), about), time)
+        let line = JournalLine::new(JournalEntry::Twin(entry.clone()), about);
+        Self::line(&line, time)
     }
 
-    /// An entry of the node's.
-    pub fn line(line: &Line, time: i64) -> Result<Option<Entry>, JournalError> {
+    /// A line of the journal.
+    pub fn line(line: &JournalLine, time: i64) -> Result<Option<Entry>, JournalError> {
         let data = line.encode()?.into();
         Ok(
             Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
