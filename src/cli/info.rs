@@ -9,9 +9,7 @@ use serde_json::{Value as Json, json};
 
 use super::repair::failure;
 use super::{Exit, Failure};
-use crate::recording::{
-    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError,
-};
+use crate::recording::{self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError};
 
 /// What `column-twin info` is told.
 #[derive(Debug, Args)]
