@@ -12,9 +12,9 @@ use std::ops::ControlFlow;
 use std::sync::mpsc::channel;
 use std::thread;
 
+use column_twin::column::ImpactSpecification;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact,
-    watch,
+    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact, watch,
 };
 use signal_hook::consts::SIGTERM;
 
@@ -46,11 +46,13 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     let impact = ImpactOptions {
         column_id: "a3".to_owned(),
         event_id: Some("e1".to_owned()),
-        mass: 1500.0,
-        velocity: 1.0,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 1.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
         match_timeout: PATIENCE,
         answer_timeout: PATIENCE,
     };

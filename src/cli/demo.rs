@@ -12,6 +12,7 @@ use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::failure::{Exit, Failure, LinePrinter};
+use crate::column::ImpactSpecification;
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::evidence;
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
@@ -266,11 +267,13 @@ fn follow(
     let options = ImpactOptions {
         column_id: "heb220_paper".to_owned(),
         event_id: Some("demo-1".to_owned()),
-        mass: arguments.mass,
-        velocity: arguments.velocity,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass: arguments.mass,
+            velocity: arguments.velocity,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
         match_timeout: TIMEOUT,
         answer_timeout: TIMEOUT,
     };

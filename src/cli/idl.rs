@@ -28,7 +28,8 @@ pub fn run(_: &IdlArgs, out: &mut impl Write) -> Result<(), Failure> {
         .filter_map(|endpoint| Some((endpoint, messages::find(endpoint.type_name)?)))
         .collect();
     let types: Vec<_> = topics.iter().map(|(_, interface)| *interface).collect();
-    let definitions = idl(&types, messages::INTERFACES).map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let definitions =
+        idl(&types, messages::INTERFACES).map_err(|error| Failure::plain(Exit::Failed, error))?;
     let mut text = HEAD.to_owned();
     for (endpoint, interface) in topics {
         text += &topic(endpoint, &interface.dds_name());

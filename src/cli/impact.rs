@@ -9,7 +9,9 @@ use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::environment;
 use crate::parameters::Parameters;
-use crate::ros::{ClientError, ImpactOutcome, RosArguments, report_line, send_impact};
+use crate::ros::{
+    ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
+};
 
 /// Arguments of `column-twin impact`.
 #[derive(Debug, Args)]
@@ -48,10 +50,13 @@ pub fn run(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
-    let options =
-        arguments
-            .impact
-            .to_send(arguments.column.clone(), arguments.event.clone(), timeout);
+    let options = ImpactOptions {
+        column_id: arguments.column.clone(),
+        event_id: arguments.event.clone(),
+        impact: arguments.impact.specification(),
+        match_timeout: timeout,
+        answer_timeout: timeout,
+    };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
     let outcome =

@@ -2,6 +2,9 @@
 
 use clap::Args;
 
+#[cfg(feature = "ros")]
+use crate::column::ImpactSpecification;
+
 /// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
@@ -44,25 +47,16 @@ impl ImpactSpecificationArgs {
             .collect()
     }
 
-    /// The options as an impact to send to a twin, for a command that requires mass and velocity.
+    /// The options as an impact for a twin, for a command that requires mass and velocity.
     #[cfg(feature = "ros")]
-    pub fn to_send(
-        &self,
-        column_id: String,
-        event_id: Option<String>,
-        timeout: std::time::Duration,
-    ) -> crate::ros::ImpactOptions {
-        crate::ros::ImpactOptions {
-            column_id,
-            event_id,
+    pub fn specification(&self) -> ImpactSpecification {
+        ImpactSpecification {
             // clap requires both; a twin would reject NaN.
             mass: self.mass.unwrap_or(f64::NAN),
             velocity: self.velocity.unwrap_or(f64::NAN),
             gap: self.gap,
             restitution: self.restitution,
             height: self.height,
-            match_timeout: timeout,
-            answer_timeout: timeout,
         }
     }
 }

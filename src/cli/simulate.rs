@@ -21,7 +21,9 @@ use crate::column::{
 use crate::evidence::SimulatedRecordingError;
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, HistoryThinning};
-use crate::parameters::{Parameters, parse_override};
+use crate::parameters::{
+    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
+};
 #[cfg(feature = "record")]
 use crate::recording::RecordingError;
 #[cfg(feature = "viewer")]
@@ -194,7 +196,10 @@ impl Case {
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
         let mut overrides = arguments.parameter.clone();
         overrides.extend(arguments.impact.overrides());
-        let mut parameters = load(&arguments.config, &overrides)?;
+        let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
+        for warning in &warnings {
+            eprintln!("Warning: {warning}");
+        }
         if let Some(height) = arguments.impact.height() {
             let column = parameters.column_properties();
             let total = column.length_below + column.length_above;
@@ -203,7 +208,7 @@ impl Case {
             }
             overrides.push(format!("geometry.length_below:={}", yaml(height)));
             overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
-            parameters = load(&arguments.config, &overrides)?;
+            (parameters, _) = load(&arguments.config, &overrides)?;
         }
         let properties = parameters.column_properties();
         let impact = parameters.impact();
@@ -314,9 +319,16 @@ fn short(value: f64) -> String {
 }
 
 /// Loads the parameters of the files with the overrides.
-fn load(files: &[PathBuf], overrides: &[String]) -> Result<Parameters, Failure> {
-    let overrides: Vec<_> = overrides.iter().map(|text| parse_override(text)).collect();
-    Ok(Parameters::load(files, &overrides)?)
+/// The parameters, with warnings about deprecated values.
+fn load(
+    files: &[PathBuf],
+    overrides: &[String],
+) -> Result<(Parameters, Vec<Fault>), ParameterFaults> {
+    let files = files.iter().cloned().map(Source::File);
+    let overrides = overrides
+        .iter()
+        .map(|text| Source::Override(parse_override(text)));
+    Parameters::load_in_order(&NodeName::default(), files.chain(overrides))
 }
 
 /// The name of the section, or the `column_id` if the section has none.

@@ -23,7 +23,7 @@ const DUAN_CHEN: Exponents = ["yield_surface.alpha:=1.0", "yield_surface.beta:=1
 const STEPS: [&str; 6] = ["2.0e-4", "1.0e-4", "5.0e-5", "2.0e-5", "1.0e-5", "5.0e-6"];
 
 /// The value of `solver.scheme` for the conserving midpoint scheme, and its name here.
-const CONSERVING: [&str; 2] = ["energy", "conserving midpoint"];
+const CONSERVING: [&str; 2] = ["conserving_midpoint", "conserving midpoint"];
 
 /// Both schemes: the value of `solver.scheme`, and the name here.
 const SCHEMES: [[&str; 2]; 2] = [["midpoint", "midpoint"], CONSERVING];

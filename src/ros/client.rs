@@ -8,6 +8,7 @@ use futures::{StreamExt, join, pin_mut};
 use ros2_client::Subscription;
 use rustdds::GUID;
 
+use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
@@ -38,16 +39,8 @@ pub struct ImpactOptions {
     pub column_id: String,
     /// Identifier of the event; `None`: a new one.
     pub event_id: Option<String>,
-    /// Mass of the vehicle \[kg\].
-    pub mass: f64,
-    /// Ground speed \[m/s\].
-    pub velocity: f64,
-    /// Gap \[m\]; `None`: the twin's parameter.
-    pub gap: Option<f64>,
-    /// Coefficient of restitution; `None`: the twin's parameter.
-    pub restitution: Option<f64>,
-    /// Height above the base \[m\]; `None`: the twin's parameter.
-    pub height: Option<f64>,
+    /// What hits the column; the twin's parameters give what is left open.
+    pub impact: ImpactSpecification,
     /// Timeout for finding a twin.
     pub match_timeout: Duration,
     /// Timeout for its forecast.
@@ -426,7 +419,6 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     let stamp = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
-    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     ImpactEvent {
         header: Header {
             stamp: Time::from_nanos(stamp).unwrap_or_default(),
@@ -437,11 +429,7 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
             .event_id
             .clone()
             .unwrap_or_else(|| format!("impact-{stamp}")),
-        mass: options.mass,
-        velocity: options.velocity,
-        gap: or_nan(options.gap),
-        restitution: or_nan(options.restitution),
-        height: or_nan(options.height),
+        ..ImpactEvent::from(&options.impact)
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::sync::Arc;
 
+use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
@@ -40,11 +41,13 @@ fn impact_of(domain: &Domain, id: &str, mass: f64, velocity: f64) -> Result<Impa
     let options = ImpactOptions {
         column_id: "column".to_owned(),
         event_id: Some(id.to_owned()),
-        mass,
-        velocity,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass,
+            velocity,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
         match_timeout: PATIENCE,
         answer_timeout: PATIENCE,
     };

@@ -3,6 +3,7 @@
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
@@ -132,11 +133,13 @@ pub fn impact(
     let options = ImpactOptions {
         column_id: "column".to_owned(),
         event_id: None,
-        mass,
-        velocity: 1.0,
-        gap: None,
-        restitution: None,
-        height: None,
+        impact: ImpactSpecification {
+            mass,
+            velocity: 1.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
         match_timeout,
         answer_timeout: PATIENCE,
     };

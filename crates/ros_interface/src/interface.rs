@@ -89,13 +89,13 @@ impl Interface {
         self.package
     }
 
-    /// `column_twin/msg/ColumnState`, `std_srvs/srv/Trigger_Request`.
+    /// `std_msgs/msg/Header`, `std_srvs/srv/Trigger_Request`.
     #[must_use]
     pub fn ros_name(&self) -> String {
         format!("{}/{}/{}", self.package, self.folder(), self.type_name())
     }
 
-    /// Name of the type in DDS: `column_twin::msg::dds_::ColumnState_`.
+    /// Name of the type in DDS: `std_msgs::msg::dds_::Header_`.
     #[must_use]
     pub fn dds_name(&self) -> String {
         format!(
@@ -106,7 +106,7 @@ impl Interface {
         )
     }
 
-    /// Name of the type inside its package: `ColumnState`, `Trigger_Request`.
+    /// Name of the type inside its package: `Header`, `Trigger_Request`.
     #[must_use]
     pub fn type_name(&self) -> String {
         match self.part {
