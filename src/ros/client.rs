@@ -487,11 +487,13 @@ mod tests {
         let options = ImpactOptions {
             column_id: "column".to_owned(),
             event_id: None,
-            mass: 1500.0,
-            velocity: 10.0,
-            gap: None,
-            restitution: Some(0.0),
-            height: None,
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity: 10.0,
+                gap: None,
+                restitution: Some(0.0),
+                height: None,
+            },
             match_timeout: CHECK_INTERVAL,
             answer_timeout: CHECK_INTERVAL,
         };
