@@ -1,36 +1,35 @@
-//! Summarises the impacts in a recording.
+//! The impacts in a recording.
 
 use std::collections::HashMap;
 
-use serde::Serialize;
-
 use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
+use serde::Serialize;
 
 use crate::messages::column_twin::ImpactReport;
 
 /// Maximum number of events in a summary.
 const MAX_EVENTS: usize = 100_000;
 
-/// An impact event and its outcome. Values that the recording does not contain are `None`.
+/// One impact event and its outcome. Values that the recording does not contain are `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct EventSummary {
     /// Identifier of the event.
     pub event_id: String,
-    /// The column that was hit.
+    /// Identifier of the column.
     pub column_id: String,
-    /// Stamp of the event \[ns since 1970\].
+    /// Instant of the contact in the event \[ns\].
     pub stamp: Option<i64>,
     /// Mass of the impactor \[kg\].
     pub mass: Option<f64>,
-    /// Velocity of the impactor \[m/s\].
+    /// Speed over the ground \[m/s\].
     pub velocity: Option<f64>,
     /// Why the twin rejected the event.
     pub refused: Option<String>,
-    /// Predicted maximum displacement of the impact point \[m\].
+    /// Forecast of the peak displacement of the impact point \[m\].
     pub forecast_max_v1: Option<f64>,
-    /// Maximum displacement of the impact point \[m\].
+    /// Peak displacement of the impact point \[m\].
     pub max_v1: Option<f64>,
-    /// Time of the maximum, after the stamp of the event \[s\].
+    /// Time of the peak after the contact \[s\].
     pub max_v1_time: Option<f64>,
     /// Residual displacement \[m\].
     pub residual_v1: Option<f64>,
@@ -40,11 +39,11 @@ pub struct EventSummary {
     pub outcome: Option<&'static str>,
 }
 
-/// The impacts of a recording in the order of their first message, and the number of messages of further impacts.
+/// The impacts of a recording in the order of their first message, and the number of messages about further impacts.
 ///
 /// # Errors
-/// The recording cannot be read, or its definition of one of our types is invalid. Damaged records, and messages that do
-/// not match their definition, are skipped.
+/// The recording cannot be read, or the definition of one of our types in it is wrong. Messages that do not match their
+/// definition and damaged records are left out.
 pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), RecordingError> {
     let mut decoders = Vec::with_capacity(reader.topics().len());
     for topic in reader.topics() {
@@ -69,14 +68,14 @@ pub fn summarise_events(reader: &Reader) -> Result<(Vec<EventSummary>, u64), Rec
     Ok((events.list, events.beyond))
 }
 
-/// Adds the content of a message.
+/// Adds the content of a message to the events.
 type Handler = fn(&mut Events, &Decoded);
 
 fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
-        "column_twin/msg/ImpactEvent" => Some(Events::add_event),
-        "column_twin/msg/ImpactReport" => Some(Events::add_report),
-        "column_twin/msg/TwinStatus" => Some(Events::add_status),
+        "column_twin/msg/ImpactEvent" => Some(Events::announced),
+        "column_twin/msg/ImpactReport" => Some(Events::reported),
+        "column_twin/msg/TwinStatus" => Some(Events::status),
         _ => None,
     }
 }
@@ -84,15 +83,15 @@ fn handler(type_name: &str) -> Option<Handler> {
 #[derive(Default)]
 struct Events {
     list: Vec<EventSummary>,
-    indices: HashMap<(String, String), usize>,
+    places: HashMap<(String, String), usize>,
     beyond: u64,
 }
 
 impl Events {
     fn of(&mut self, column_id: &str, event_id: &str) -> Option<&mut EventSummary> {
         let key = (column_id.to_owned(), event_id.to_owned());
-        let index = match self.indices.get(&key) {
-            Some(index) => *index,
+        let place = match self.places.get(&key) {
+            Some(place) => *place,
             None if self.list.len() >= MAX_EVENTS => {
                 self.beyond += 1;
                 return None;
@@ -103,14 +102,14 @@ impl Events {
                     column_id: column_id.to_owned(),
                     ..EventSummary::default()
                 });
-                self.indices.insert(key, self.list.len() - 1);
+                self.places.insert(key, self.list.len() - 1);
                 self.list.len() - 1
             }
         };
-        self.list.get_mut(index)
+        self.list.get_mut(place)
     }
 
-    fn add_event(&mut self, message: &Decoded) {
+    fn announced(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
@@ -119,11 +118,11 @@ impl Events {
         event.velocity = number(message, "velocity");
     }
 
-    fn add_report(&mut self, message: &Decoded) {
+    fn reported(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
-        // The event was accepted, so that a rejection concerned a repeated event.
+        // The event was accepted; the rejection was that of a repetition.
         event.refused = None;
         let kind = number(message, "kind");
         if kind == Some(f64::from(ImpactReport::FORECAST)) {
@@ -137,7 +136,7 @@ impl Events {
         }
     }
 
-    fn add_status(&mut self, message: &Decoded) {
+    fn status(&mut self, message: &Decoded) {
         let refused = text(message, "last_refusal_event_id");
         if refused.is_empty() {
             return;
@@ -157,7 +156,7 @@ fn text<'a>(message: &'a Decoded, field: &str) -> &'a str {
         .unwrap_or_default()
 }
 
-/// The number in a field; `None` for NaN.
+/// The number in a field; NaN means that there is none.
 fn number(message: &Decoded, field: &str) -> Option<f64> {
     message
         .field(field)
@@ -200,27 +199,27 @@ mod tests {
     }
 
     fn refusal(id: &str) -> Decoded {
-        let reason = ("last_refusal_reason", "repeated");
+        let reason = ("last_refusal_reason", "it was there before");
         message(
             &[],
             &[("column_id", "c"), ("last_refusal_event_id", id), reason],
         )
     }
 
-    /// In either order of the messages.
+    /// A rejected repetition does not change the impact, whichever message is read first.
     #[test]
-    fn an_impact_is_not_rejected_because_a_repeated_event_is() {
+    fn a_rejected_repetition_does_not_make_its_impact_rejected() {
         let report = |id, kind, value| {
             let names = [("column_id", "c"), ("event_id", id)];
             message(&[("kind", f64::from(kind)), value], &names)
         };
         let mut events = Events::default();
-        events.add_status(&refusal("refused"));
-        events.add_status(&refusal("first"));
-        events.add_report(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
+        events.status(&refusal("refused"));
+        events.status(&refusal("first"));
+        events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
         let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
-        events.add_report(&report("then", ImpactReport::RESULT, outcome));
-        events.add_status(&refusal("then"));
+        events.reported(&report("then", ImpactReport::RESULT, outcome));
+        events.status(&refusal("then"));
         let refused: Vec<_> = events
             .list
             .iter()

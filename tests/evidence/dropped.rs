@@ -7,7 +7,7 @@ use column_twin::endpoints::Endpoint;
 use column_twin::evidence::{NodeRecording, Topics};
 use column_twin::live::{LiveOptions, OutputSource, QueueStats, RealTime, Receiver, WhenFull};
 use column_twin::messages::cdr;
-use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
+use column_twin::messages::column_twin::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};

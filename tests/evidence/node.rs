@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 
 use column_twin::evidence::{NodeRecording, Topics, verify};
@@ -13,7 +13,7 @@ use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::ros::{ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact};
-use column_twin::twin::Command;
+use column_twin::twin::Command as TwinCommand;
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
@@ -103,7 +103,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             "{outcome:?}"
         );
         reports.messages.recv_timeout(PATIENCE).expect("a report");
-        let load = Command::SetParameters {
+        let load = TwinCommand::SetParameters {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
@@ -114,7 +114,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             "{refused:?}"
         );
     }
-    let reset = Command::Reset {
+    let reset = TwinCommand::Reset {
         source: "test".into(),
     };
     twin.execute(reset).unwrap();
@@ -191,7 +191,7 @@ fn losses_are_counted_and_declared() {
 
 /// The program as a user starts it.
 pub fn program(domain: &Domain, directory: &Path) -> Child {
-    std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"))
+    Command::new(env!("CARGO_BIN_EXE_column-twin"))
         .args([
             "run",
             "--ros-args",
@@ -268,7 +268,7 @@ fn the_recording_of_a_killed_node_is_repaired_at_the_next_start_and_verified() {
     drop(reports);
     let (code, log) = stopped(node);
     assert_eq!(code, Some(0), "{log}");
-    assert!(log.contains("written anew"), "{log}");
+    assert!(log.contains("were saved"), "{log}");
     let found = recordings(directory.path());
     assert_eq!(found.len(), 3, "{found:?}");
     for path in &found {

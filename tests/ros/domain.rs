@@ -1,21 +1,20 @@
-//! A DDS domain for one test alone, on loopback.
+//! A separate DDS domain for each test, on loopback.
 
 use std::time::Duration;
 
 use column_twin::ros::{Environment, FreshDomain};
 
-/// How long others are waited for: discovery and a whole response take a second; this is for machines that have much else
-/// to do.
+/// Maximum wait for peers. Discovery and a whole response take a second; the rest is for busy machines.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A domain that nobody else has while this value lives.
+/// A domain that no other test uses while this value exists.
 pub struct Domain {
     pub environment: Environment,
     _taken: FreshDomain,
 }
 
 impl Domain {
-    /// Any free one.
+    /// Takes any free domain.
     pub fn fresh() -> Self {
         let taken = FreshDomain::take().expect("a domain that nobody uses");
         Self {

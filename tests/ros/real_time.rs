@@ -1,4 +1,4 @@
-//! What `column-twin run` asks the system for: granted it is there, denied it is said, and the twin lives either way.
+//! The real-time properties that `column-twin run` requests: granted ones take effect, denied ones are reported.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -16,7 +16,7 @@ use super::program::Program;
 /// `SCHED_FIFO` in `/proc`.
 const FIFO: &str = "1";
 
-/// A user without any rights, on most systems called `nobody`.
+/// A user without privileges, on most systems `nobody`.
 const NOBODY: u32 = 65_534;
 
 const WISHES: [&str; 8] = [
@@ -30,7 +30,7 @@ const WISHES: [&str; 8] = [
     "state.directory:=''",
 ];
 
-/// Policy and priority of the solver's thread, and the processors that it may run on.
+/// Policy, priority and processors of the solver's thread.
 fn of_solver(id: u32) -> (String, String, String) {
     let tasks = fs::read_dir(format!("/proc/{id}/task")).unwrap();
     let name = &SOLVER_THREAD[..15];
@@ -62,13 +62,13 @@ fn answers(domain: &Domain) {
 }
 
 #[test]
-fn what_is_granted_is_there() {
+fn granted_properties_take_effect() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &WISHES);
     let (policy, priority, processors) = of_solver(program.id());
     let said = |text: &str| program.seen.iter().any(|it| it.contains(text));
-    // Where this test may not have it, the next one is the one that counts.
+    // If this test has no permission, only the next one is meaningful.
     if !said("SCHED_FIFO not granted") {
         assert_eq!((policy.as_str(), priority.as_str()), (FIFO, "17"));
     }
@@ -84,10 +84,10 @@ fn what_is_granted_is_there() {
 }
 
 #[test]
-fn what_is_denied_is_a_warning_with_a_hint() {
+fn denied_properties_are_warnings_with_a_hint() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
-    // The folder that it was built in may be closed to others.
+    // Other users may have no access to the build directory.
     let own = folder.path().join("column-twin");
     fs::copy(env!("CARGO_BIN_EXE_column-twin"), &own).unwrap();
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
@@ -98,7 +98,7 @@ fn what_is_denied_is_a_warning_with_a_hint() {
         .args(["run", "--ros-args"])
         .args(WISHES);
     if rustix::process::geteuid().is_root() {
-        // Limits do not bind root.
+        // Limits do not apply to root.
         command.uid(NOBODY);
     }
     let mut program = Program::spawn(&domain, folder.path(), command);
