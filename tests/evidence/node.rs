@@ -134,15 +134,16 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
         assert_eq!(recorded[topic], wire, "{topic}");
     }
     assert_eq!(recorded["/impact_event"].len(), 4);
-    let said: DiagnosticArray = cdr::decode(recorded["/diagnostics"].last().unwrap()).unwrap();
-    let of_recording = said
+    let diagnostics: DiagnosticArray =
+        cdr::decode(recorded["/diagnostics"].last().unwrap()).unwrap();
+    let of_recording = diagnostics
         .status
         .iter()
         .find(|it| it.name.ends_with(": recording"));
     assert_eq!(
         of_recording.unwrap().level,
         DiagnosticStatus::OK,
-        "{said:?}"
+        "{diagnostics:?}"
     );
     assert!(recorded["/parameter_events"].len() >= 3);
     let found = verify(&path).unwrap();
@@ -292,7 +293,7 @@ fn a_recording_that_cannot_start_ends_the_program() {
     let output = program(&domain, &file.join("below"))
         .wait_with_output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("record.directory"), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("record.directory"), "{stderr}");
 }

@@ -67,15 +67,15 @@ fn granted_properties_take_effect() {
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &WISHES);
     let (policy, priority, processors) = of_solver(program.id());
-    let said = |text: &str| program.seen.iter().any(|it| it.contains(text));
+    let logged = |text: &str| program.seen.iter().any(|it| it.contains(text));
     // If this test has no permission, only the next one is meaningful.
-    if !said("SCHED_FIFO not granted") {
+    if !logged("SCHED_FIFO not granted") {
         assert_eq!((policy.as_str(), priority.as_str()), (FIFO, "17"));
     }
-    if !said("CPU affinity not granted") {
+    if !logged("CPU affinity not granted") {
         assert_eq!(processors, "0");
     }
-    if !said("mlockall not granted") {
+    if !logged("mlockall not granted") {
         let status = fs::read_to_string(format!("/proc/{}/status", program.id())).unwrap();
         assert_ne!(line(&status, "VmLck:"), "0 kB");
     }

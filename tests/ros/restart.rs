@@ -80,9 +80,14 @@ fn a_truncated_state_file_is_kept_and_reported() {
     fs::write(&path, half).unwrap();
 
     let mut program = Program::ready(&domain, folder.path(), &QUIET);
-    let said =
+    let logged =
         |it: &&String| it.contains("the state file cannot be used, so the column starts virgin");
-    let line = program.seen.iter().find(said).cloned().unwrap_or_default();
+    let line = program
+        .seen
+        .iter()
+        .find(logged)
+        .cloned()
+        .unwrap_or_default();
     assert!(
         line.contains("it is truncated, or not a state file of column_twin"),
         "{:#?}",

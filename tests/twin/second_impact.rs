@@ -87,10 +87,10 @@ fn a_second_impact_hits_the_moving_column() {
 /// The column is rewound to the stamp of the impact, even after the end of the response to which the impact belongs.
 #[test]
 fn a_late_impact_hits_the_column_as_it_was_then() {
-    for (hit_after, said_after) in [(12, 13), (12, 30), (1, 35), (0, 30), (12, 60), (30, 900)] {
+    for (hit_after, arrives_after) in [(12, 13), (12, 30), (1, 35), (0, 30), (12, 60), (30, 900)] {
         let mut bench = Bench::new(&[]);
         bench.hit(event("a", START));
-        bench.go_on(said_after * MS);
+        bench.go_on(arrives_after * MS);
         let stamp = START + hit_after * MS;
         bench.hit(event("b", stamp));
         bench.rest();
