@@ -11,7 +11,7 @@ use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
 
-/// The names of recordings of this program, and of the metadata records in them, begin with this.
+/// Prefix of the names of recordings, and of the metadata records in them.
 pub const APPLICATION: &str = "column_twin";
 
 /// A topic whose messages have one of our [types](INTERFACES).
@@ -64,16 +64,6 @@ pub fn is_journal(topic: &RecordedTopic) -> bool {
     *topic.type_name == *JOURNAL.type_name && topic.name.ends_with(name)
 }
 
-impl From<&Qos> for OfferedQos {
-    fn from(qos: &Qos) -> Self {
-        Self {
-            reliable: qos.reliable,
-            transient_local: qos.transient_local,
-            depth: qos.depth,
-        }
-    }
-}
-
 /// The options with which this program writes a recording.
 #[must_use]
 pub fn writer_options(compression: Compression) -> WriterOptions {
@@ -91,7 +81,7 @@ pub fn writer_options(compression: Compression) -> WriterOptions {
     }
 }
 
-/// The options that the parameters `record.*` ask for; `started` is the current time.
+/// The options of the parameters `record.*` for a recorder that starts at the time `started`.
 #[must_use]
 pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> RecorderOptions {
     let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
@@ -110,6 +100,16 @@ pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> Recorde
         max_total_size: number(record.max_total_size),
         max_age: seconds(record.max_age),
         ..RecorderOptions::new(&record.directory, started)
+    }
+}
+
+impl From<&Qos> for OfferedQos {
+    fn from(qos: &Qos) -> Self {
+        Self {
+            reliable: qos.reliable,
+            transient_local: qos.transient_local,
+            depth: qos.depth,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Invalid messages are rejected, limited, counted and reported, and the twin continues.
+//! What others send by mistake or on purpose: refused or bounded, counted, said where it can be read, and the twin goes on.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use super::live_twin::RunningTwin;
 use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
 use super::program::Program;
 
-/// Starts like an event, and then announces a string of 1 GiB that does not follow.
+/// Begins as an event does, and then announces a string of 1 GiB that is not there.
 #[derive(Debug, Serialize)]
 struct Announcement {
     sec: i32,
@@ -22,14 +22,14 @@ struct Announcement {
     frame_id_length: u32,
 }
 
-/// The count with this name in the diagnostics.
+/// A count that the diagnostics have under this name.
 fn counted(array: &DiagnosticArray, name: &str) -> Option<u64> {
     let mut values = array.status.iter().flat_map(|status| &status.values);
     values.find(|value| value.key == name)?.value.parse().ok()
 }
 
 #[test]
-fn unreadable_messages_are_counted() {
+fn what_cannot_be_read_is_counted_and_the_node_goes_on() {
     let domain = Domain::fresh();
     let twin = RunningTwin::start(&domain, &[]);
     let mut node = reader(&domain);
@@ -62,7 +62,7 @@ fn unreadable_messages_are_counted() {
     wrong_type.publish(text()).unwrap();
     good.publish(event("e1", now(), 1500.0, 1.0)).unwrap();
     diagnostics.find("two unreadable messages and an accepted event", |it| {
-        // RustDDS 0.15.1 also delivers messages of writers with another type, which cannot be read either.
+        // RustDDS 0.15.1 hands over what a writer of another type sends, too: it is as unreadable as the others.
         counted(it, "unreadable messages").is_some_and(|it| it >= 2)
             && counted(it, "events accepted") == Some(1)
     });
@@ -71,7 +71,7 @@ fn unreadable_messages_are_counted() {
 }
 
 #[test]
-fn invalid_events_are_rejected_with_a_reason() {
+fn an_event_that_makes_no_sense_is_refused_with_its_reason() {
     let domain = Domain::fresh();
     let twin = RunningTwin::start(&domain, &[]);
     let mut node = reader(&domain);
@@ -106,8 +106,8 @@ fn invalid_events_are_rejected_with_a_reason() {
             },
             "the column is 4 m high",
         ),
-        (at(3600 * second), "s ahead, event.max_ahead is 1 s"),
-        (at(-3600 * second), "s old, event.max_age is 5 s"),
+        (at(3600 * second), "s ahead; event.max_ahead is 1 s"),
+        (at(-3600 * second), "s old; event.max_age is 5 s"),
         (
             ImpactEvent {
                 column_id: "another".to_owned(),
@@ -128,7 +128,7 @@ fn invalid_events_are_rejected_with_a_reason() {
             status.last_refusal_reason
         );
     }
-    // The identifiers of rejected events can be used again; a repeated one is rejected.
+    // None of them has used the name up; the second one of a name is refused.
     for _ in 0..2 {
         assert!(events.publish(at(0)));
     }
@@ -143,9 +143,9 @@ fn invalid_events_are_rejected_with_a_reason() {
     twin.stop();
 }
 
-/// A topic has no response: the reason is in the status and on `/rosout`.
+/// A topic has no reply: what was refused stands in the status and in `/rosout`.
 #[test]
-fn rejected_parameters_on_the_topic_are_reported() {
+fn a_refused_set_of_parameters_is_readable() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let quiet = "-p real_time.priority:=0 -p real_time.lock_memory:=false -p state.directory:=''";
@@ -213,7 +213,7 @@ fn rejected_parameters_on_the_topic_are_reported() {
     assert!(program.terminate().0.success());
 }
 
-/// The terminal shows some of many rejections, and the number of the others.
+/// The terminal shows a few of many rejections and the number of the others.
 #[test]
 fn rejections_are_limited_on_the_terminal() {
     const FLOOD: u64 = 500;
@@ -241,15 +241,12 @@ fn rejections_are_limited_on_the_terminal() {
     );
     drop(statuses);
     let (_, _, log) = program.terminate();
-    let shown = log
-        .iter()
-        .filter(|line| line.contains("mass = NaN"))
-        .count() as u64;
+    let shown = log.iter().filter(|line| line.contains("mass = NaN")).count() as u64;
     println!("{shown} of {FLOOD} rejections shown within {seconds} s");
     assert!(shown <= 20 * (seconds + 2), "{shown} lines");
 }
 
-/// Every event is accepted, rejected or counted as dropped, and the twin answers as before.
+/// Everything that was sent is accepted, refused, or counted as dropped, and the twin answers as before.
 #[test]
 fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
     const FLOOD: u64 = 10_000;
@@ -271,7 +268,7 @@ fn ten_thousand_events_in_a_second_are_bounded_and_counted() {
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
     println!("{sent} of {FLOOD} events sent within {:?}", begin.elapsed());
-    // The last status counts the events that reached the twin, the diagnostics those that did not.
+    // The last status says what the twin has made of them, the diagnostics what never came so far.
     let of = |it: &TwinStatus| it.events_accepted + it.events_refused + it.dropped_inputs;
     let mut last = TwinStatus::default();
     let mut missed = 0;

@@ -1,20 +1,21 @@
-//! A separate DDS domain for each test, on loopback.
+//! A DDS domain for one test alone, on loopback.
 
 use std::time::Duration;
 
 use column_twin::ros::{Environment, FreshDomain};
 
-/// Maximum wait for peers. Discovery and a whole response take a second; the rest is for busy machines.
+/// How long others are waited for: discovery and a whole response take a second; this is for machines that have much else
+/// to do.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A domain that no other test uses while this value exists.
+/// A domain that nobody else has while this value lives.
 pub struct Domain {
     pub environment: Environment,
     _taken: FreshDomain,
 }
 
 impl Domain {
-    /// Takes any free domain.
+    /// Any free one.
     pub fn fresh() -> Self {
         let taken = FreshDomain::take().expect("a domain that nobody uses");
         Self {

@@ -1,4 +1,4 @@
-//! Receives the messages of one topic.
+//! What comes on one topic.
 
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
@@ -13,13 +13,13 @@ use serde::de::DeserializeOwned;
 
 use super::domain::{Domain, PATIENCE};
 
-/// A node besides that of the twin.
+/// A node that is not the twin's.
 pub fn reader(domain: &Domain) -> Node {
     let names = Names::new("/", "reader", &[]).unwrap();
     Node::new(&domain.environment, names).unwrap()
 }
 
-/// Reads a topic in a separate thread until it is dropped.
+/// Reads one topic in a thread of its own until it is dropped.
 pub struct Incoming<M> {
     pub messages: Receiver<M>,
     abort: AbortHandle,
@@ -36,7 +36,7 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         incoming
     }
 
-    /// Subscribes without waiting for a publisher.
+    /// Subscribes to what will be published later.
     pub fn early(node: &mut Node, endpoint: &Endpoint) -> Self {
         Self::subscribe(node, endpoint).0
     }
@@ -64,7 +64,7 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         (incoming, guid)
     }
 
-    /// Waits for a message that satisfies `is_it`.
+    /// The first message from now on that `is_it` says yes to.
     pub fn find(&self, what: &str, mut is_it: impl FnMut(&M) -> bool) -> M {
         let deadline = Instant::now() + PATIENCE;
         while Instant::now() < deadline {
@@ -76,7 +76,7 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
         panic!("waited in vain for {what}");
     }
 
-    /// The last of the messages received so far.
+    /// The last of the messages that are here already.
     pub fn newest(&self) -> Option<M> {
         self.messages.try_iter().last()
     }

@@ -1,4 +1,4 @@
-//! A node with a live twin in this process: readers receive in real time what the simulation computes.
+//! The live twin behind the node, in this process: what a reader receives in real time is what the simulation computes.
 
 use column_twin::live::LiveOptions;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
@@ -15,12 +15,12 @@ pub struct RunningTwin {
 }
 
 impl RunningTwin {
-    /// Starts the default column with these changes, without a state file and without real-time properties.
+    /// Of the default column with these changes. Keeps no damage and asks the system for nothing.
     pub fn start(domain: &Domain, changes: &[(&str, Value)]) -> Self {
         Self::start_logging(domain, changes, None)
     }
 
-    /// The same with log messages for `/rosout`.
+    /// The same with log messages on their way to `/rosout`.
     pub fn start_logging(
         domain: &Domain,
         changes: &[(&str, Value)],
@@ -32,13 +32,13 @@ impl RunningTwin {
         Self { node }
     }
 
-    /// Stops node and twin.
+    /// Ends node and twin.
     pub fn stop(self) {
         self.node.stop();
     }
 }
 
-/// The default column with these changes, without a state file and without real-time properties.
+/// The default column with these changes, without a state file and without any wish for real time.
 pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
     let quiet = [
         ("state.directory", Value::from("")),
@@ -49,7 +49,7 @@ pub fn parameters(changes: &[(&str, Value)]) -> Parameters {
 }
 
 #[test]
-fn the_stream_in_real_time_equals_the_simulation() {
+fn the_stream_in_real_time_is_that_of_the_simulation() {
     let domain = Domain::fresh();
     let parameters = parameters(&[]);
     let (expected, report) = simulation::stream(&parameters, 1500.0, 10.0);
@@ -58,7 +58,7 @@ fn the_stream_in_real_time_equals_the_simulation() {
     let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let states = Incoming::<ColumnState>::start(&mut reader, &qos::COLUMN_STATE);
     let forces = Incoming::<HingeForces>::start(&mut reader, &qos::HINGE_FORCES);
-    // Readers are discovered in order: a late subscriber of latched topics is not the first to be discovered.
+    // Readers are announced in their order: one that gets what is kept for late joiners is not the first that is known.
     drop(Incoming::<TwinStatus>::start(&mut reader, &qos::TWIN_STATUS).next());
     let stamp = now();
     assert!(events.publish(event("e1", stamp, 1500.0, 10.0)));

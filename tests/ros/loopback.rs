@@ -1,4 +1,4 @@
-//! Nodes and readers in Rust, on loopback.
+//! Node and reader in Rust, on loopback.
 
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -17,7 +17,7 @@ pub use super::domain::PATIENCE;
 pub use super::incoming::{Incoming, reader};
 use super::live_twin::RunningTwin;
 
-/// The system time \[ns\].
+/// The time of day \[ns\].
 pub fn now() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
     i64::try_from(since.as_nanos()).unwrap()
@@ -40,7 +40,7 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
     }
 }
 
-/// Publishes on one topic from a separate node.
+/// Sends on one topic from a node of its own.
 pub struct Outgoing<M: Serialize> {
     publisher: Publisher<M>,
     abort: AbortHandle,
@@ -73,7 +73,7 @@ impl<M: Serialize> Outgoing<M> {
         }
     }
 
-    /// `false` if the reader is too slow and the history is full.
+    /// `false` where the reader has been too slow for the writer's window.
     pub fn publish(&self, message: M) -> bool {
         self.publisher.publish(message).is_ok()
     }
@@ -89,7 +89,7 @@ impl<M: Serialize> Drop for Outgoing<M> {
 }
 
 #[test]
-fn a_late_subscriber_receives_the_status() {
+fn a_late_joiner_gets_the_status() {
     let domain = Domain::fresh();
     let twin = RunningTwin::start(&domain, &[]);
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
@@ -101,7 +101,7 @@ fn a_late_subscriber_receives_the_status() {
 }
 
 #[test]
-fn an_impact_from_the_command_line_is_answered_or_rejected() {
+fn an_impact_from_the_command_line_is_answered_or_refused() {
     let domain = Domain::fresh();
     let nobody = impact(&domain, 1500.0, Duration::from_millis(300));
     assert!(

@@ -1,4 +1,4 @@
-//! The node over DDS: with peers of this program, and in `real_peers` with ROS 2 and another DDS program.
+//! The node on the wire: against itself here, against ROS 2 and a DDS program in `real_peers`.
 #![cfg(feature = "ros")]
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]

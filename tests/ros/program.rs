@@ -1,4 +1,4 @@
-//! Runs `column-twin run` as a separate process, with its arguments, log and exit code.
+//! `column-twin run` as a user starts it: a process of its own, its arguments, its log, its end.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -9,24 +9,24 @@ use std::time::{Duration, Instant};
 
 use super::domain::{Domain, PATIENCE};
 
-/// A running `column-twin run`. Dropping it kills the process.
+/// A running `column-twin run`. Dropped, it is killed.
 pub struct Program {
     child: Child,
     log: Receiver<String>,
     reading: Option<JoinHandle<()>>,
-    /// All lines of the log read so far.
+    /// All lines of the log that were looked at.
     pub seen: Vec<String>,
 }
 
 impl Program {
-    /// Starts the program in this working directory with these ROS arguments.
+    /// Starts it in an empty working folder, or one with a past, with these ROS arguments.
     pub fn start(domain: &Domain, folder: &Path, ros_arguments: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
         command.args(["run", "--ros-args"]).args(ros_arguments);
         Self::spawn(domain, folder, command)
     }
 
-    /// Starts the program with this command.
+    /// Starts it by a command of its own.
     pub fn spawn(domain: &Domain, folder: &Path, mut command: Command) -> Self {
         let mut child = command
             .current_dir(folder)
@@ -51,19 +51,19 @@ impl Program {
         }
     }
 
-    /// Starts the program and waits until it is ready.
+    /// The same, up to the line that says that it is ready.
     pub fn ready(domain: &Domain, folder: &Path, ros_arguments: &[&str]) -> Self {
         let mut program = Self::start(domain, folder, ros_arguments);
         program.wait_for("is ready in domain");
         program
     }
 
-    /// The process id.
+    /// Its process.
     pub fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Waits for a line of the log that contains this text.
+    /// Waits for a line of the log that has this text.
     pub fn wait_for(&mut self, text: &str) -> String {
         loop {
             let line = self.log.recv_timeout(PATIENCE);
@@ -75,7 +75,7 @@ impl Program {
         }
     }
 
-    /// Sends SIGTERM, and returns the exit status, the time until the end, and the rest of the log.
+    /// Sends SIGTERM and waits for the end: how it ended, how long that took, and the rest of the log.
     pub fn terminate(mut self) -> (ExitStatus, Duration, Vec<String>) {
         let before = Instant::now();
         let pid = i32::try_from(self.child.id()).expect("a process id");
@@ -86,7 +86,7 @@ impl Program {
         (status, took, self.rest())
     }
 
-    /// Waits until the program ends by itself, and returns its exit status and log.
+    /// Waits for an end that comes by itself, with which its log ends.
     pub fn end(mut self) -> (ExitStatus, Vec<String>) {
         loop {
             match self.log.recv_timeout(PATIENCE) {
@@ -111,7 +111,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // The process may have ended already.
+        // It may have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,5 +1,5 @@
-//! `column-twin run` with ROS 2 itself and with a DDS program without ROS. The first run needs a network and takes one or two
-//! minutes; Python 3.11 is required: `cargo test --release --test ros -- --ignored`.
+//! `column-twin run` against ROS 2 itself and against a DDS program that knows no ROS. Slow the first time (a minute or two,
+//! and network), and only where Python 3.11 is: `cargo test --release --test ros -- --ignored`.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn interop(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// The Python interpreter of the environment, which is built if necessary.
+/// The environment's Python, which is built when there is none.
 fn python() -> PathBuf {
     let output = Command::new(interop("environment.sh"))
         .stderr(Stdio::inherit())
@@ -38,7 +38,7 @@ fn python() -> PathBuf {
     Path::new(environment.trim()).join("bin/python")
 }
 
-/// Starts a script in the domain of the node.
+/// Starts a script in the node's domain.
 fn script(domain: &Domain, file: &str, expected: Option<&Path>) -> Child {
     Command::new(python())
         .arg(interop(file))
@@ -51,7 +51,7 @@ fn script(domain: &Domain, file: &str, expected: Option<&Path>) -> Child {
         .unwrap()
 }
 
-/// Waits for the end of a script, which has its own deadlines, and prints its output.
+/// Waits for its end, which its own deadlines bound, and shows what it says.
 fn finish(mut child: Child) {
     let output = child.stdout.take().unwrap();
     for line in BufReader::new(output).lines() {
@@ -61,7 +61,7 @@ fn finish(mut child: Child) {
     assert!(status.success(), "{status}");
 }
 
-/// The numbers of a message that depend only on the impact; NaN becomes null.
+/// The numbers of a message that the impact alone decides; not a number is null.
 fn numbers(message: &impl Serialize) -> Map<String, Json> {
     let Ok(Json::Object(mut fields)) = serde_json::to_value(message) else {
         panic!("a message is a structure");
@@ -72,7 +72,7 @@ fn numbers(message: &impl Serialize) -> Map<String, Json> {
     fields
 }
 
-/// Writes the expected messages for the event, computed by the simulation alone.
+/// What must come of the event, written by the simulation alone.
 fn expectation(folder: &Path) -> PathBuf {
     let (samples, report) = simulation::stream(&Parameters::default(), MASS, VELOCITY);
     let samples: Vec<_> = samples
@@ -89,7 +89,7 @@ fn expectation(folder: &Path) -> PathBuf {
 
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
-fn rclpy_discovers_receives_sets_parameters_and_is_rejected() {
+fn rclpy_finds_receives_sets_and_is_refused() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let expected = expectation(folder.path());
@@ -102,7 +102,7 @@ fn rclpy_discovers_receives_sets_parameters_and_is_rejected() {
 
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
-fn rclpy_publishes_the_clock() {
+fn rclpy_plays_the_clock() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let expected = expectation(folder.path());
@@ -129,7 +129,7 @@ fn cyclonedds_without_ros_receives_the_state() {
         }
     });
     assert_eq!(lines.recv_timeout(PATIENCE).unwrap(), "found");
-    // The reader has been discovered when it receives a whole response; a light impact causes no damage.
+    // The publisher has found it when a whole response has come; a light impact leaves no trace.
     let mut light = (0..30).map(|number| event(&format!("light-{number}"), now(), 10.0, 0.5));
     let ready = light.any(|event| {
         assert!(events.publish(event));

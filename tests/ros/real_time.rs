@@ -1,4 +1,4 @@
-//! The real-time properties that `column-twin run` requests: granted ones take effect, denied ones are reported.
+//! What `column-twin run` asks the system for: granted it is there, denied it is said, and the twin lives either way.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -16,7 +16,7 @@ use super::program::Program;
 /// `SCHED_FIFO` in `/proc`.
 const FIFO: &str = "1";
 
-/// A user without privileges, on most systems `nobody`.
+/// A user without any rights, on most systems called `nobody`.
 const NOBODY: u32 = 65_534;
 
 const WISHES: [&str; 8] = [
@@ -30,7 +30,7 @@ const WISHES: [&str; 8] = [
     "state.directory:=''",
 ];
 
-/// Policy, priority and processors of the solver's thread.
+/// Policy and priority of the solver's thread, and the processors that it may run on.
 fn of_solver(id: u32) -> (String, String, String) {
     let tasks = fs::read_dir(format!("/proc/{id}/task")).unwrap();
     let name = &SOLVER_THREAD[..15];
@@ -62,20 +62,20 @@ fn answers(domain: &Domain) {
 }
 
 #[test]
-fn granted_properties_take_effect() {
+fn what_is_granted_is_there() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &WISHES);
     let (policy, priority, processors) = of_solver(program.id());
-    let logged = |text: &str| program.seen.iter().any(|it| it.contains(text));
-    // If this test has no permission, only the next one is meaningful.
-    if !logged("SCHED_FIFO not granted") {
+    let said = |text: &str| program.seen.iter().any(|it| it.contains(text));
+    // Where this test may not have it, the next one is the one that counts.
+    if !said("SCHED_FIFO not granted") {
         assert_eq!((policy.as_str(), priority.as_str()), (FIFO, "17"));
     }
-    if !logged("CPU affinity not granted") {
+    if !said("CPU affinity not granted") {
         assert_eq!(processors, "0");
     }
-    if !logged("mlockall not granted") {
+    if !said("mlockall not granted") {
         let status = fs::read_to_string(format!("/proc/{}/status", program.id())).unwrap();
         assert_ne!(line(&status, "VmLck:"), "0 kB");
     }
@@ -84,10 +84,10 @@ fn granted_properties_take_effect() {
 }
 
 #[test]
-fn denied_properties_are_warnings_with_a_hint() {
+fn what_is_denied_is_a_warning_with_a_hint() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
-    // Other users may have no access to the build directory.
+    // The folder that it was built in may be closed to others.
     let own = folder.path().join("column-twin");
     fs::copy(env!("CARGO_BIN_EXE_column-twin"), &own).unwrap();
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
@@ -98,7 +98,7 @@ fn denied_properties_are_warnings_with_a_hint() {
         .args(["run", "--ros-args"])
         .args(WISHES);
     if rustix::process::geteuid().is_root() {
-        // Limits do not apply to root.
+        // Limits do not bind root.
         command.uid(NOBODY);
     }
     let mut program = Program::spawn(&domain, folder.path(), command);

@@ -1,4 +1,4 @@
-//! Restarts of `column-twin run`: the damage survives, and unusable state files are reported.
+//! `column-twin run` as a user starts, stops and starts it again: the damage stays, and what cannot be used is said.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::loopback::{Incoming, Outgoing, PATIENCE, event, impact, now, reader};
 use super::program::Program;
 use super::simulation;
 
-/// Requests no real-time properties.
+/// Asks the system for nothing.
 const QUIET: [&str; 4] = [
     "-p",
     "real_time.priority:=0",
@@ -20,7 +20,7 @@ const QUIET: [&str; 4] = [
     "real_time.lock_memory:=false",
 ];
 
-/// The state file of the default column in this working directory.
+/// Where a program in this working folder keeps the damage of the default column.
 fn state_file(folder: &Path) -> PathBuf {
     folder.join("state/column.json")
 }
@@ -30,14 +30,14 @@ fn status(node: &mut Node) -> TwinStatus {
 }
 
 #[test]
-fn sigterm_during_a_response_saves_its_damage() {
+fn sigterm_during_a_response_keeps_its_damage() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &QUIET);
     let mut node = reader(&domain);
     let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
     let forecasts = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_FORECAST);
-    // The approach takes ten seconds, so that nothing has yielded when the program is stopped.
+    // Ten seconds of approach: nothing has yielded yet when the program is told to stop.
     let on_its_way = || ImpactEvent {
         gap: 100.0,
         ..event("e1", now(), 1500.0, 10.0)
@@ -57,14 +57,14 @@ fn sigterm_during_a_response_saves_its_damage() {
     assert_eq!(status.residual_v1, forecast.residual_v1);
     assert_eq!(status.impacts_since_reset, 1);
     assert_eq!(status.plastic_rotation, forecast.plastic_rotation);
-    // The approach shifts the time steps relative to the contact.
+    // The approach shifts the grid of the steps against the contact.
     let simulated = simulated.residual_v1.unwrap();
     let off = (forecast.residual_v1 - simulated).abs();
     assert!(off < 1e-3 * simulated, "{off}");
 }
 
 #[test]
-fn a_truncated_state_file_is_kept_and_reported() {
+fn a_truncated_state_file_is_kept_aside_and_said() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &QUIET);
@@ -80,14 +80,9 @@ fn a_truncated_state_file_is_kept_and_reported() {
     fs::write(&path, half).unwrap();
 
     let mut program = Program::ready(&domain, folder.path(), &QUIET);
-    let logged =
+    let said =
         |it: &&String| it.contains("the state file cannot be used, so the column starts virgin");
-    let line = program
-        .seen
-        .iter()
-        .find(logged)
-        .cloned()
-        .unwrap_or_default();
+    let line = program.seen.iter().find(said).cloned().unwrap_or_default();
     assert!(
         line.contains("it is truncated, or not a state file of column_twin"),
         "{:#?}",
@@ -97,13 +92,13 @@ fn a_truncated_state_file_is_kept_and_reported() {
     assert_eq!(status(&mut reader(&domain)).impacts_since_reset, 0);
     let kept = fs::read(folder.path().join("state/column.json.rejected-1")).unwrap();
     assert_eq!(kept, half);
-    // The twin works as usual.
+    // It is as good a twin as any.
     assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
     program.wait_for("accepted");
 }
 
 #[test]
-fn a_state_file_of_another_column_is_kept_and_reported() {
+fn a_state_file_of_another_column_is_kept_aside_and_said() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::ready(&domain, folder.path(), &QUIET);
@@ -134,7 +129,7 @@ fn a_state_file_of_another_column_is_kept_and_reported() {
 }
 
 #[test]
-fn a_state_file_is_used_by_one_program_only() {
+fn one_state_file_serves_one_program() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
     let first = Program::ready(&domain, folder.path(), &QUIET);
@@ -142,7 +137,7 @@ fn a_state_file_is_used_by_one_program_only() {
     assert_eq!(ended.code(), Some(1), "{log:#?}");
     let reason = "is in use by another running twin of this column";
     assert!(log.iter().any(|it| it.contains(reason)), "{log:#?}");
-    // The first program is not affected.
+    // The first one has not noticed.
     let outcome = impact(&domain, 1500.0, PATIENCE);
     assert!(
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),

@@ -1,12 +1,12 @@
-//! The expected messages for an impact on a virgin column, from the mechanics alone: no twin, no clock, no ROS.
+//! What must come of an impact on a virgin column, from the mechanics alone: no twin, no clock, no ROS.
 
 use column_twin::column::{Impact, Report, Sample, simulate};
 use column_twin::messages::column_twin::{ColumnState, HingeForces};
 use column_twin::parameters::Parameters;
 
-/// An expected sample.
+/// One sample that must go out.
 pub struct Expected {
-    /// Time after the event \[ns\].
+    /// After the event \[ns\].
     pub since: i64,
     /// Without header and names.
     pub state: ColumnState,
@@ -14,7 +14,7 @@ pub struct Expected {
     pub forces: HingeForces,
 }
 
-/// The samples of an impact without a gap at `publish_rate`, including the last one, and the report.
+/// The samples of an impact without a gap at the parameters' `publish_rate`, the last one that of the end, and the report.
 pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expected>, Report) {
     let of_event = Impact {
         mass,
