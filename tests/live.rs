@@ -1,4 +1,4 @@
-//! The twin in its own thread. Simulated clocks where the instants matter; no test measures time.
+//! The live twin in its own thread. Tests that depend on exact times use simulated clocks; no test measures time.
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
@@ -21,7 +21,7 @@ use column_twin::twin::{
 const START: Nanos = 1_800_000_000_000_000_000;
 const MS: Nanos = 1_000_000;
 
-/// A test that has not ended by then fails.
+/// Maximum duration of a test.
 const DEADLINE: Duration = Duration::from_secs(120);
 
 fn parameters() -> Parameters {
@@ -54,7 +54,7 @@ fn event(id: &str, stamp: Nanos) -> ImpactCommand {
     }
 }
 
-/// Everything up to what `last` says yes to.
+/// Receives outputs up to the first that satisfies `last`.
 fn receive(receiver: &mut Receiver, mut last: impl FnMut(&Output) -> bool) -> Vec<Output> {
     let given_up = Instant::now() + DEADLINE;
     let mut received = Vec::new();
@@ -86,7 +86,7 @@ fn is_report(output: &Output) -> bool {
     matches!(output, Output::Report(_))
 }
 
-/// What a twin without a thread gives out.
+/// The outputs of a twin without threads.
 fn expected(event: &ImpactCommand) -> Vec<Output> {
     let mut twin = twin(event.stamp);
     let mut out = Vec::new();
@@ -117,7 +117,7 @@ fn check_stream(received: &[Output], event: &ImpactCommand) {
 }
 
 #[test]
-fn it_follows_a_simulated_clock() {
+fn a_twin_follows_a_simulated_clock() {
     let clock = Arc::new(SimClock::new(START));
     let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("the first time");
@@ -125,7 +125,7 @@ fn it_follows_a_simulated_clock() {
     let event = event("a", START);
     live.submit(Command::Impact(event.clone())).expect("room");
     let mut received = receive(&mut receiver, |it| matches!(it, Output::Forecast(_)));
-    // A bag that is played in jumps.
+    // The clock advances in jumps.
     let player = thread::spawn({
         let clock = Arc::clone(&clock);
         move || (1..=200).for_each(|k| clock.set(START + k * 7 * MS))
@@ -137,7 +137,7 @@ fn it_follows_a_simulated_clock() {
 }
 
 #[test]
-fn it_follows_the_time_of_day() {
+fn a_twin_follows_the_system_clock() {
     let clock = SystemClock::new();
     let now = clock.now();
     let live = Live::start(twin(now), clock, options()).expect("starts");
@@ -152,9 +152,9 @@ fn it_follows_the_time_of_day() {
     live.stop().expect("no panic");
 }
 
-/// A slow reader loses its own samples, counted, and no report; another reader loses nothing.
+/// The losses are counted, no report is lost, and another reader loses nothing.
 #[test]
-fn a_slow_reader_loses_its_own_samples_only() {
+fn a_slow_reader_loses_only_its_own_samples() {
     let queue = |name: &str, states, when_full| OutputQueue {
         name: name.to_owned(),
         states,
@@ -213,7 +213,7 @@ fn change(name: &str, value: Value) -> Command {
 }
 
 #[test]
-fn questions_are_answered() {
+fn commands_and_predictions_are_answered() {
     let live = Live::start(twin(START), SimClock::new(START), options()).expect("starts");
     assert_eq!(
         live.execute(change("impact.gap", 0.1.into())),
@@ -255,9 +255,9 @@ fn questions_are_answered() {
     live.stop().expect("no panic");
 }
 
-/// `ros2 param get` shows what was set, while it waits for the end of a response too, and no longer when it is refused then.
+/// `ros2 param get` shows a change even while it waits for the end of a response, until it is rejected then.
 #[test]
-fn the_latest_parameters_are_those_that_were_set() {
+fn the_latest_parameters_include_a_waiting_change() {
     let clock = Arc::new(SimClock::new(START));
     let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("the first time");
@@ -269,14 +269,14 @@ fn the_latest_parameters_are_those_that_were_set() {
     assert_eq!(waits, Ok(Accepted::Waiting));
     assert_eq!(section(), Some(Value::from("HEB300")));
     clock.set(START + 1_000 * MS);
-    // The column is damaged by then.
+    // By then the column is damaged.
     receive(&mut receiver, |it| matches!(it, Output::Refused(_)));
     live.snapshot().expect("an answer: what followed is over");
     assert_eq!(section(), Some(Value::from("HEB220")));
     live.stop().expect("no panic");
 }
 
-/// Every event of a flood is either refused at once, or has an answer.
+/// Every event of a flood is either rejected immediately or answered.
 #[test]
 fn a_flood_of_events_is_bounded_and_counted() {
     let outputs = vec![OutputQueue {
@@ -324,7 +324,7 @@ fn stopped(live: LiveHandle, path: &std::path::Path) -> Loaded {
 }
 
 #[test]
-fn a_stop_during_a_response_keeps_its_damage() {
+fn a_stop_during_a_response_saves_its_damage() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("column.json");
     let options = LiveOptions {
@@ -347,9 +347,9 @@ fn a_stop_during_a_response_keeps_its_damage() {
     assert_eq!(saved.impacts_since_reset, 1);
 }
 
-/// A forecast of many seconds under a clock that stands still: the twin listens all the same, and what a stop loses is said.
+/// Under a clock that does not advance, and with a report of what the stop loses.
 #[test]
-fn a_long_forecast_hears_questions_and_a_stop() {
+fn a_long_forecast_delays_neither_requests_nor_a_stop() {
     let fine = [
         ("geometry.length_below", Value::from(10.0)),
         ("geometry.length_above", Value::from(10.0)),
@@ -360,7 +360,7 @@ fn a_long_forecast_hears_questions_and_a_stop() {
     let twin = Twin::new(parameters, None, Box::new(|| 0), START).expect("the column stands");
     let live = Live::start(twin, SimClock::new(START), options()).expect("starts");
     let mut receiver = live.outputs("ros").expect("there");
-    // It leans against the slender column for seconds: tens of millions of steps.
+    // The contact with the slender column lasts for seconds: tens of millions of steps.
     let heavy = ImpactCommand {
         impact: ImpactSpecification {
             mass: 1e6,
@@ -392,7 +392,7 @@ fn a_long_forecast_hears_questions_and_a_stop() {
 }
 
 #[test]
-fn a_state_file_that_cannot_be_written_is_said() {
+fn a_state_file_that_cannot_be_written_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let occupied = folder.path().join("file");
     std::fs::write(&occupied, "").expect("written");
@@ -414,9 +414,9 @@ fn a_state_file_that_cannot_be_written_is_said() {
     live.stop().expect("no panic");
 }
 
-/// What the system does not grant is a warning with a hint, and the twin lives.
+/// The twin runs nevertheless, and the warnings contain a hint.
 #[test]
-fn what_is_not_granted_is_a_warning() {
+fn denied_real_time_properties_are_warnings() {
     let real_time = RealTime {
         fifo_priority: Some(100),
         processors: vec![100_000],
@@ -437,7 +437,7 @@ fn what_is_not_granted_is_a_warning() {
     live.stop().expect("no panic");
 }
 
-/// Found by the name that `top -H` shows, of which the system keeps 15 characters.
+/// The names are those of `top -H`, of which the system keeps 15 characters.
 #[cfg(target_os = "linux")]
 #[test]
 fn threads_have_names() {

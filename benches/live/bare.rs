@@ -1,4 +1,4 @@
-//! The floor: what ros2-client does without a twin, in processes of its own. This benchmark starts itself for them.
+//! The baseline: ros2-client without a twin, in separate processes of this benchmark.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -14,25 +14,25 @@ use futures::StreamExt;
 
 use super::domain::Domain;
 
-/// As `column_state`, by a publisher that does nothing else.
+/// Like `column_state`, from a publisher that does nothing else.
 pub const BARE_STATE: Endpoint = Endpoint {
     name: "bare_state",
     ..qos::COLUMN_STATE
 };
 
-/// As `hinge_forces`.
+/// Like `hinge_forces`.
 pub const BARE_FORCES: Endpoint = Endpoint {
     name: "bare_forces",
     ..qos::HINGE_FORCES
 };
 
-/// What the echo answers.
+/// The message to which the echo responds.
 pub const PING: Endpoint = Endpoint {
     name: "ping",
     ..qos::IMPACT_EVENT
 };
 
-/// Its answer, as long as a forecast.
+/// The response of the echo, as long as a forecast.
 pub const PONG: Endpoint = Endpoint {
     name: "pong",
     ..qos::IMPACT_FORECAST
@@ -40,15 +40,14 @@ pub const PONG: Endpoint = Endpoint {
 
 const PERIOD: i64 = 1_000_000;
 
-/// The variable that tells this program to be one of the peers.
+/// The environment variable that gives this program the role of a peer.
 const ROLE: &str = "COLUMN_TWIN_BENCHMARK_ROLE";
 
 /// A process that publishes or echoes until it is dropped.
 pub struct Bare(Child);
 
 impl Bare {
-    /// Publishes `count` pairs of messages at 1 kHz, beginning when its readers are there and it is told to
-    /// ([`Bare::go`]).
+    /// Publishes `count` pairs of messages at 1 kHz when its readers are present and [`Bare::go`] is called.
     pub fn publisher(domain: &Domain, count: u64) -> Self {
         Self::start(domain, &format!("publisher {count}"))
     }
@@ -70,7 +69,7 @@ impl Bare {
         Self(child)
     }
 
-    /// Lets the publisher begin, and waits for its end.
+    /// Lets the publisher start, and waits for its end.
     pub fn go(mut self) {
         drop(self.0.stdin.take());
         let ended = self.0.wait().expect("a child");
@@ -80,13 +79,13 @@ impl Bare {
 
 impl Drop for Bare {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Plays the role that the environment gives this process, if any.
+/// Plays the role in the environment variable, if there is one.
 pub fn is_asked_for() -> bool {
     let Ok(role) = std::env::var(ROLE) else {
         return false;
@@ -108,7 +107,7 @@ fn publish(mut node: Node, count: u64) {
     let forces = node
         .publisher::<HingeForces>(&BARE_FORCES)
         .expect("a publisher");
-    // Closed when the readers are there.
+    // Closed when the readers are present.
     let _ = std::io::stdin().read(&mut [0]);
     let (clock, notifier) = (SystemClock::new(), Notifier::default());
     let first = clock.now() + 50 * PERIOD;
@@ -139,7 +138,7 @@ fn publish(mut node: Node, count: u64) {
         };
         let _ = forces.publish(force);
     }
-    // What a reader asks for again must still be here.
+    // Messages must remain available for retransmission.
     std::thread::sleep(Duration::from_secs(1));
 }
 

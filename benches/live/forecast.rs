@@ -1,4 +1,4 @@
-//! From an event to its forecast: both on the wire, there and back.
+//! Time from an event to its forecast, both over DDS.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use super::table::{Ranked, number, row};
 
 const EVENTS: usize = 200;
 
-/// The target without the bare hop \[ms\].
+/// The target without the bare round trip \[ms\].
 const TARGET: f64 = 5.0;
 
 const RESET: Endpoint = Endpoint {
@@ -53,7 +53,10 @@ pub fn run(_: Duration) {
         reports.find(|(_, it)| it.event_id == id);
         let answer =
             futures::executor::block_on(reset.async_call_service(TriggerRequest::default()));
-        assert!(answer.is_ok_and(|it| it.success), "a virgin column again");
+        assert!(
+            answer.is_ok_and(|it| it.success),
+            "the column is virgin again"
+        );
         let sent = Instant::now();
         pings
             .publish(event(&id, now(), 1500.0, 10.0))
@@ -63,14 +66,14 @@ pub fn run(_: Duration) {
     }
     let [twin, bare, computing] = [twin, bare, computing].map(Ranked::new);
     println!(
-        "from publishing an event to holding its forecast, {} events on a virgin column, each followed by a bare echo",
+        "time from publishing an event to receiving its forecast, {} events on a virgin column, each followed by a bare echo",
         twin.len()
     );
     row("[ms]", ["p50", "p99", "max"].map(str::to_owned));
     for (name, times) in [
         ("event to forecast", &twin),
         ("bare echo of equal messages", &bare),
-        ("of it computing", &computing),
+        ("compute time in it", &computing),
     ] {
         let columns = [times.percentile(50.0), times.percentile(99.0), times.max()];
         row(name, columns.map(number));

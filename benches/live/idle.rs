@@ -1,4 +1,4 @@
-//! What the node costs while nothing happens.
+//! Processor time of the node at rest.
 
 use std::time::Duration;
 

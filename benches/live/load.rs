@@ -1,4 +1,4 @@
-//! The solver while other programs take all processors.
+//! Lateness of the solver while other programs use all processors.
 
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -14,7 +14,7 @@ use super::table::{Ranked, number, row};
 
 const LONGEST: Duration = Duration::from_secs(15);
 
-/// A program that does nothing but compute, until it is dropped.
+/// A program that uses a processor until it is dropped.
 struct Hog(Child);
 
 impl Hog {
@@ -74,7 +74,7 @@ pub fn run(span: Duration) {
     let span = span.min(LONGEST);
     let processors = std::thread::available_parallelism().map_or(2, usize::from);
     println!(
-        "responses for {} s; under load {} programs compute on {processors} processors",
+        "responses for {} s; load: {} computing programs on {processors} processors",
         span.as_secs(),
         2 * processors
     );
@@ -87,14 +87,14 @@ pub fn run(span: Duration) {
         "p99 [ms]",
     ];
     row(
-        "lateness: solver's worst; of publication",
+        "lateness: maximum of the solver; of publication",
         heads.map(str::to_owned),
     );
     for (name, hogs, priority) in [
-        ("quiet, SCHED_FIFO where granted", 0, "50"),
-        ("quiet, as every thread", 0, "0"),
-        ("load, SCHED_FIFO where granted", 2 * processors, "50"),
-        ("load, as every thread", 2 * processors, "0"),
+        ("quiet, SCHED_FIFO if granted", 0, "50"),
+        ("quiet, normal scheduling", 0, "0"),
+        ("load, SCHED_FIFO if granted", 2 * processors, "50"),
+        ("load, normal scheduling", 2 * processors, "0"),
     ] {
         row(name, measure(span, hogs, priority));
     }

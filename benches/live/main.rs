@@ -1,16 +1,16 @@
-//! How the live node does, as tables with ratios measured in one run: `cargo bench --bench live -- [PARTS] [--seconds S]`.
+//! Benchmarks of the live node, as tables of ratios measured in one run: `cargo bench --bench live -- [PARTS] [--seconds S]`.
 //!
-//! | part | what is measured |
+//! | part | measured quantity |
 //! |---|---|
-//! | `stream` | 1 kHz to rclpy and to a Rust reader: losses, order, lateness of publication, latency, against a bare publisher |
-//! | `forecast` | from an event to its forecast on the wire, against a bare echo |
+//! | `stream` | 1 kHz to rclpy and to a Rust reader: losses, order, delay of publication, latency, compared with a bare publisher |
+//! | `forecast` | time from an event to its forecast over DDS, compared with a bare echo |
 //! | `idle` | processor time of the node at rest |
-//! | `stop` | from SIGTERM during a response to the end |
-//! | `viewer` | what pictures cost, and whether anything is later for them, wherever they go |
-//! | `load` | the solver while other programs take all processors |
+//! | `stop` | time from SIGTERM during a response to the end of the program |
+//! | `viewer` | processor time of the viewer's scene, and its effect on the delay of publication |
+//! | `load` | lateness of the solver while other programs use all processors |
 //!
-//! Without parts all of them run. The node is `column-twin run` as a user starts it; the peers are processes of their own.
-//! Everything stays on loopback in a domain that nobody else uses.
+//! Without PARTS all of them run. The node is `column-twin run`; the peers are separate processes. Everything runs on loopback in
+//! an unused domain.
 // A reader listens without a bound: it ends with the benchmark.
 #![allow(clippy::disallowed_methods)]
 
@@ -36,13 +36,13 @@ mod wheel;
 
 use std::time::Duration;
 
-/// What the command line asks for.
-struct Wishes {
+/// The arguments of the command line.
+struct Arguments {
     parts: Vec<String>,
     seconds: u64,
 }
 
-/// A part, with the time that it may take.
+/// A part of the benchmark, which takes the duration of its measurement.
 type Part = (&'static str, fn(Duration));
 
 const PARTS: [Part; 6] = [
@@ -54,8 +54,8 @@ const PARTS: [Part; 6] = [
     ("load", load::run),
 ];
 
-fn wishes() -> Result<Wishes, String> {
-    let mut wishes = Wishes {
+fn arguments() -> Result<Arguments, String> {
+    let mut wishes = Arguments {
         parts: Vec::new(),
         seconds: 60,
     };
@@ -81,7 +81,7 @@ fn wishes() -> Result<Wishes, String> {
     Ok(wishes)
 }
 
-/// What else the machine does, which no number means anything without.
+/// Prints the load of the machine, which affects all results.
 pub fn print_load() {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let one_minute = load.split(' ').next().unwrap_or("?");
@@ -93,11 +93,11 @@ fn main() {
     if bare::is_asked_for() {
         return;
     }
-    // `cargo test --benches` only asks whether it runs.
+    // `cargo test --benches` only checks that the benchmark starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    let wishes = wishes().unwrap_or_else(|wrong| {
+    let wishes = arguments().unwrap_or_else(|wrong| {
         eprintln!("{wrong}");
         std::process::exit(2);
     });

@@ -1,4 +1,4 @@
-//! The peers that receive: a Rust reader in this process, and rclpy in one of its own.
+//! The receiving peers: a Rust reader in this process, and rclpy in a separate one.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -20,13 +20,13 @@ use serde::de::DeserializeOwned;
 
 use super::domain::{Domain, PATIENCE};
 
-/// The time of day \[ns\].
+/// The system time \[ns\].
 pub fn now() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     since.map_or(0, |it| it.as_nanos() as i64)
 }
 
-/// 1.5 t, gap, restitution and height as the twin's parameters say.
+/// An event that leaves gap, restitution and height to the parameters.
 pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEvent {
     ImpactEvent {
         header: Header {
@@ -43,20 +43,20 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
     }
 }
 
-/// One message, by the clock of this machine \[ns\].
+/// The times of a message on the clock of this machine \[ns\].
 #[derive(Debug, Clone, Copy)]
 pub struct Arrival {
-    /// What it is for: the deadline of its publication.
+    /// Stamp of the message, when it should be published.
     pub stamp: i64,
-    /// When it was given to the writer.
+    /// When it was passed to the writer.
     pub source: i64,
-    /// When the reader's own code had it.
+    /// When the code of the reader received it.
     pub received: i64,
-    /// The writer's number of it; `None` where the reader is not told.
+    /// Sequence number of the writer; `None` if the reader does not know it.
     pub sequence: Option<i64>,
 }
 
-/// A node of this process, with what it has met.
+/// A node of this process, with its known peers.
 pub struct Peer {
     pub node: Node,
     abort: AbortHandle,
@@ -79,16 +79,16 @@ impl Peer {
         }
     }
 
-    /// A publisher that has as many readers.
+    /// A publisher with this number of readers.
     pub fn publisher<M: Serialize>(&mut self, endpoint: &Endpoint) -> Publisher<M> {
         let publisher = self.node.publisher(endpoint).expect("a publisher");
         let deadline = Instant::now() + PATIENCE;
         let met = self.node.matches().wait_for(publisher.guid(), 1, deadline);
-        assert!(met, "nobody reads {}", endpoint.name);
+        assert!(met, "no reader for {}", endpoint.name);
         publisher
     }
 
-    /// Receives one topic in a thread of its own.
+    /// Receives a topic in a separate thread.
     pub fn reader<M, T>(
         &mut self,
         endpoint: &Endpoint,
@@ -126,7 +126,7 @@ impl Peer {
         };
         let deadline = Instant::now() + PATIENCE;
         let met = self.node.matches().wait_for(guid, 1, deadline);
-        assert!(met, "nobody publishes {}", endpoint.name);
+        assert!(met, "no publisher of {}", endpoint.name);
         reader
     }
 }
@@ -140,7 +140,7 @@ impl Drop for Peer {
     }
 }
 
-/// What arrives on one topic.
+/// Receives the messages of a topic.
 pub struct Reader<T> {
     pub arrivals: Receiver<T>,
     abort: AbortHandle,
@@ -152,7 +152,7 @@ impl<T> Reader<T> {
         self.arrivals.recv_timeout(PATIENCE).expect("a message")
     }
 
-    /// The first one from now on that `is_it` says yes to.
+    /// Waits for a message that satisfies `is_it`.
     pub fn find(&self, mut is_it: impl FnMut(&T) -> bool) -> T {
         loop {
             let it = self.next();
@@ -178,21 +178,21 @@ fn interop(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// rclpy, which receives topics in a process of its own.
+/// rclpy, which receives topics in a separate process.
 pub struct Rclpy {
     child: Child,
     lines: std::io::Lines<BufReader<std::process::ChildStdout>>,
 }
 
 impl Rclpy {
-    /// `None`, with a word about it, where there is no environment for it.
+    /// `None`, with a message, if its environment cannot be built.
     pub fn start(domain: &Domain, topics: &[&str]) -> Option<Self> {
         let built = Command::new(interop("environment.sh"))
             .stderr(Stdio::inherit())
             .output();
         let built = built.ok().filter(|it| it.status.success());
         let Some(environment) = built.and_then(|it| String::from_utf8(it.stdout).ok()) else {
-            println!("no rclpy: tests/interop/environment.sh says why");
+            println!("rclpy is not available; run tests/interop/environment.sh for the reason");
             return None;
         };
         let mut child = Command::new(Path::new(environment.trim()).join("bin/python"))
@@ -209,13 +209,13 @@ impl Rclpy {
         Some(Self { child, lines })
     }
 
-    /// Waits until it has found a publisher of every topic.
+    /// Waits until every topic has a publisher.
     pub fn wait_until_ready(&mut self) {
         let line = self.lines.next().and_then(Result::ok).unwrap_or_default();
         assert_eq!(line, "ready", "rclpy does not find all topics");
     }
 
-    /// Everything that it has received, topic by topic in the order in which they were given.
+    /// Everything it received, by topic in the given order.
     pub fn finish(mut self, topics: usize) -> Vec<Vec<Arrival>> {
         if let Some(mut stdin) = self.child.stdin.take() {
             let _ = stdin.write_all(b"end\n");
@@ -241,7 +241,7 @@ impl Rclpy {
 
 impl Drop for Rclpy {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-/// Unit of the times in `/proc` \[1/s\], the same on every Linux that has not been made anew.
+/// Unit of the times in `/proc` \[1/s\], the same on all common builds of Linux.
 const USER_HZ: f64 = 100.0;
 
 /// Processor time that a process has used \[s\], from fields 14 and 15 of `/proc/PID/stat`.
 fn processor_time(id: u32) -> f64 {
     let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).expect("it runs");
-    // The name of the program stands in brackets and may hold anything.
+    // The program name is in brackets and may contain any character.
     let behind_name = stat.rsplit_once(')').expect("a name").1;
     let ticks = |field: usize| -> f64 {
         let text = behind_name.split_ascii_whitespace().nth(field - 3);
@@ -17,14 +17,14 @@ fn processor_time(id: u32) -> f64 {
     (ticks(14) + ticks(15)) / USER_HZ
 }
 
-/// How much of a processor a process takes while something else is done here.
+/// The share of a processor that a process uses during a function call.
 pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
     let (before, began) = (processor_time(id), Instant::now());
     doing();
     (processor_time(id) - before) / began.elapsed().as_secs_f64()
 }
 
-/// The same while nothing is done.
+/// The share of a processor that a process uses during a sleep.
 pub fn share(id: u32, span: Duration) -> f64 {
     share_during(id, || std::thread::sleep(span))
 }

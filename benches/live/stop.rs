@@ -1,4 +1,4 @@
-//! From SIGTERM during a response to the end of the program, with the damage kept.
+//! Time from SIGTERM during a response to the end of the program, which saves the damage.
 
 use std::time::Duration;
 
@@ -34,14 +34,14 @@ fn stop() -> f64 {
     assert!(ended.success(), "{ended}: {log:#?}");
     assert!(
         folder.path().join("state/column.json").exists(),
-        "the damage is kept"
+        "the damage is saved"
     );
     took.as_secs_f64()
 }
 
 pub fn run(_: Duration) {
     let took = Ranked::new((0..STOPS).map(|_| stop()));
-    println!("SIGTERM in contact until the program has ended, {STOPS} times");
+    println!("time from SIGTERM during contact to the end of the program, {STOPS} times");
     row("", ["p50 [s]".into(), "max [s]".into(), "/ target".into()]);
     let (median, longest) = (took.percentile(50.0), took.max());
     row("stop", [median, longest, longest / TARGET].map(number));

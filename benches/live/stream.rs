@@ -1,4 +1,4 @@
-//! 1 kHz for a minute, to rclpy and to a Rust reader, in turns with a publisher that does nothing but publish.
+//! Publishing at 1 kHz to rclpy and to a Rust reader, alternating with a bare publisher.
 
 use std::time::{Duration, Instant};
 
@@ -11,24 +11,24 @@ use super::peers::{Arrival, Peer, Rclpy, Reader, event, now};
 use super::program::Program;
 use super::table::{Ranked, number, row};
 
-/// One turn of one of the two publishers.
+/// Duration of one turn of one of the two publishers.
 const TURN: Duration = Duration::from_secs(5);
 
-/// Heavy and slow: contact lasts a third of a second, the column stays elastic, and the next event needs no reset.
+/// A heavy and slow vehicle: contact lasts a third of a second, the column remains elastic, and no reset is needed.
 const MASS: f64 = 1e6;
 const VELOCITY: f64 = 0.04;
 
 /// Events are stamped this far ahead, so that no sample is due before its event has arrived \[ns\].
 const AHEAD: i64 = 5_000_000;
 
-/// Targets: lateness of a publication \[ms\], latency over that of the bare publisher.
+/// Targets: delay of a publication \[ms\], and ratio of its latency to that of the bare publisher.
 const LATENESS: f64 = 0.5;
 const LATENCY_RATIO: f64 = 1.5;
 
-/// How long the last messages may still be on their way.
+/// Maximum time in transit of the last messages.
 const STRAGGLERS: Duration = Duration::from_secs(1);
 
-/// One response after the other until the turn is over.
+/// Causes continuous responses until the turn is over.
 pub struct Impacts {
     events: ros2_client::Publisher<ImpactEvent>,
     reports: Reader<String>,
@@ -61,16 +61,16 @@ impl Impacts {
     }
 }
 
-/// What one reader has of one publisher's topic.
+/// What a reader received on a topic of a publisher.
 #[derive(Default)]
 struct Record {
     arrivals: Vec<Arrival>,
-    /// Sent, as far as the writer's numbers tell.
+    /// Number of sent messages, if the sequence numbers are known.
     sent: Option<usize>,
 }
 
 impl Record {
-    /// Of one writer, whose numbers tell what it has sent since the first that arrived.
+    /// The record of a single writer, whose sequence numbers count the messages since the first received one.
     fn of_writer(arrivals: Vec<Arrival>) -> Self {
         let numbers = || arrivals.iter().filter_map(|it| it.sequence);
         let span = numbers().max().zip(numbers().min());
@@ -115,8 +115,7 @@ fn drained(reader: &Reader<Arrival>) -> Vec<Arrival> {
     std::iter::from_fn(|| reader.arrivals.recv_timeout(STRAGGLERS).ok()).collect()
 }
 
-/// What the turns of both publishers brought to the Rust reader: the node's states, the bare ones, the node's forces, the
-/// bare ones.
+/// What the Rust reader received: the states of the node and of the bare publisher, and the forces of both.
 type Records = [Record; 4];
 
 pub fn run(span: Duration) {
@@ -126,7 +125,7 @@ pub fn run(span: Duration) {
     let turns = (span.as_secs_f64() / TURN.as_secs_f64()).ceil().max(1.0) as usize;
     let turn = span.div_f64(turns as f64);
     let pairs = turn.as_millis() as u64;
-    // All readers meet all publishers before anything is sent: the bare one waits in each turn for a word.
+    // All readers discover all publishers before anything is sent; the bare publisher waits in each turn for its start.
     let mut bare = Some(Bare::publisher(&domain, pairs));
     let mut peer = Peer::new(&domain);
     let endpoints = [
@@ -137,13 +136,13 @@ pub fn run(span: Duration) {
     ];
     let readers = endpoints.map(|endpoint| rust_reader(&mut peer, &endpoint));
     let names = endpoints.map(|it| it.name);
-    // Two topics at 1 kHz, both publishers' in turn, are what it takes in real time.
+    // It can process two topics at 1 kHz, of one publisher at a time, in real time.
     let mut rclpy = Rclpy::start(&domain, &names[..2]);
     if let Some(rclpy) = &mut rclpy {
         rclpy.wait_until_ready();
     }
     let mut impacts = Impacts::new(&mut peer);
-    // What is sent before a reader's acknowledgement has come may be missing: not in this record.
+    // Messages sent before the first acknowledgement of a reader may be lost, and are excluded.
     impacts.for_a_while(Duration::from_millis(500));
     let begun = now();
     for number in 0..turns {
@@ -159,7 +158,7 @@ pub fn run(span: Duration) {
         let all = drained(reader).into_iter();
         Record::of_writer(all.filter(|it| it.stamp >= begun).collect())
     });
-    // Each turn of the bare publisher is a process of its own.
+    // Each turn of the bare publisher is a separate process.
     for bare in [1, 3] {
         rust[bare].sent = Some(turns * pairs as usize);
     }
@@ -176,7 +175,7 @@ pub fn run(span: Duration) {
         records
     });
     println!(
-        "{turns} turns of {turn:?} each; latency: from the instant that a message is for to the reader's own code"
+        "{turns} turns of {turn:?} each; latency: from the stamp of a message to the code of the reader"
     );
     print_reader("Rust reader", &rust);
     if let Some(python) = python {

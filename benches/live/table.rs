@@ -1,6 +1,6 @@
-//! Percentiles and columns.
+//! Percentiles and table rows.
 
-/// Numbers in their order.
+/// Sorted numbers.
 pub struct Ranked(Vec<f64>);
 
 impl Ranked {
@@ -10,7 +10,7 @@ impl Ranked {
         Self(numbers)
     }
 
-    /// The smallest number that `percent` of all do not exceed; NaN where there are none.
+    /// The smallest number that `percent` of all numbers do not exceed; NaN if there are none.
     pub fn percentile(&self, percent: f64) -> f64 {
         let place = (percent / 100.0 * self.0.len() as f64).ceil() as usize;
         let number = self.0.get(place.saturating_sub(1));
@@ -26,7 +26,7 @@ impl Ranked {
     }
 }
 
-/// A row: its name, then its cells.
+/// Prints a row: its name, then its cells.
 pub fn row(name: &str, cells: impl IntoIterator<Item = String>) {
     print!("{name:<44}");
     for cell in cells {

@@ -1,4 +1,4 @@
-//! What pictures cost while the column moves without a pause, and whether anything is published later for them.
+//! Processor time of the viewer's scene during continuous responses, and its effect on the delay of publication.
 
 use std::net::{Ipv4Addr, TcpListener};
 use std::time::Duration;
@@ -16,10 +16,10 @@ use super::wheel::{Running, free_port};
 
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// The target beyond a node without viewer \[s of processor time per s\].
+/// The target for the additional processor time \[s per s\].
 const TARGET: f64 = 0.05;
 
-/// The node's share of a processor, and how late its states are published \[ms\].
+/// The node's share of a processor, and the delay of its states \[ms\].
 fn measure(span: Duration, mode: &str, port: u16, ready: &str) -> (f64, Ranked) {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().expect("a folder");
@@ -52,7 +52,7 @@ fn measure(span: Duration, mode: &str, port: u16, ready: &str) -> (f64, Ranked) 
 pub fn run(span: Duration) {
     let span = span.min(LONGEST);
     println!(
-        "one slow impact after the other for {} s, 1000 states and 60 pictures a second",
+        "continuous slow impacts for {} s, 1000 states and 60 frames per second",
         span.as_secs()
     );
     row(
@@ -73,15 +73,15 @@ pub fn run(span: Duration) {
     let cases = [
         ("off", "off", free_port(), "is ready"),
         ("save", "save", free_port(), "the viewer file is"),
-        ("serve, nobody looks", "serve", free_port(), "to watch"),
+        ("serve, no viewer", "serve", free_port(), "to watch"),
         (
-            "connect, takes nothing",
+            "connect, viewer does not read",
             "connect",
             silent_port,
             "connected to",
         ),
         (
-            "connect, the real viewer",
+            "connect, real viewer",
             "connect",
             viewer_port,
             "connected to",

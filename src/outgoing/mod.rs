@@ -400,4 +400,25 @@ mod tests {
             assert_eq!(Message::decode(topic, &bytes).expect("the same"), *message);
         }
     }
+
+    #[test]
+    fn refusal_codes_are_the_constants_of_the_status() {
+        use crate::messages::Message as _;
+        use re_ros_msg::message_spec::Literal;
+        let definition = TwinStatus::INTERFACE.specification().expect("valid");
+        let constants: Vec<_> = definition
+            .constants
+            .into_iter()
+            .filter(|it| it.name.starts_with("REFUSED_") && it.name != "REFUSED_NONE")
+            .map(|it| (it.name, it.value))
+            .collect();
+        let codes: Vec<_> = RefusalCode::ALL
+            .iter()
+            .map(|code| {
+                let name = format!("REFUSED_{}", code.name().to_uppercase());
+                (name, Literal::UInt(code.number().into()))
+            })
+            .collect();
+        assert_eq!(constants, codes);
+    }
 }

@@ -21,7 +21,7 @@ pub struct EventSummary {
     pub stamp: Option<i64>,
     /// Mass of the impactor \[kg\].
     pub mass: Option<f64>,
-    /// Velocity of the impactor \[m/s\].
+    /// Speed over the ground \[m/s\].
     pub velocity: Option<f64>,
     /// Why the twin rejected the event.
     pub refused: Option<String>,
@@ -73,9 +73,9 @@ type Handler = fn(&mut Events, &Decoded);
 
 fn handler(type_name: &str) -> Option<Handler> {
     match type_name {
-        "column_twin/msg/ImpactEvent" => Some(Events::add_event),
-        "column_twin/msg/ImpactReport" => Some(Events::add_report),
-        "column_twin/msg/TwinStatus" => Some(Events::add_status),
+        "column_twin/msg/ImpactEvent" => Some(Events::announced),
+        "column_twin/msg/ImpactReport" => Some(Events::reported),
+        "column_twin/msg/TwinStatus" => Some(Events::status),
         _ => None,
     }
 }
@@ -83,15 +83,15 @@ fn handler(type_name: &str) -> Option<Handler> {
 #[derive(Default)]
 struct Events {
     list: Vec<EventSummary>,
-    indices: HashMap<(String, String), usize>,
+    places: HashMap<(String, String), usize>,
     beyond: u64,
 }
 
 impl Events {
     fn of(&mut self, column_id: &str, event_id: &str) -> Option<&mut EventSummary> {
         let key = (column_id.to_owned(), event_id.to_owned());
-        let index = match self.indices.get(&key) {
-            Some(index) => *index,
+        let place = match self.places.get(&key) {
+            Some(place) => *place,
             None if self.list.len() >= MAX_EVENTS => {
                 self.beyond += 1;
                 return None;
@@ -102,14 +102,14 @@ impl Events {
                     column_id: column_id.to_owned(),
                     ..EventSummary::default()
                 });
-                self.indices.insert(key, self.list.len() - 1);
+                self.places.insert(key, self.list.len() - 1);
                 self.list.len() - 1
             }
         };
-        self.list.get_mut(index)
+        self.list.get_mut(place)
     }
 
-    fn add_event(&mut self, message: &Decoded) {
+    fn announced(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
@@ -118,7 +118,7 @@ impl Events {
         event.velocity = number(message, "velocity");
     }
 
-    fn add_report(&mut self, message: &Decoded) {
+    fn reported(&mut self, message: &Decoded) {
         let Some(event) = self.of(text(message, "column_id"), text(message, "event_id")) else {
             return;
         };
@@ -136,7 +136,7 @@ impl Events {
         }
     }
 
-    fn add_status(&mut self, message: &Decoded) {
+    fn status(&mut self, message: &Decoded) {
         let refused = text(message, "last_refusal_event_id");
         if refused.is_empty() {
             return;
@@ -199,7 +199,7 @@ mod tests {
     }
 
     fn refusal(id: &str) -> Decoded {
-        let reason = ("last_refusal_reason", "repeated");
+        let reason = ("last_refusal_reason", "it was there before");
         message(
             &[],
             &[("column_id", "c"), ("last_refusal_event_id", id), reason],
@@ -214,12 +214,12 @@ mod tests {
             message(&[("kind", f64::from(kind)), value], &names)
         };
         let mut events = Events::default();
-        events.add_status(&refusal("refused"));
-        events.add_status(&refusal("first"));
-        events.add_report(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
+        events.status(&refusal("refused"));
+        events.status(&refusal("first"));
+        events.reported(&report("first", ImpactReport::FORECAST, ("max_v1", 0.1)));
         let outcome = ("outcome", f64::from(ImpactReport::PLASTIC));
-        events.add_report(&report("then", ImpactReport::RESULT, outcome));
-        events.add_status(&refusal("then"));
+        events.reported(&report("then", ImpactReport::RESULT, outcome));
+        events.status(&refusal("then"));
         let refused: Vec<_> = events
             .list
             .iter()

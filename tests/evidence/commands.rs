@@ -32,28 +32,31 @@ fn a_simulated_impact_is_recorded_and_verified() {
     .into_iter()
     .enumerate()
     {
-        let (code, said, fault) = typed(
+        let (code, stdout, stderr) = typed(
             folder.path(),
             &format!("simulate {options} --record bag_{index}"),
         );
-        assert_eq!(code, 0, "{fault}");
-        assert!(said.contains(&format!("Recording  bag_{index}")), "{said}");
+        assert_eq!(code, 0, "{stderr}");
+        assert!(
+            stdout.contains(&format!("Recording  bag_{index}")),
+            "{stdout}"
+        );
         for bag in [
             format!("bag_{index}"),
             format!("bag_{index}/bag_{index}_0.mcap"),
         ] {
-            let (code, said, fault) = typed(folder.path(), &format!("verify {bag}"));
-            assert_eq!(code, 0, "{said}{fault}");
+            let (code, stdout, stderr) = typed(folder.path(), &format!("verify {bag}"));
+            assert_eq!(code, 0, "{stdout}{stderr}");
             assert!(
-                said.contains("which is this build") && said.contains("Equal: "),
-                "{said}"
+                stdout.contains("which is this build") && stdout.contains("Equal: "),
+                "{stdout}"
             );
         }
     }
     // Nothing is overwritten.
-    let (code, _, fault) = typed(folder.path(), "simulate --record bag_0");
-    assert_eq!(code, 2, "{fault}");
-    assert!(fault.contains("exists already"), "{fault}");
+    let (code, _, stderr) = typed(folder.path(), "simulate --record bag_0");
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("exists already"), "{stderr}");
 }
 
 /// For example with `| head`.
@@ -84,8 +87,8 @@ fn a_closed_standard_output_is_no_failure() {
             .unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!((output.status.code(), &*said), (Some(0), ""), "{line}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &*stderr), (Some(0), ""), "{line}");
     }
 }
 
@@ -97,10 +100,13 @@ fn one_flipped_bit_ends_with_code_1_and_is_named() {
     let path = folder.path().join("bag/bag_0.mcap");
     let bytes = std::fs::read(&path).unwrap();
     let (_kept, forged) = super::forgeries::with_one_bit_flipped(&folder.path().join("bag"));
-    let (code, said, fault) = typed(folder.path(), &format!("verify {}", forged.display()));
-    assert_eq!(code, 1, "{said}{fault}");
-    assert!(said.contains("/column_state: v1 is "), "{said}");
-    assert!(fault.contains("differs from the recomputation"), "{fault}");
+    let (code, stdout, stderr) = typed(folder.path(), &format!("verify {}", forged.display()));
+    assert_eq!(code, 1, "{stdout}{stderr}");
+    assert!(stdout.contains("/column_state: v1 is "), "{stdout}");
+    assert!(
+        stderr.contains("differs from the recomputation"),
+        "{stderr}"
+    );
     assert_eq!(std::fs::read(&path).unwrap(), bytes);
 }
 
@@ -112,9 +118,9 @@ fn input_that_is_not_a_recording_ends_with_code_2() {
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     for bag in ["nothing", "text.mcap", "empty.mcap", "folder"] {
         for command in ["verify", "replay"] {
-            let (code, said, fault) = typed(folder.path(), &format!("{command} {bag}"));
-            assert_eq!(code, 2, "{command} {bag}: {said}{fault}");
-            assert!(fault.contains(bag), "{command} {bag}: {fault}");
+            let (code, stdout, stderr) = typed(folder.path(), &format!("{command} {bag}"));
+            assert_eq!(code, 2, "{command} {bag}: {stdout}{stderr}");
+            assert!(stderr.contains(bag), "{command} {bag}: {stderr}");
         }
     }
     for line in [
@@ -122,9 +128,12 @@ fn input_that_is_not_a_recording_ends_with_code_2() {
         "replay bag --rate fast",
         "replay bag --clock -1",
     ] {
-        let (code, _, fault) = typed(folder.path(), line);
+        let (code, _, stderr) = typed(folder.path(), line);
         assert_eq!(code, 2, "{line}");
-        assert!(fault.contains("expected a number from"), "{line}: {fault}");
+        assert!(
+            stderr.contains("expected a number from"),
+            "{line}: {stderr}"
+        );
     }
 }
 
@@ -139,9 +148,9 @@ fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {
     let folder = TempDir::new().unwrap();
     let (code, ..) = typed(folder.path(), "simulate --height 1.3 --record bag");
     assert_eq!(code, 0);
-    let (code, said, fault) = typed(folder.path(), "replay bag --rrd impact.rrd");
-    assert_eq!((code, fault.as_str()), (0, ""), "{said}");
-    assert_eq!(said, "rerun impact.rrd\n");
+    let (code, stdout, stderr) = typed(folder.path(), "replay bag --rrd impact.rrd");
+    assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
+    assert_eq!(stdout, "rerun impact.rrd\n");
     let film = std::fs::read(folder.path().join("impact.rrd")).unwrap();
     assert_eq!(&film[..4], b"RRF2");
     for line in [
@@ -155,12 +164,15 @@ fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {
         "replay nothing --rrd impact.rrd",
         "replay bag --rrd impact.rrd --config nothing.yaml",
     ] {
-        let (code, _, fault) = typed(folder.path(), line);
-        assert_eq!(code, 2, "{line}: {fault}");
+        let (code, _, stderr) = typed(folder.path(), line);
+        assert_eq!(code, 2, "{line}: {stderr}");
     }
-    let (code, _, fault) = typed(folder.path(), "replay bag --rrd nowhere/impact.rrd");
-    assert_eq!(code, 1, "{fault}");
-    assert!(fault.contains("cannot write nowhere/impact.rrd"), "{fault}");
+    let (code, _, stderr) = typed(folder.path(), "replay bag --rrd nowhere/impact.rrd");
+    assert_eq!(code, 1, "{stderr}");
+    assert!(
+        stderr.contains("cannot write nowhere/impact.rrd"),
+        "{stderr}"
+    );
 
     let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let port = free.local_addr().unwrap().port();
@@ -183,12 +195,12 @@ fn a_recording_becomes_a_file_for_the_viewer_or_is_served() {
         "{line}"
     );
     TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
-    let (code, _, fault) = typed(
+    let (code, _, stderr) = typed(
         folder.path(),
         &format!("replay bag --serve --config {}", config.display()),
     );
-    assert_eq!(code, 1, "{fault}");
-    assert!(fault.contains("another program listens"), "{fault}");
+    assert_eq!(code, 1, "{stderr}");
+    assert!(stderr.contains("another program listens"), "{stderr}");
     let pid = rustix::process::Pid::from_raw(i32::try_from(serving.id()).unwrap()).unwrap();
     rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
     assert!(serving.wait().unwrap().success());

@@ -22,9 +22,13 @@ fn recording_status(diagnostics: &Bytes) -> DiagnosticStatus {
         .messages
         .recv_timeout(PATIENCE)
         .expect("diagnostics");
-    let said: DiagnosticArray = cdr::decode(message.bytes()).unwrap();
+    let status: DiagnosticArray = cdr::decode(message.bytes()).unwrap();
     let of_recording = |it: &DiagnosticStatus| it.name.ends_with(": recording");
-    said.status.into_iter().find(of_recording).expect("said")
+    status
+        .status
+        .into_iter()
+        .find(of_recording)
+        .expect("a recording")
 }
 
 /// Fills the disk.
@@ -49,13 +53,13 @@ fn a_node_survives_a_full_disk_and_reports_its_losses() {
     let diagnostics = Bytes::start(&mut reader, &qos::DIAGNOSTICS);
     slow_impact(&domain, "before");
     reports.messages.recv_timeout(PATIENCE).expect("a report");
-    let said = recording_status(&diagnostics);
-    assert_eq!(said.level, DiagnosticStatus::OK, "{said:?}");
+    let status = recording_status(&diagnostics);
+    assert_eq!(status.level, DiagnosticStatus::OK, "{status:?}");
 
     let ballast = disk.path().join("ballast");
     fill(&ballast);
     // Until the preallocated space is used up.
-    let said = (0..)
+    let status = (0..)
         .map(|number| {
             slow_impact(&domain, &format!("without room {number}"));
             reports.messages.recv_timeout(PATIENCE).expect("a report");
@@ -63,11 +67,11 @@ fn a_node_survives_a_full_disk_and_reports_its_losses() {
             recording_status(&diagnostics)
         })
         .take(60)
-        .find(|said| said.level == DiagnosticStatus::ERROR)
+        .find(|status| status.level == DiagnosticStatus::ERROR)
         .expect("an ERROR");
-    let lost = said.values.iter().find(|it| it.key == "messages lost");
+    let lost = status.values.iter().find(|it| it.key == "messages lost");
     let lost: u64 = lost.expect("a count").value.parse().expect("a number");
-    assert!(lost > 0, "{said:?}");
+    assert!(lost > 0, "{status:?}");
 
     std::fs::remove_file(&ballast).unwrap();
     let given_up = Instant::now() + PATIENCE;

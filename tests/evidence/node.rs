@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 
 use column_twin::column::ImpactSpecification;
@@ -14,7 +14,7 @@ use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::ros::{ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact};
-use column_twin::twin::Command;
+use column_twin::twin::Command as TwinCommand;
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
@@ -106,7 +106,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             "{outcome:?}"
         );
         reports.messages.recv_timeout(PATIENCE).expect("a report");
-        let load = Command::SetParameters {
+        let load = TwinCommand::SetParameters {
             changes: vec![("top.load".to_owned(), Value::from(1e5 * velocity))],
             source: "test".into(),
         };
@@ -117,7 +117,7 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
             "{refused:?}"
         );
     }
-    let reset = Command::Reset {
+    let reset = TwinCommand::Reset {
         source: "test".into(),
     };
     twin.execute(reset).unwrap();
@@ -137,15 +137,16 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
         assert_eq!(recorded[topic], wire, "{topic}");
     }
     assert_eq!(recorded["/impact_event"].len(), 4);
-    let said: DiagnosticArray = cdr::decode(recorded["/diagnostics"].last().unwrap()).unwrap();
-    let of_recording = said
+    let diagnostics: DiagnosticArray =
+        cdr::decode(recorded["/diagnostics"].last().unwrap()).unwrap();
+    let of_recording = diagnostics
         .status
         .iter()
         .find(|it| it.name.ends_with(": recording"));
     assert_eq!(
         of_recording.unwrap().level,
         DiagnosticStatus::OK,
-        "{said:?}"
+        "{diagnostics:?}"
     );
     assert!(recorded["/parameter_events"].len() >= 3);
     let found = verify(&path).unwrap();
@@ -194,7 +195,7 @@ fn losses_are_counted_and_declared() {
 
 /// The program as a user starts it.
 pub fn program(domain: &Domain, directory: &Path) -> Child {
-    std::process::Command::new(env!("CARGO_BIN_EXE_column-twin"))
+    Command::new(env!("CARGO_BIN_EXE_column-twin"))
         .args([
             "run",
             "--ros-args",
@@ -295,7 +296,7 @@ fn a_recording_that_cannot_start_ends_the_program() {
     let output = program(&domain, &file.join("below"))
         .wait_with_output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("record.directory"), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("record.directory"), "{stderr}");
 }

@@ -195,10 +195,10 @@ fn an_unknown_topic_is_rejected_with_a_list_of_all_topics() {
     };
     let error = replay(&domain.environment, &[], &options, &mut Commands::default()).unwrap_err();
     assert!(matches!(error, ReplayError::NoSuchTopic { .. }));
-    let said = error.to_string();
+    let text = error.to_string();
     assert!(
-        said.contains("/nothing") && said.contains("/column_state"),
-        "{said}"
+        text.contains("/nothing") && text.contains("/column_state"),
+        "{text}"
     );
 }
 

@@ -106,8 +106,8 @@ fn an_invalid_event_is_rejected_with_the_reason() {
             },
             "the column is 4 m high",
         ),
-        (at(3600 * second), "s ahead, event.max_ahead is 1 s"),
-        (at(-3600 * second), "s old, event.max_age is 5 s"),
+        (at(3600 * second), "s ahead; event.max_ahead is 1 s"),
+        (at(-3600 * second), "s old; event.max_age is 5 s"),
         (
             ImpactEvent {
                 column_id: "another".to_owned(),
@@ -187,7 +187,7 @@ fn a_rejected_set_of_parameters_is_reported() {
                 top_load: 1e5,
                 ..own()
             },
-            "they are for the column \"another\", and this is \"column\"",
+            "the message is for column \"another\", but this is the twin of column \"column\"",
         ),
     ];
     for (refused, (wrong, reason)) in (1..).zip(cases) {
@@ -200,7 +200,7 @@ fn a_rejected_set_of_parameters_is_reported() {
         );
         logs.find(reason, |it| {
             it.msg
-                .starts_with("change of parameters by column_parameters is refused")
+                .starts_with("a change of parameters by column_parameters was rejected")
                 && it.msg.contains(reason)
         });
     }

@@ -81,10 +81,10 @@ fn a_truncated_state_file_is_kept_aside_and_said() {
 
     let mut program = Program::ready(&domain, folder.path(), &QUIET);
     let said =
-        |it: &&String| it.contains("the state file cannot be used, the column starts virgin");
+        |it: &&String| it.contains("the state file cannot be used, so the column starts virgin");
     let line = program.seen.iter().find(said).cloned().unwrap_or_default();
     assert!(
-        line.contains("it is truncated or no state file of column_twin"),
+        line.contains("it is truncated, or not a state file of column_twin"),
         "{:#?}",
         program.seen
     );
@@ -109,7 +109,7 @@ fn a_state_file_of_another_column_is_kept_aside_and_said() {
 
     let another_name = [&QUIET[..], &["-p", "column_id:=other"]].concat();
     let program = Program::ready(&domain, folder.path(), &another_name);
-    let of_another = "it is of column \"column\"; this twin is of column \"other\"";
+    let of_another = "it belongs to column \"column\", but this is the twin of column \"other\"";
     assert!(
         program.seen.iter().any(|it| it.contains(of_another)),
         "{:#?}",
@@ -119,7 +119,7 @@ fn a_state_file_of_another_column_is_kept_aside_and_said() {
 
     let another_section = [&QUIET[..], &["-p", "section.name:=HEB300"]].concat();
     let program = Program::ready(&domain, folder.path(), &another_section);
-    let of_other_steel = "are not those that it was damaged with";
+    let of_other_steel = "differ from those with which it was damaged";
     assert!(
         program.seen.iter().any(|it| it.contains(of_other_steel)),
         "{:#?}",

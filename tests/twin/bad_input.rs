@@ -1,4 +1,4 @@
-//! What is refused changes nothing, and its sender can read why.
+//! Rejected commands change nothing, and their senders can read the reason.
 
 use column_twin::column::ImpactSpecification;
 use column_twin::twin::{ImpactCommand, MAX_EVENT_ID_CHARS, MAX_REASON_CHARS, RefusedInput};
@@ -28,7 +28,7 @@ fn refusal_of(event: ImpactCommand) -> String {
 }
 
 #[test]
-fn numbers_that_are_none_or_out_of_range() {
+fn invalid_numbers_are_rejected() {
     let good = event("a", START);
     for (bad, expected) in [
         (
@@ -158,7 +158,7 @@ fn numbers_that_are_none_or_out_of_range() {
 }
 
 #[test]
-fn all_wrong_numbers_are_listed_at_once() {
+fn all_invalid_numbers_are_listed() {
     let bad = ImpactCommand {
         impact: ImpactSpecification {
             mass: f64::NAN,
@@ -178,7 +178,7 @@ fn all_wrong_numbers_are_listed_at_once() {
 }
 
 #[test]
-fn names_that_are_wrong() {
+fn invalid_identifiers_are_rejected() {
     let good = event("a", START);
     let other = refusal_of(ImpactCommand {
         column_id: "other\u{1b}[31m".into(),
@@ -209,7 +209,7 @@ fn names_that_are_wrong() {
 }
 
 #[test]
-fn huge_names_are_not_kept() {
+fn huge_identifiers_are_not_stored() {
     let mut bench = Bench::new(&[]);
     let huge = "x".repeat(10_000_000);
     bench.hit(ImpactCommand {
@@ -222,7 +222,7 @@ fn huge_names_are_not_kept() {
 }
 
 #[test]
-fn stamps_out_of_tolerance() {
+fn stamps_outside_the_tolerance_are_rejected() {
     for (stamp, expected) in [
         (
             START - 5_001 * MS,
@@ -247,7 +247,7 @@ fn stamps_out_of_tolerance() {
 }
 
 #[test]
-fn the_same_identifier_twice() {
+fn a_repeated_identifier_is_rejected() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.hit(event("a", START + MS));
@@ -266,9 +266,9 @@ fn the_same_identifier_twice() {
     assert_eq!(bench.reports().len(), 1);
 }
 
-/// A sender may correct what was refused.
+/// A sender may correct a rejected event.
 #[test]
-fn a_refused_identifier_can_be_used_again() {
+fn the_identifier_of_a_rejected_event_can_be_used_again() {
     let mut bench = Bench::new(&[]);
     bench.hit(ImpactCommand {
         impact: ImpactSpecification {
@@ -308,7 +308,7 @@ fn a_refusal_during_a_response_does_not_disturb_it() {
     assert_eq!(quiet.reports()[0].report, loud.reports()[0].report);
 }
 
-/// 10 000 events within a second: refused or computed, counted all of them, and the twin goes on.
+/// All events are rejected or computed, and counted, and the twin continues.
 #[test]
 fn ten_thousand_events_in_a_second() {
     let mut bench = Bench::new(&[("solver.dt", 1e-3.into())]);

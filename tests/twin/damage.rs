@@ -1,4 +1,4 @@
-//! Damage: over impacts, over restarts, until a reset.
+//! Damage accumulates over impacts and survives restarts, until a reset.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ fn hit_and_rest(bench: &mut Bench, event: ImpactCommand) {
 }
 
 #[test]
-fn it_accumulates_over_impacts_and_ends_with_a_reset() {
+fn damage_accumulates_over_impacts_until_a_reset() {
     let mut bench = Bench::new(&[]);
     let mut residuals = vec![0.0];
     let mut works = vec![0.0];
@@ -69,9 +69,9 @@ fn restarted(bench: &Bench) -> Bench {
     again
 }
 
-/// To the last bit: the next impact has the same samples with and without a restart.
+/// Bit for bit: the next impact has the same samples with and without a restart.
 #[test]
-fn it_survives_a_restart() {
+fn damage_survives_a_restart() {
     let mut bench = Bench::new(&[]);
     hit_and_rest(&mut bench, event("a", START));
     let mut again = restarted(&bench);
@@ -94,9 +94,9 @@ fn it_survives_a_restart() {
     );
 }
 
-/// A machine that stops in the middle of a response has its damage all the same: it is kept with the forecast.
+/// The forecast saves the expected damage, in case the machine stops during the response.
 #[test]
-fn a_response_that_is_cut_off_is_kept_as_forecast() {
+fn the_damage_of_an_interrupted_response_is_saved_with_the_forecast() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(3 * MS);
@@ -129,7 +129,7 @@ fn a_collapse_survives_a_restart() {
 }
 
 #[test]
-fn a_new_load_finds_a_new_equilibrium() {
+fn a_new_load_leads_to_a_new_equilibrium() {
     let mut bench = Bench::new(&[]);
     hit_and_rest(&mut bench, event("a", START));
     let saved = bench.saved().last().expect("saved").as_ref().clone();
@@ -175,7 +175,7 @@ fn rejection(path: &Path, changes: &[(&str, Value)]) -> String {
 }
 
 #[test]
-fn a_state_file_comes_back_as_it_was() {
+fn a_state_file_reads_back_unchanged() {
     in_folder(|folder| {
         let path = folder.join("deeper").join("column.json");
         assert_eq!(
@@ -189,13 +189,13 @@ fn a_state_file_comes_back_as_it_was() {
         let loaded = state_file::load(&path, &parameters(&[])).expect("read");
         assert_eq!(loaded, Loaded::Damage(Box::new(saved)));
         let files = std::fs::read_dir(path.parent().expect("a folder")).expect("readable");
-        assert_eq!(files.count(), 1, "nothing is left beside it");
+        assert_eq!(files.count(), 1, "no other file is left");
     });
 }
 
-/// Wherever it is cut, and whichever character is another one: refused, kept aside, never a panic.
+/// Truncated at any length, or with any changed character, and without a panic.
 #[test]
-fn a_damaged_state_file_is_refused_and_kept() {
+fn a_damaged_state_file_is_rejected_and_kept() {
     let saved = damaged();
     let text = saved.to_json().expect("JSON");
     let expected = parameters(&[]);
@@ -209,7 +209,7 @@ fn a_damaged_state_file_is_refused_and_kept() {
         let mut bytes = text.clone().into_bytes();
         bytes[place] = if bytes[place] == b'7' { b'8' } else { b'7' };
         if let Ok(edited) = String::from_utf8(bytes) {
-            // White space, or a last digit beyond the precision of a number, can change without a trace.
+            // Changes of white space, and of digits beyond the precision of a number, have no effect.
             if let Ok(read) = SavedState::from_json(&edited, &expected) {
                 assert_eq!(read, saved, "at {place}");
             }
@@ -225,7 +225,7 @@ fn a_damaged_state_file_is_refused_and_kept() {
                 "format \"other\", version 7; expected",
             ),
             (b"\xff\xfe\x00", "UTF-8"),
-            (b"{}", "no state file"),
+            (b"{}", "not a state file"),
         ] {
             std::fs::write(&path, content).expect("written");
             let reason = rejection(&path, &[]);
@@ -243,22 +243,22 @@ fn a_damaged_state_file_is_refused_and_kept() {
 }
 
 #[test]
-fn a_state_file_of_another_column_is_refused_and_kept() {
+fn a_state_file_of_another_column_is_rejected_and_kept() {
     in_folder(|folder| {
         let path = folder.join("column.json");
         let saved = damaged();
         for (changes, expected) in [
             (
                 ("column_id", Value::from("A3")),
-                "is of column \"column\"; this twin is of column \"A3\"",
+                "it belongs to column \"column\", but this is the twin of column \"A3\"",
             ),
             (
                 ("section.name", "HEB300".into()),
-                "are not those that it was damaged with",
+                "differ from those with which it was damaged",
             ),
             (
                 ("geometry.length_below", 1.5.into()),
-                "are not those that it was damaged with",
+                "differ from those with which it was damaged",
             ),
         ] {
             state_file::store(&path, &saved).expect("written");
@@ -275,7 +275,7 @@ fn a_state_file_of_another_column_is_refused_and_kept() {
 }
 
 #[test]
-fn a_state_file_that_cannot_be_written_says_so() {
+fn a_state_file_that_cannot_be_written_is_an_error() {
     in_folder(|folder| {
         let occupied = folder.join("file");
         std::fs::write(&occupied, "").expect("written");
@@ -288,7 +288,7 @@ fn a_state_file_that_cannot_be_written_says_so() {
 }
 
 #[test]
-fn the_state_file_stands_where_the_parameters_say() {
+fn the_path_of_the_state_file_follows_from_the_parameters() {
     let of = |changes: &[(&str, Value)]| state_file::path(&parameters(changes));
     assert_eq!(of(&[]).as_deref(), Some(Path::new("state/column.json")));
     assert_eq!(of(&[("state.directory", "".into())]), None);
@@ -299,7 +299,7 @@ fn the_state_file_stands_where_the_parameters_say() {
     assert_eq!(of(&names).as_deref(), Some(Path::new("/var/x/a%2Fb.json")));
 }
 
-/// Hinges 1a and 1b sit at the impact height.
+/// Hinges 1a and 1b are at the height of the impact.
 #[test]
 fn another_height_needs_an_undamaged_joint() {
     let at = |height, id: &str, stamp| ImpactCommand {
@@ -310,7 +310,7 @@ fn another_height_needs_an_undamaged_joint() {
         ..event(id, stamp)
     };
     let mut bench = Bench::new(&[]);
-    // Elastic: the hinges can go elsewhere, and back.
+    // While they are elastic, the hinges can move to another height and back.
     bench.hit(ImpactCommand {
         impact: ImpactSpecification {
             height: Some(0.6),
@@ -321,7 +321,7 @@ fn another_height_needs_an_undamaged_joint() {
     bench.rest();
     hit_and_rest(&mut bench, light("b", START + 500 * MS));
     assert_eq!((bench.refusals().len(), bench.reports().len()), (0, 2));
-    // Plastic at 0.6 m: there they stay, over a restart too.
+    // Plastic hinges remain at 0.6 m, even after a restart.
     let stamp = bench.now;
     hit_and_rest(&mut bench, at(0.6, "c", stamp));
     let lower = Bench::new(&[
@@ -360,7 +360,7 @@ fn another_height_needs_an_undamaged_joint() {
 }
 
 #[test]
-fn another_height_is_refused_while_the_column_responds() {
+fn another_height_is_rejected_while_the_column_responds() {
     let mut bench = Bench::new(&[]);
     bench.hit(light("a", START));
     bench.go_on(MS);

@@ -1,4 +1,4 @@
-//! The twin, driven by a mock clock: no test waits for real time.
+//! The twin under a mock clock: no test waits for real time.
 
 mod bad_input;
 mod damage;
@@ -16,13 +16,13 @@ use column_twin::twin::{
     StateOutput, Status, Twin,
 };
 
-/// When the tests begin.
+/// Start time of the tests.
 pub const START: Nanos = 1_800_000_000_000_000_000;
 
 /// One millisecond.
 pub const MS: Nanos = 1_000_000;
 
-/// A twin with its clock, and all that has left it.
+/// A twin with its clock and all its outputs.
 pub(crate) struct Bench {
     pub(crate) twin: Twin,
     pub(crate) now: Nanos,
@@ -30,7 +30,7 @@ pub(crate) struct Bench {
 }
 
 pub(crate) fn parameters(changes: &[(&str, Value)]) -> Parameters {
-    // Coarse steps keep the tests short.
+    // A large step keeps the tests short.
     let coarse = [("solver.dt", Value::from(1e-4))];
     Parameters::from_values(coarse.iter().chain(changes).cloned()).expect("admissible")
 }
@@ -58,7 +58,7 @@ impl Bench {
         let _ = self.handle(Command::Impact(event)); // a refusal is among the outputs
     }
 
-    /// Goes on to an instant, as the solver's thread would: in turns, the forecast first.
+    /// Advances to a time as the solver's thread would, with the forecast first.
     pub(crate) fn go_to(&mut self, instant: Nanos) {
         while self.now < instant {
             self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
@@ -72,7 +72,7 @@ impl Bench {
         self.go_to(self.now + nanos);
     }
 
-    /// Goes on until no response is under way.
+    /// Advances until the column is at rest.
     pub(crate) fn rest(&mut self) {
         self.twin.run_ahead(u64::MAX, self.now, &mut self.out);
         for _ in 0..10_000 {
@@ -161,7 +161,7 @@ impl Bench {
         })
     }
 
-    /// The status as it is now.
+    /// The current status.
     pub(crate) fn status(&self) -> Status {
         self.twin.status(self.now)
     }
@@ -171,7 +171,7 @@ impl Bench {
     }
 }
 
-/// 1.5 t at 36 km/h, now.
+/// An impact of 1.5 t at 36 km/h.
 pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactCommand {
     ImpactCommand {
         event_id: id.to_owned(),
@@ -187,7 +187,7 @@ pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactCommand {
     }
 }
 
-/// Too light to leave a trace.
+/// An impact too light to cause damage.
 pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactCommand {
     ImpactCommand {
         impact: ImpactSpecification {

@@ -1,4 +1,4 @@
-//! Memory: none while a response runs, none that grows.
+//! Memory: a response allocates none, and no memory accumulates.
 
 use column_twin::column::ImpactSpecification;
 use std::hint::black_box;
@@ -7,7 +7,7 @@ use column_twin::twin::{Command, ImpactCommand, MAX_SEEN_IDS, Output, Outputs, T
 
 use crate::{MS, START, event, light, parameters};
 
-/// Counts and forgets.
+/// Counts outputs and drops them.
 #[derive(Default)]
 struct Counted {
     states: u64,
@@ -38,10 +38,10 @@ fn twin(dt: f64) -> Twin {
 }
 
 #[test]
-fn a_response_takes_no_memory() {
+fn a_response_allocates_no_memory() {
     let mut twin = twin(1e-4);
     let mut out = Counted::default();
-    // A gap, so that approach, contact, release and free vibration are in it.
+    // With a gap, so that the response has an approach, contact, release and free vibration.
     let event = ImpactCommand {
         impact: ImpactSpecification {
             gap: Some(0.5),
@@ -68,9 +68,9 @@ fn a_response_takes_no_memory() {
     assert_eq!((memory.count_total, memory.bytes_total), (0, 0));
 }
 
-/// One hour of traffic: 10 000 events, one in 360 ms, of which some are refused; damage and resets among them.
+/// 10 000 events at intervals of 360 ms, with rejected events, damage and resets.
 #[test]
-fn an_hour_of_traffic_keeps_no_memory() {
+fn an_hour_of_traffic_accumulates_no_memory() {
     let mut twin = twin(1e-3);
     let mut out = Counted::default();
     let mut now = START;
@@ -107,13 +107,13 @@ fn an_hour_of_traffic_keeps_no_memory() {
             }
         }
     };
-    // Every table has its size once the identifiers have gone round.
+    // All tables have their final size when the first identifiers have been forgotten.
     hour(0..2_000, &mut out);
     let memory = allocation_counter::measure(|| hour(2_000..10_000, &mut out));
-    // Strings of the present identifiers and reasons come and go; their lengths differ by a few bytes.
+    // The lengths of the current identifiers and reasons differ by a few bytes.
     assert!(
         memory.bytes_current.abs() < 4_096,
-        "{} bytes are kept",
+        "{} bytes accumulated",
         memory.bytes_current
     );
     assert_eq!(now - START, 3_600_000 * MS);

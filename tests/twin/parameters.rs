@@ -1,4 +1,4 @@
-//! Changes of parameters: between two steps, as a whole, or refused.
+//! Parameter changes: applied between two steps and as a whole, or rejected.
 
 use column_twin::parameters::Value;
 use column_twin::twin::{
@@ -22,7 +22,7 @@ fn value(bench: &Bench, name: &str) -> Value {
 }
 
 #[test]
-fn at_rest_they_apply_at_once() {
+fn changes_at_rest_apply_immediately() {
     let mut bench = Bench::new(&[]);
     bench.change(&[
         ("section.name", "HEB300".into()),
@@ -42,7 +42,7 @@ fn at_rest_they_apply_at_once() {
 }
 
 #[test]
-fn one_wrong_value_refuses_all_of_them() {
+fn one_invalid_value_rejects_the_whole_change() {
     let mut bench = Bench::new(&[]);
     let before = bench.twin.parameters().clone();
     let outcome = bench.handle(Command::SetParameters {
@@ -73,7 +73,7 @@ fn one_wrong_value_refuses_all_of_them() {
 }
 
 #[test]
-fn a_column_that_would_not_stand_is_refused() {
+fn a_column_without_equilibrium_is_rejected() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 1e9.into())]);
     assert!(
@@ -85,7 +85,7 @@ fn a_column_that_would_not_stand_is_refused() {
 }
 
 #[test]
-fn what_needs_a_restart_is_read_only() {
+fn parameters_that_need_a_restart_are_read_only() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("column_id", "other".into()), ("top.load", 4e5.into())]);
     assert!(
@@ -98,7 +98,7 @@ fn what_needs_a_restart_is_read_only() {
 }
 
 #[test]
-fn during_a_response_they_wait_for_its_end() {
+fn changes_during_a_response_wait_for_its_end() {
     let mut bench = Bench::new(&[]);
     let mut undisturbed = Bench::new(&[]);
     bench.hit(event("a", START));
@@ -112,7 +112,7 @@ fn during_a_response_they_wait_for_its_end() {
     assert_eq!(
         value(&bench, "impact.gap"),
         Value::Double(0.0),
-        "nothing is half applied"
+        "no change is applied in part"
     );
     bench.rest();
     undisturbed.rest();
@@ -125,7 +125,7 @@ fn during_a_response_they_wait_for_its_end() {
 }
 
 #[test]
-fn those_that_apply_at_once_do_so_during_a_response() {
+fn some_changes_apply_during_a_response() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(5 * MS);
@@ -139,7 +139,7 @@ fn those_that_apply_at_once_do_so_during_a_response() {
 }
 
 #[test]
-fn a_damaged_column_stays_the_column_that_it_is() {
+fn the_properties_of_a_damaged_column_cannot_change() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.rest();
@@ -175,9 +175,9 @@ fn a_damaged_column_stays_the_column_that_it_is() {
     assert_eq!(bench.refusals().len(), 5);
 }
 
-/// A change that waited, and that the damage of the response forbids, is refused at its end.
+/// If the damage of the response forbids it.
 #[test]
-fn a_change_that_waited_can_still_be_refused() {
+fn a_waiting_change_can_be_rejected_at_the_end_of_the_response() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(MS);
@@ -191,7 +191,7 @@ fn a_change_that_waited_can_still_be_refused() {
             .contains("waited for the end of the response")
     );
     assert_eq!(value(&bench, "section.name"), Value::from("HEB220"));
-    // Whoever was told that it waits is told that it goes back.
+    // The return to the previous values is announced.
     let told: Vec<_> = changed(&bench)
         .iter()
         .map(|it| it.parameters.get("section.name"))
@@ -202,11 +202,14 @@ fn a_change_that_waited_can_still_be_refused() {
     );
 }
 
-/// What cannot be read, or is for another column, is counted and said like what the twin finds wrong itself.
+/// Changes that cannot be read or are for another column are counted and reported like any other rejected change.
 #[test]
-fn a_change_that_was_refused_before_is_said_too() {
+fn a_change_rejected_before_the_twin_is_reported() {
     let mut bench = Bench::new(&[]);
-    let refusal = Refusal::new(RefusalCode::OtherColumn, "they are for another column");
+    let refusal = Refusal::new(
+        RefusalCode::OtherColumn,
+        "the message is for another column",
+    );
     let outcome = bench.handle(Command::RejectedChange {
         refusal: refusal.clone(),
         source: "test".into(),
@@ -215,12 +218,15 @@ fn a_change_that_was_refused_before_is_said_too() {
     assert_eq!(bench.refusals()[0].what, RefusedInput::Parameters);
     let status = bench.status();
     assert_eq!(status.counts.parameters_refused, 1);
-    assert_eq!(&*status.last_refusal_reason, "they are for another column");
+    assert_eq!(
+        &*status.last_refusal_reason,
+        "the message is for another column"
+    );
     assert_eq!(status.last_refusal_code, Some(RefusalCode::OtherColumn));
 }
 
 #[test]
-fn the_same_values_again_change_nothing() {
+fn equal_values_change_nothing() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("top.load", 5e5.into())]);
     assert!(changed(&bench).is_empty() && bench.refusals().is_empty());
@@ -228,7 +234,7 @@ fn the_same_values_again_change_nothing() {
 }
 
 #[test]
-fn a_new_rate_applies_from_the_next_response_on() {
+fn a_new_publish_rate_applies_to_the_next_response() {
     let mut bench = Bench::new(&[]);
     bench.change(&[("publish_rate", 100.0.into())]);
     bench.hit(event("a", START));

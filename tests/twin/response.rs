@@ -1,4 +1,4 @@
-//! From event to forecast to report.
+//! Responses: from the event to the forecast and the report.
 
 use column_twin::column::{ImpactSpecification, Outcome, Report, Sample, simulate};
 use column_twin::parameters::{Parameters, Value};
@@ -6,7 +6,7 @@ use column_twin::twin::{ImpactCommand, Output, TwinPhase};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
-/// What `column-twin simulate` computes: every step, and the report.
+/// The result of `column-twin simulate`: every step, and the report.
 fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Report) {
     let impact = event.impact.complete(&parameters.impact());
     let mut samples = Vec::new();
@@ -22,7 +22,7 @@ fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Re
     (samples, report.expect("it can be simulated"))
 }
 
-/// The samples of the twin are those of the simulation, at the instants of `publish_rate`.
+/// Checks that the samples of the twin are those of the simulation at the times of `publish_rate`.
 fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
     let mut bench = Bench::new(changes);
     bench.hit(event.clone());
@@ -42,7 +42,7 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
             "{since} {}",
             state.sample.time
         );
-        // The percussion is the sum since the sample before, the simulation's that of one step.
+        // The percussion of the twin is the sum since the previous sample, that of the simulation belongs to one step.
         let percussion = steps
             .iter()
             .filter(|step| step.time > last_time && step.time <= state.sample.time)
@@ -59,7 +59,7 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
                 );
                 compared += 1;
             }
-            // The simulation passes the approach to the column at rest in one stride.
+            // The simulation takes the approach to a column at rest in one step.
             None => assert!(state.sample.time < contact, "{}", state.sample.time),
         }
     }
@@ -68,9 +68,9 @@ fn check_against_simulation(changes: &[(&str, Value)], event: &ImpactCommand) {
     assert_eq!(states.last().expect("some").sample.time, report.end_time);
 }
 
-/// No sample leaves after the instant that it is for, not even the last one, which no period says.
+/// Including the last state, whose time is not a multiple of the period.
 #[test]
-fn every_state_leaves_when_it_is_due() {
+fn every_state_is_output_when_it_is_due() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("punctual", START));
     let mut seen = 0;
@@ -87,7 +87,7 @@ fn every_state_leaves_when_it_is_due() {
     assert_ne!(
         (last.stamp - START) % MS,
         0,
-        "this test wants an end between two periods"
+        "the response of this test must end between two periods"
     );
 }
 
@@ -124,9 +124,9 @@ fn the_stream_equals_the_simulation_of_light_touches() {
     check_against_simulation(&[("damping.ratio", 0.05.into())], &light("light", START));
 }
 
-/// A column that was hit without a trace is the virgin one to the last bit.
+/// Afterwards the column equals the virgin one bit for bit.
 #[test]
-fn an_elastic_impact_leaves_no_trace() {
+fn an_elastic_impact_causes_no_damage() {
     let mut bench = Bench::new(&[]);
     bench.hit(light("light", START));
     bench.rest();
@@ -139,7 +139,7 @@ fn an_elastic_impact_leaves_no_trace() {
 }
 
 #[test]
-fn samples_are_stamped_with_their_instants() {
+fn samples_have_the_stamps_of_their_steps() {
     let mut bench = Bench::new(&[]);
     let stamp = START - 123_456_789;
     bench.hit(event("a", stamp));
@@ -154,9 +154,9 @@ fn samples_are_stamped_with_their_instants() {
     assert!(regular.iter().all(|it| it.phase == it.sample.phase.into()));
 }
 
-/// Where a period is no whole number of steps it is rounded to one: values and stamp always belong together.
+/// So that values and stamps always match.
 #[test]
-fn an_odd_rate_is_rounded_to_whole_steps() {
+fn a_period_is_rounded_to_whole_steps() {
     for (rate, steps) in [(300.0, 33), (7_000.0, 1), (10_000.0, 1), (1.0, 10_000)] {
         let mut bench = Bench::new(&[("publish_rate", rate.into())]);
         bench.hit(event("a", START));
@@ -170,7 +170,7 @@ fn an_odd_rate_is_rounded_to_whole_steps() {
 }
 
 #[test]
-fn the_forecast_comes_at_once_and_says_how_long_it_took() {
+fn the_forecast_is_immediate_and_contains_its_compute_time() {
     let ticks = std::sync::atomic::AtomicU64::new(0);
     let stopwatch = move || ticks.fetch_add(1_000_000, std::sync::atomic::Ordering::Relaxed);
     let mut twin = column_twin::twin::Twin::new(parameters(&[]), None, Box::new(stopwatch), START)
@@ -196,13 +196,13 @@ fn the_forecast_comes_at_once_and_says_how_long_it_took() {
         })
         .expect("a forecast before the clock has moved");
     assert_eq!((&*forecast.event_id, forecast.stamp), ("a", START));
-    // Every slice took one tick of this stopwatch.
+    // Every slice takes one tick of this stopwatch.
     let slices = forecast.report.steps.div_ceil(64);
     assert!((forecast.compute_time - slices as f64 * 1e-3).abs() < 1e-9);
     assert!(out.iter().all(|it| !matches!(it, Output::State(_))));
 }
 
-/// Whatever the clock does in between, the samples are the same.
+/// The samples do not depend on the clock.
 #[test]
 fn late_events_and_uneven_clocks_give_the_same_samples() {
     let mut even = Bench::new(&[]);
@@ -239,7 +239,7 @@ fn late_events_and_uneven_clocks_give_the_same_samples() {
     assert_eq!(uneven.forecasts()[0].report, even.forecasts()[0].report);
 }
 
-/// A call stays short, and says that there is more to do.
+/// A call that does not catch up leaves its next deadline in the past.
 #[test]
 fn catching_up_is_bounded_per_call() {
     let mut bench = Bench::new(&[("solver.dt", 1e-5.into())]);
@@ -255,7 +255,7 @@ fn catching_up_is_bounded_per_call() {
 }
 
 #[test]
-fn a_clock_that_goes_back_stops_the_response_until_it_has_caught_up() {
+fn a_clock_that_is_set_back_pauses_the_response() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(10 * MS);
@@ -270,7 +270,7 @@ fn a_clock_that_goes_back_stops_the_response_until_it_has_caught_up() {
 }
 
 #[test]
-fn an_event_ahead_of_the_clock_waits_for_its_instant() {
+fn an_event_ahead_of_the_clock_waits_for_its_stamp() {
     let mut bench = Bench::new(&[]);
     let stamp = START + 500 * MS;
     bench.hit(event("a", stamp));
@@ -283,7 +283,7 @@ fn an_event_ahead_of_the_clock_waits_for_its_instant() {
 }
 
 #[test]
-fn a_collapse_is_a_result_and_ends_with_a_reset() {
+fn a_collapse_is_reported_and_lasts_until_a_reset() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
     bench.hit(ImpactCommand {
         impact: ImpactSpecification {
@@ -320,9 +320,9 @@ fn a_collapse_is_a_result_and_ends_with_a_reset() {
     assert_eq!(bench.reports().len(), 2);
 }
 
-/// It was accepted when it lay ahead; when it comes the column cannot take it.
+/// It was accepted before the column collapsed.
 #[test]
-fn an_impact_ahead_of_a_collapse_is_refused_and_counted_once() {
+fn an_impact_after_a_collapse_is_rejected_and_counted_once() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
     bench.hit(ImpactCommand {
         impact: ImpactSpecification {
@@ -352,7 +352,7 @@ fn an_impact_ahead_of_a_collapse_is_refused_and_counted_once() {
 }
 
 #[test]
-fn the_status_comes_once_a_second_and_on_every_change() {
+fn the_status_is_output_every_second_and_on_every_change() {
     let mut bench = Bench::new(&[]);
     bench.go_on(10_000 * MS);
     assert_eq!(bench.statuses().len(), 11);
@@ -374,7 +374,7 @@ fn the_status_comes_once_a_second_and_on_every_change() {
 }
 
 #[test]
-fn a_what_if_does_not_touch_the_twin() {
+fn a_prediction_does_not_change_the_twin() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.rest();

@@ -1,4 +1,4 @@
-//! Impacts on a column that still moves.
+//! Impacts on a moving column.
 
 use column_twin::column::{
     Impact, ImpactSpecification, Model, Phase, Progress, Response, Sample, State,
@@ -14,7 +14,7 @@ const IMPACT: Impact = Impact {
     restitution: 0.0,
 };
 
-/// What the mechanics says of two impacts, the second after `first_steps`: the plastic work of the first, and the
+/// Computes two impacts with the mechanics alone, the second after `first_steps`: the plastic work of the first, and the
 /// samples of the second.
 fn by_hand(first_steps: u64) -> (f64, Vec<Sample>) {
     let parameters = parameters(&[]);
@@ -63,7 +63,7 @@ fn check_second(bench: &Bench, first_steps: u64, stamp: i64) {
 }
 
 #[test]
-fn it_hits_the_moving_column() {
+fn a_second_impact_hits_the_moving_column() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(12 * MS);
@@ -74,21 +74,23 @@ fn it_hits_the_moving_column() {
     let first = bench.states().into_iter().find(|it| &*it.event_id == "b");
     let first = first.expect("a state").sample;
     assert_eq!(first.phase, Phase::Contact);
-    assert!(first.contact_force > 0.0, "the bent column resists at once");
+    assert!(
+        first.contact_force > 0.0,
+        "the deformed column resists immediately"
+    );
     let ended = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("whose report will not come"));
     assert!(bench.out.iter().any(ended));
     assert_eq!(bench.forecasts().len(), 2);
     assert_eq!(bench.status().impacts_since_reset, 2);
 }
 
-/// The column is taken back to the instant of the impact, however late that is said: even after the end of the
-/// response that it belongs into.
+/// The column is rewound to the stamp of the impact, even after the end of the response to which the impact belongs.
 #[test]
-fn a_late_one_meets_the_column_as_it_was() {
-    for (hit_after, said_after) in [(12, 13), (12, 30), (1, 35), (0, 30), (12, 60), (30, 900)] {
+fn a_late_impact_hits_the_column_as_it_was_then() {
+    for (hit_after, arrives_after) in [(12, 13), (12, 30), (1, 35), (0, 30), (12, 60), (30, 900)] {
         let mut bench = Bench::new(&[]);
         bench.hit(event("a", START));
-        bench.go_on(said_after * MS);
+        bench.go_on(arrives_after * MS);
         let stamp = START + hit_after * MS;
         bench.hit(event("b", stamp));
         bench.rest();
@@ -96,9 +98,9 @@ fn a_late_one_meets_the_column_as_it_was() {
     }
 }
 
-/// What is not of the column leaves its last response as it was.
+/// A change of parameters that do not describe the column does not prevent the rewind.
 #[test]
-fn a_late_one_belongs_into_the_response_after_a_change_of_other_parameters_too() {
+fn a_late_impact_rewinds_the_response_after_a_change_of_other_parameters() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.rest();
@@ -109,9 +111,9 @@ fn a_late_one_belongs_into_the_response_after_a_change_of_other_parameters_too()
     check_second(&bench, 120, stamp);
 }
 
-/// An approach that takes longer than a response may.
+/// The approach takes longer than the maximum duration of a response.
 #[test]
-fn one_far_away_reaches_the_moving_column() {
+fn a_distant_vehicle_reaches_the_moving_column() {
     let mut bench = Bench::new(&[("response.duration", 0.05.into())]);
     bench.hit(event("a", START));
     bench.go_on(12 * MS);
@@ -131,9 +133,9 @@ fn one_far_away_reaches_the_moving_column() {
     assert!(report.contact_duration > 0.0);
 }
 
-/// Between two steps the column is as it was at the first of them.
+/// It hits the column as it was at the step before.
 #[test]
-fn one_between_two_steps_takes_its_own_stamp() {
+fn an_impact_between_two_steps_keeps_its_stamp() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(20 * MS);
@@ -144,7 +146,7 @@ fn one_between_two_steps_takes_its_own_stamp() {
 }
 
 #[test]
-fn one_ahead_waits_for_its_instant() {
+fn an_impact_ahead_of_the_clock_waits_for_its_stamp() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     let stamp = START + 12 * MS;
@@ -160,7 +162,7 @@ fn one_ahead_waits_for_its_instant() {
 }
 
 #[test]
-fn one_that_comes_after_the_response_meets_the_column_at_rest() {
+fn an_impact_after_the_response_hits_the_column_at_rest() {
     let mut bench = Bench::new(&[]);
     bench.hit(light("a", START));
     bench.hit(event("b", START + 900 * MS));
@@ -175,7 +177,7 @@ fn check_in_order(bench: &Bench) {
 }
 
 #[test]
-fn impacts_come_in_the_order_of_their_stamps() {
+fn impacts_are_executed_in_the_order_of_their_stamps() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.go_on(5 * MS);
@@ -191,7 +193,7 @@ fn impacts_come_in_the_order_of_their_stamps() {
 }
 
 #[test]
-fn impacts_ahead_are_bounded() {
+fn the_number_of_impacts_ahead_is_limited() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("first", START));
     for k in 0..=MAX_IMPACTS_AHEAD as i64 {
@@ -213,9 +215,8 @@ fn impacts_ahead_are_bounded() {
     check_in_order(&bench);
 }
 
-/// Those of before the reset are forgotten with it.
 #[test]
-fn a_reset_ends_the_response_and_what_lies_ahead() {
+fn a_reset_ends_the_response_and_drops_impacts_ahead() {
     let mut bench = Bench::new(&[]);
     bench.hit(event("a", START));
     bench.hit(event("b", START + 50 * MS));
