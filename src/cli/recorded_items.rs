@@ -152,7 +152,9 @@ impl Gathered {
 /// The parameters in a line of the journal, if it is a checkpoint.
 fn checkpoint_parameters(bytes: &[u8]) -> Result<Option<Arc<Parameters>>, JournalError> {
     match JournalLine::decode(bytes).map(|line| line.entry) {
-        Ok(JournalEntry::Twin(Journal::Checkpoint(start))) => Ok(Some(Arc::clone(&start.parameters))),
+        Ok(JournalEntry::Twin(Journal::Checkpoint(start))) => {
+            Ok(Some(Arc::clone(&start.parameters)))
+        }
         Err(error @ JournalError::OtherVersion { .. }) => Err(error),
         Ok(_) | Err(_) => Ok(None),
     }

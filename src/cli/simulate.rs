@@ -14,16 +14,12 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
 use super::summary::Summary;
-use crate::column::{
-    ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate,
-};
+use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate};
 #[cfg(feature = "record")]
 use crate::evidence::SimulatedRecordingError;
 use crate::figures::units::significant;
 use crate::figures::{self, FigureError, HistoryThinning};
-use crate::parameters::{
-    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
-};
+use crate::parameters::{Fault, NodeName, ParameterFaults, Parameters, Source, parse_override};
 #[cfg(feature = "record")]
 use crate::recording::RecordingError;
 #[cfg(feature = "viewer")]
@@ -144,8 +140,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     // The first run is timed and writes nothing; histories come from further runs, which are equal bit for bit. Their length
     // is known by then, so that a history of any length fits in a bounded memory.
     let start = Instant::now();
-    let report = respond(&case.properties, &case.impact, case.max_duration)
-        .map_err(SimulateError::from)?;
+    let report =
+        respond(&case.properties, &case.impact, case.max_duration).map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
 
     let mut files = String::new();

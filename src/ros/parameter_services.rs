@@ -478,7 +478,9 @@ mod tests {
         };
         let reason = given("column_id", raw_value(Value::from("x"))).expect_err("read-only");
         assert!(
-            reason.reason.starts_with("column_id is read-only while the node runs"),
+            reason
+                .reason
+                .starts_with("column_id is read-only while the node runs"),
             "{reason}"
         );
         let reason = given("top.load", not_set()).expect_err("undeclared");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::command::{Accepted, Nanos};
 use super::journal::Journal;
-use super::refusal::Refusal;
+use super::registry::Refused;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
 use crate::column::{Report, Sample};
@@ -70,30 +70,6 @@ pub struct ReportOutput {
     pub report: Report,
     /// What computing it took \[s\].
     pub compute_time: f64,
-}
-
-/// Which kind of command was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RefusedInput {
-    /// An impact event.
-    Impact,
-    /// A change of parameters.
-    Parameters,
-}
-
-/// A command that was refused and has changed nothing.
-#[derive(Debug, Clone)]
-pub struct Refused {
-    /// When.
-    pub stamp: Nanos,
-    /// What.
-    pub what: RefusedInput,
-    /// Why, for its sender.
-    pub refusal: Refusal,
-    /// Identifier of a refused impact, shortened where it is too long; otherwise empty.
-    pub event_id: Arc<str>,
-    /// The sender of a change of parameters; otherwise empty.
-    pub source: Arc<str>,
 }
 
 /// Parameters were changed, will be when the response has ended, or return to what they were.

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::Nanos;
-use super::output::{Output, Refused, RefusedInput};
 use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
 use super::seen_ids::SeenIds;
@@ -54,6 +53,30 @@ pub struct LastRefusal {
     pub refusal: Refusal,
     /// Identifier of the refused impact, shortened where it is too long; empty for a change of parameters.
     pub event_id: Arc<str>,
+}
+
+/// Which kind of command was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefusedInput {
+    /// An impact event.
+    Impact,
+    /// A change of parameters.
+    Parameters,
+}
+
+/// A command that was refused and has changed nothing.
+#[derive(Debug, Clone)]
+pub struct Refused {
+    /// When.
+    pub stamp: Nanos,
+    /// What.
+    pub what: RefusedInput,
+    /// Why, for its sender.
+    pub refusal: Refusal,
+    /// Identifier of a refused impact, shortened where it is too long; otherwise empty.
+    pub event_id: Arc<str>,
+    /// The sender of a change of parameters; otherwise empty.
+    pub source: Arc<str>,
 }
 
 /// An accepted impact that has not begun.
@@ -141,7 +164,7 @@ impl Registry {
     }
 
     /// Counts a refused impact.
-    pub fn refuse_impact(&mut self, event_id: &str, refusal: Refusal, now: Nanos) -> Output {
+    pub fn refuse_impact(&mut self, event_id: &str, refusal: Refusal, now: Nanos) -> Refused {
         self.counts.events_refused += 1;
         self.life.refused_since_reset += 1;
         let event_id = printable(event_id).into();
@@ -149,7 +172,7 @@ impl Registry {
     }
 
     /// Counts a refused change of parameters.
-    pub fn refuse_change(&mut self, refusal: Refusal, source: &Arc<str>, now: Nanos) -> Output {
+    pub fn refuse_change(&mut self, refusal: Refusal, source: &Arc<str>, now: Nanos) -> Refused {
         self.counts.parameters_refused += 1;
         let source = Arc::clone(source);
         self.refuse(RefusedInput::Parameters, refusal, "".into(), source, now)
@@ -162,18 +185,18 @@ impl Registry {
         event_id: Arc<str>,
         source: Arc<str>,
         now: Nanos,
-    ) -> Output {
+    ) -> Refused {
         self.last_refusal = Some(LastRefusal {
             refusal: refusal.clone(),
             event_id: Arc::clone(&event_id),
         });
-        Output::Refused(Refused {
+        Refused {
             stamp: now,
             what,
             refusal,
             event_id,
             source,
-        })
+        }
     }
 
     /// Keeps an impact until the column gets there.

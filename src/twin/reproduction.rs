@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::MAX_STEPS_PER_CALL;
 use super::command::Nanos;
 use super::journal::{Checkpoint, JournalClock, NotReached, Position};
+use super::lifecycle::{Stopwatch, Twin};
 use super::output::{Output, Outputs};
 use super::plant::Plant;
-use super::{MAX_STEPS_PER_CALL, Stopwatch, Twin};
 use crate::column::{Model, ModelError};
 use crate::parameters::Parameters;
 

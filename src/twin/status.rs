@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::STATUS_PERIOD;
 use super::command::Nanos;
-use super::plant::Condition;
+use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
-use super::registry::Counts;
+use super::registry::{Counts, LastRefusal, Registry};
 use crate::column::{HINGES, Phase};
 
 /// Where column and twin are in the course of an impact.
@@ -83,6 +83,49 @@ pub struct Status {
     pub plastic_rotation: [f64; HINGES],
     /// Plastic elongation of each hinge since the last reset \[m\].
     pub plastic_elongation: [f64; HINGES],
+}
+
+impl Status {
+    /// The status at `now`; `struck` is the column where it is responding to an impact.
+    pub(super) fn new(
+        now: Nanos,
+        phase: TwinPhase,
+        registry: &Registry,
+        at_rest: &Plant,
+        struck: Option<&Struck>,
+    ) -> Self {
+        let sample_at_rest = at_rest.state.sample(&at_rest.model);
+        let (hinges, plastic_work) = match struck {
+            None => (sample_at_rest.hinges, 0.0),
+            Some(Struck { model, state, .. }) => {
+                (state.sample(model).hinges, state.ledger.plastic_work)
+            }
+        };
+        let life = &registry.life;
+        let refused = registry.last_refusal.as_ref();
+        let text = |text: fn(&LastRefusal) -> &Arc<str>| {
+            refused.map(|it| Arc::clone(text(it))).unwrap_or_default()
+        };
+        Self {
+            stamp: now,
+            phase,
+            event_id: Arc::clone(&life.last_event_id),
+            counts: registry.counts,
+            last_refusal_code: refused.map(|it| it.refusal.code),
+            last_refusal_reason: text(|it| &it.refusal.reason),
+            last_refusal_event_id: text(|it| &it.event_id),
+            fault: match &at_rest.condition {
+                Condition::Faulted(reason) => Arc::clone(reason),
+                Condition::Standing | Condition::Collapsed => Arc::default(),
+            },
+            impacts_since_reset: life.impacts_since_reset,
+            residual_v1: sample_at_rest.v1,
+            residual_u2: sample_at_rest.u2,
+            plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,
+            plastic_rotation: hinges.map(|hinge| hinge.plastic_rotation),
+            plastic_elongation: hinges.map(|hinge| hinge.plastic_elongation),
+        }
+    }
 }
 
 /// When the last status was reported, and whether another one is due.

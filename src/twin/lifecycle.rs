@@ -1,0 +1,644 @@
+//! The twin: the order in which its parts act on a command and on the clock.
+
+use std::sync::Arc;
+
+use super::command::{Accepted, Command, ImpactCommand, Nanos};
+use super::journal::{Journal, JournalClock, StatusRecord};
+use super::output::{
+    Lengths, Output, Outputs, ParametersChanged, ReportOutput, Severity, StateOutput,
+};
+use super::parameter_set::ParameterSet;
+use super::plant::{Condition, Plant, Struck, condition_after};
+use super::refusal::{Refusal, RefusalCode};
+use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
+use super::saved_state::SavedState;
+use super::status::{Status, StatusClock, TwinPhase};
+use super::timeline::{Advanced, History, Outlook, Timeline};
+use super::what_if::ColumnSnapshot;
+use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
+use crate::column::{End, ModelError, StepError};
+use crate::parameters::{Parameters, Value};
+
+/// Gives monotonic nanoseconds; used only to measure compute times.
+pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
+
+/// One column over its life.
+pub struct Twin {
+    pub(super) registry: Registry,
+    pub(super) parameters: ParameterSet,
+    /// The column at rest, as the last response or a reset left it.
+    pub(super) at_rest: Plant,
+    pub(super) response: Option<ActiveResponse>,
+    /// The last response that is over.
+    pub(super) last: Option<LastResponse>,
+    pub(super) journal: JournalClock,
+    pub(super) status: StatusClock,
+    pub(super) solver: SolverStatistics,
+    stopwatch: Stopwatch,
+}
+
+/// The response to an impact.
+#[derive(Debug)]
+pub(super) struct ActiveResponse {
+    pub event_id: Arc<str>,
+    pub timeline: Timeline,
+}
+
+/// A response that is over.
+#[derive(Debug)]
+pub(super) struct LastResponse {
+    pub response: ActiveResponse,
+    /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
+    pub resumable: Option<f64>,
+}
+
+/// What the solver has done since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SolverStatistics {
+    /// Steps of the responses that were followed with the clock.
+    pub steps: u64,
+    /// Newton iterations of these steps.
+    pub newton_iterations: u64,
+}
+
+/// What becomes of the report of an impact whose response another impact ends.
+const NO_REPORT: &str = "for which no report will follow";
+const OBSOLETE_REPORT: &str = "whose report no longer holds";
+
+impl Twin {
+    /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`] returned for
+    /// the same parameters.
+    ///
+    /// # Errors
+    /// The column is impossible, or does not stand under its load.
+    pub fn new(
+        parameters: Parameters,
+        saved: Option<&SavedState>,
+        stopwatch: Stopwatch,
+        now: Nanos,
+    ) -> Result<Self, ModelError> {
+        let mut registry = Registry::new(&parameters.settings().column_id);
+        let properties = parameters.column_properties();
+        let at_rest = match saved {
+            None => Plant::virgin(&properties)?,
+            Some(saved) => {
+                registry.restore_seen_ids(&saved.seen_ids);
+                registry.life = saved.life();
+                saved.plant(&properties)?
+            }
+        };
+        Ok(Self {
+            registry,
+            parameters: ParameterSet::new(parameters),
+            at_rest,
+            response: None,
+            last: None,
+            journal: JournalClock::new(now),
+            status: StatusClock::new(now),
+            solver: SolverStatistics::default(),
+            stopwatch,
+        })
+    }
+
+    /// The column's name.
+    pub fn column_id(&self) -> &Arc<str> {
+        self.registry.column_id()
+    }
+
+    /// The parameters that hold now.
+    pub fn parameters(&self) -> &Arc<Parameters> {
+        self.parameters.current()
+    }
+
+    /// What the solver has done since the start.
+    pub fn statistics(&self) -> SolverStatistics {
+        let iterations = self
+            .response
+            .as_ref()
+            .map_or(0, |response| response.newton_iterations());
+        SolverStatistics {
+            newton_iterations: self.solver.newton_iterations + iterations,
+            ..self.solver
+        }
+    }
+
+    /// Whether the column is responding to an impact.
+    pub fn is_responding(&self) -> bool {
+        self.response.is_some()
+    }
+
+    /// Whether a forecast is being computed: [`Twin::run_ahead`] carries it on.
+    pub fn is_looking_ahead(&self) -> bool {
+        self.response
+            .as_ref()
+            .is_some_and(|response| response.timeline.is_looking_ahead())
+    }
+
+    /// What is lost if the program ends now, in words: damage that is not saved, impacts that have not begun.
+    #[must_use]
+    pub fn lost_by_a_stop(&self) -> Vec<String> {
+        let unsaved = self
+            .response
+            .as_ref()
+            .filter(|response| !response.timeline.has_forecast())
+            .map(|response| {
+                format!(
+                    "the damage of impact \"{}\", to which the column is responding and whose forecast is not complete",
+                    response.event_id
+                )
+            });
+        unsaved
+            .into_iter()
+            .chain(self.registry.pending_in_words())
+            .collect()
+    }
+
+    /// The column as it is now, for [`ColumnSnapshot::predict`] in any thread.
+    pub fn snapshot(&self) -> ColumnSnapshot {
+        let mut plant = self.at_rest.clone();
+        if let Some(response) = &self.response {
+            let Struck { model, state, .. } = *response.timeline.plant();
+            plant.model = model;
+            plant.state = state;
+        }
+        self.snapshot_of(plant)
+    }
+
+    fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
+        ColumnSnapshot {
+            column_id: Arc::clone(self.registry.column_id()),
+            parameters: Arc::clone(self.parameters.current()),
+            plant,
+        }
+    }
+
+    /// Executes a command at the instant `now`. What follows from it in time is left to [`Twin::advance_to`] and
+    /// [`Twin::run_ahead`].
+    ///
+    /// # Errors
+    /// The command is refused and has changed nothing; the refusal has been counted and given out.
+    pub fn handle(
+        &mut self,
+        command: Command,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        self.report_checkpoint(now, out);
+        let position = self.position();
+        let result = match &command {
+            Command::Impact(impact) => self.take_impact(impact, now, out).map_err(|refusal| {
+                self.status.set_changed();
+                let refused = self
+                    .registry
+                    .refuse_impact(&impact.event_id, refusal.clone(), now);
+                out.put(Output::Refused(refused));
+                refusal
+            }),
+            Command::SetParameters { changes, source } => self
+                .set_parameters(changes, source, now, out)
+                .map_err(|refusal| self.refuse_change(refusal, source, now, out)),
+            Command::RejectedChange { refusal, source } => {
+                Err(self.refuse_change(refusal.clone(), source, now, out))
+            }
+            Command::Reset { source } => {
+                self.reset(source, now, out);
+                Ok(Accepted::Applied)
+            }
+        };
+        let refusal = result.as_ref().err().cloned();
+        out.put(Output::Journal(
+            self.journal.command(command, refusal, position, now),
+        ));
+        result
+    }
+
+    /// Steps the column to the instant `now`, by at most [`MAX_STEPS_PER_CALL`] steps: a twin that is further behind has
+    /// its [`Twin::next_deadline`] in the past. Samples that are due are given out, then what has changed.
+    pub fn advance_to(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let started = (self.stopwatch)();
+        self.step_to(now, out);
+        if let Some(response) = &mut self.response {
+            let taken = (self.stopwatch)().saturating_sub(started);
+            response.timeline.add_compute_time(taken);
+        }
+        self.report_checkpoint(now, out);
+        self.report_status(now, out);
+    }
+
+    /// Carries the forecast on by at most `max_steps`, and gives it out when it is complete.
+    pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
+        let Some(ActiveResponse { event_id, timeline }) = &mut self.response else {
+            return;
+        };
+        let Some((outlook, compute_nanos)) = timeline.look_ahead(max_steps, &self.stopwatch) else {
+            return;
+        };
+        match outlook {
+            Outlook::Running => {}
+            Outlook::Over { report, residual } => {
+                out.put(Output::Forecast(ReportOutput {
+                    stamp: timeline.origin(),
+                    event_id: Arc::clone(event_id),
+                    report,
+                    compute_time: seconds(compute_nanos),
+                }));
+                // Saved now: if the machine stops before the response is over, the damage is known all the same.
+                let condition = condition_after(report.end, residual.as_ref());
+                let expected = timeline.plant().settled(residual, condition);
+                self.save_plant(&expected, residual.is_some(), report.plastic_work, now, out);
+            }
+            Outlook::Failed(reason) => {
+                let text = format!("no forecast of impact \"{event_id}\": {reason}");
+                out.notice(Severity::Warning, now, text);
+            }
+        }
+    }
+
+    /// When [`Twin::advance_to`] is to be called again: the instant of the next sample or status; not after `now` where
+    /// the twin is behind.
+    pub fn next_deadline(&self, now: Nanos) -> Nanos {
+        let status = self.status.next_deadline(now);
+        let Some(response) = &self.response else {
+            return status;
+        };
+        let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
+        let next_turn = response.timeline.next_deadline(now);
+        status.min(next_turn).min(next_impact)
+    }
+
+    /// How often [`Twin::advance_to`] is to be called \[ns\], > 0: once per sample during a response, or more often where
+    /// samples are rare; otherwise once per status.
+    pub fn period(&self) -> u64 {
+        self.response
+            .as_ref()
+            .map_or(STATUS_PERIOD.unsigned_abs(), |response| {
+                response.timeline.period()
+            })
+    }
+
+    /// The state of the twin now.
+    pub fn status(&self, now: Nanos) -> Status {
+        let struck = self.response.as_ref().map(|it| it.timeline.plant());
+        Status::new(now, self.phase(), &self.registry, &self.at_rest, struck)
+    }
+
+    /// The damage to be saved, without what the present response will add.
+    pub fn saved_state(&self, now: Nanos) -> SavedState {
+        SavedState::new(
+            &self.registry,
+            self.parameters.fingerprint(),
+            &self.at_rest,
+            now,
+        )
+    }
+
+    fn phase(&self) -> TwinPhase {
+        match (&self.at_rest.condition, &self.response) {
+            (Condition::Collapsed, _) => TwinPhase::Collapsed,
+            (Condition::Faulted(_), _) => TwinPhase::Faulted,
+            (Condition::Standing, None) => TwinPhase::Idle,
+            (Condition::Standing, Some(response)) => {
+                let Struck { model, state, .. } = response.timeline.plant();
+                state.sample(model).phase.into()
+            }
+        }
+    }
+
+    fn report_status(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let phase = self.phase();
+        if self.status.is_due(now, phase) {
+            out.put(Output::Journal(Journal::Status(StatusRecord {
+                next_number: self.journal.next_number(),
+                stamp: now,
+                position: self.position(),
+            })));
+            out.put(Output::Status(self.status(now)));
+        }
+    }
+
+    pub(super) fn save(&self, now: Nanos, out: &mut impl Outputs) {
+        out.put(Output::Save(Arc::new(self.saved_state(now))));
+    }
+
+    // Impacts
+
+    fn take_impact(
+        &mut self,
+        command: &ImpactCommand,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        let ImpactCommand {
+            event_id,
+            column_id,
+            stamp,
+            impact: specification,
+        } = command;
+        check_column_id(self.registry.column_id(), column_id)?;
+        self.registry.check_event_id(event_id)?;
+        check_stamp(*stamp, now, self.parameters.current())?;
+        let snapshot = self.snapshot();
+        let impact = snapshot.complete(specification)?;
+        let struck = snapshot.strike(impact, specification.height)?;
+        let event_id: Arc<str> = event_id.as_str().into();
+        let pending = PendingImpact {
+            event_id: Arc::clone(&event_id),
+            stamp: *stamp,
+            impact,
+            height: specification.height,
+        };
+        let response = self.response.as_ref().map(|response| &response.timeline);
+        match response.map(|it| (it.origin(), it.step_at(*stamp), it.step())) {
+            None => match self.resume(*stamp, &struck) {
+                Some(step) => {
+                    self.hit_moving_column(pending, step, OBSOLETE_REPORT, now, out);
+                }
+                None => self.begin(pending.event_id, *stamp, struck, now, out),
+            },
+            Some((_, Some(step), reached)) if step <= reached => {
+                self.hit_moving_column(pending, step, NO_REPORT, now, out);
+            }
+            Some((_, Some(_), _)) => self.registry.keep_pending(pending)?,
+            Some((first, None, _)) => {
+                let reason = format!(
+                    "the stamp is {} s before that of the impact to which the column is responding; \
+                     send impacts in the order of their stamps",
+                    seconds(first.abs_diff(*stamp))
+                );
+                return Err(Refusal::new(RefusalCode::StampOutOfOrder, reason));
+            }
+        }
+        self.registry.accept(event_id);
+        self.status.set_changed();
+        Ok(Accepted::Applied)
+    }
+
+    /// Resumes the last response for an impact that is so late that it belongs there; the step where it does.
+    fn resume(&mut self, stamp: Nanos, struck: &Struck) -> Option<u64> {
+        let last = self.last.as_ref()?;
+        let plastic_work = last.resumable?;
+        let timeline = &last.response.timeline;
+        let step = timeline
+            .step_at(stamp)
+            .filter(|&step| step < timeline.step())?;
+        if timeline.plant().model != struck.model {
+            return None;
+        }
+        let response = self.last.take()?.response;
+        self.journal.taken_back = true;
+        self.registry.life.plastic_work_since_reset = plastic_work;
+        self.solver.newton_iterations -= response.newton_iterations();
+        self.response = Some(response);
+        Some(step)
+    }
+
+    /// The response to another impact ends where the column was at `step`.
+    fn hit_moving_column(
+        &mut self,
+        pending: PendingImpact,
+        step: u64,
+        earlier_report: &str,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        response.timeline.rewind(step);
+        let Struck { model, state, .. } = *response.timeline.plant();
+        self.registry.life.plastic_work_since_reset += state.ledger.plastic_work;
+        self.solver.newton_iterations += response.newton_iterations();
+        let since = seconds(pending.stamp.abs_diff(response.timeline.origin()));
+        let text = format!(
+            "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
+            pending.event_id, response.event_id,
+        );
+        out.notice(Severity::Info, now, text);
+        self.last = Some(LastResponse {
+            response,
+            resumable: None,
+        });
+        let plant = Plant {
+            model,
+            state,
+            ..self.at_rest.clone()
+        };
+        // Its height was found to be that of these hinges when it was accepted.
+        let pending = PendingImpact {
+            height: Some(plant.impact_height()),
+            ..pending
+        };
+        self.begin_pending(plant, pending, now, out);
+    }
+
+    fn begin_pending(
+        &mut self,
+        plant: Plant,
+        pending: PendingImpact,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let PendingImpact {
+            event_id,
+            stamp,
+            impact,
+            height,
+        } = pending;
+        match self.snapshot_of(plant).strike(impact, height) {
+            Ok(struck) => self.begin(event_id, stamp, struck, now, out),
+            Err(refusal) => {
+                self.registry.withdraw();
+                self.status.set_changed();
+                let refused = self.registry.refuse_impact(&event_id, refusal, now);
+                out.put(Output::Refused(refused));
+            }
+        }
+    }
+
+    fn begin(
+        &mut self,
+        event_id: Arc<str>,
+        stamp: Nanos,
+        struck: Struck,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        out.notice(
+            Severity::Info,
+            now,
+            format!("impact \"{event_id}\" accepted"),
+        );
+        self.registry.life.last_event_id = Arc::clone(&event_id);
+        self.journal.responses += 1;
+        let period = 1e9 / self.parameters.current().settings().publish_rate;
+        let steps = period / struck.model.properties.step_nanos as f64;
+        let steps_per_sample = steps.round().max(1.0) as u64;
+        let history = self.last.take().map_or_else(History::default, |last| {
+            last.response.timeline.into_history()
+        });
+        self.response = Some(ActiveResponse {
+            event_id,
+            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
+        });
+        self.status.set_changed();
+    }
+
+    // The response with the clock
+
+    pub(super) fn step_to(&mut self, now: Nanos, out: &mut impl Outputs) {
+        for _ in 0..MAX_STEPS_PER_CALL {
+            let Some(target) = self.arrive(now, out) else {
+                return;
+            };
+            let Some(ActiveResponse { timeline, .. }) = &mut self.response else {
+                return;
+            };
+            let before = timeline.step();
+            let advanced = timeline.advance(target);
+            self.solver.steps += timeline.step() - before;
+            match advanced {
+                Advanced::Running => {}
+                Advanced::Over(end) => self.end(end, now, out),
+                Advanced::Failed(error) => self.fail(&error, now, out),
+            }
+        }
+        // Between two calls everything that belongs to the step that was reached has been done.
+        self.arrive(now, out);
+    }
+
+    /// Does what is due where the column is: its sample, and the impacts that meet it here. The step to advance to from
+    /// here; `None` where `now` is not beyond it.
+    fn arrive(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
+        loop {
+            let next_impact = self.registry.next_pending();
+            let response = self.response.as_mut()?;
+            let now_step = response.timeline.step_at(now)?;
+            let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
+            let target = next_impact.unwrap_or(u64::MAX).min(now_step);
+            if response.timeline.is_sample_due() {
+                response.put_state(None, out);
+            }
+            if response.timeline.step() < target {
+                return Some(target);
+            }
+            if next_impact.is_none_or(|step| step > now_step) {
+                return None;
+            }
+            // There are few of them, and each is taken out: the loop ends.
+            let next = self.registry.take_pending()?;
+            self.hit_moving_column(next, target, NO_REPORT, now, out);
+        }
+    }
+
+    fn end(&mut self, end: End, now: Nanos, out: &mut impl Outputs) {
+        self.run_ahead(u64::MAX, now, out); // a forecast never comes after its report
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        let plant = *response.timeline.plant();
+        let report = plant.report(end);
+        let residual = plant.residual();
+        let condition = condition_after(report.end, residual.as_ref());
+        response.put_state(Some(condition.final_phase()), out);
+        out.put(Output::Report(ReportOutput {
+            stamp: response.timeline.origin(),
+            event_id: Arc::clone(&response.event_id),
+            report,
+            compute_time: seconds(response.timeline.compute_nanos()),
+        }));
+        self.settle(response, plant.settled(residual, condition), now, out);
+    }
+
+    fn fail(&mut self, error: &StepError, now: Nanos, out: &mut impl Outputs) {
+        self.run_ahead(u64::MAX, now, out);
+        let Some(mut response) = self.response.take() else {
+            return;
+        };
+        let text = format!(
+            "the response to impact \"{}\" cannot be computed: {error}",
+            response.event_id
+        );
+        let condition = Condition::Faulted(text.as_str().into());
+        response.put_state(Some(condition.final_phase()), out);
+        out.notice(Severity::Error, now, text);
+        let settled = response.timeline.plant().settled(None, condition);
+        self.settle(response, settled, now, out);
+    }
+
+    /// Back to rest after a response; what has waited for its end follows.
+    fn settle(
+        &mut self,
+        response: ActiveResponse,
+        settled: Plant,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let plastic_work = self.registry.life.plastic_work_since_reset;
+        let added = response.timeline.plant().state.ledger.plastic_work;
+        self.registry.life.plastic_work_since_reset += added;
+        self.solver.newton_iterations += response.newton_iterations();
+        self.at_rest = settled;
+        self.last = Some(LastResponse {
+            response,
+            resumable: Some(plastic_work),
+        });
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        self.apply_waiting_parameters(now, out);
+        self.save(now, out);
+        while self.response.is_none()
+            && let Some(next) = self.registry.take_pending()
+        {
+            self.begin_pending(self.at_rest.clone(), next, now, out);
+            if self.response.is_none() {
+                self.save(now, out); // it was refused: fewer impacts than were saved
+            }
+        }
+    }
+
+    /// Saves the damage that the present response will leave according to its forecast.
+    fn save_plant(
+        &self,
+        expected: &Plant,
+        has_residual: bool,
+        plastic_work: f64,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        // Without a residual equilibrium the damage before the response is the last that can be saved.
+        let plant = match has_residual {
+            true => expected.clone(),
+            false => Plant {
+                model: expected.model,
+                condition: expected.condition.clone(),
+                ..self.at_rest.clone()
+            },
+        };
+        let mut saved = SavedState::new(&self.registry, self.parameters.fingerprint(), &plant, now);
+        saved.plastic_work_since_reset += plastic_work;
+        out.put(Output::Save(Arc::new(saved)));
+    }
+}
+
+impl ActiveResponse {
+    pub fn newton_iterations(&self) -> u64 {
+        self.timeline.plant().state.newton_iterations
+    }
+
+    /// Gives out the state of the present step; `phase` where it is not that of the sample.
+    fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
+        let sample = self.timeline.take_sample();
+        let properties = &self.timeline.plant().model.properties;
+        let lengths = Lengths {
+            below: properties.length_below,
+            above: properties.length_above,
+        };
+        out.put(Output::State(StateOutput {
+            stamp: self.timeline.instant_of(self.timeline.step()),
+            event_id: Arc::clone(&self.event_id),
+            phase: phase.unwrap_or(sample.phase.into()),
+            sample,
+            lengths: Some(lengths),
+        }));
+    }
+}

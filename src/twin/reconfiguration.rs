@@ -1,0 +1,141 @@
+//! Changes of the parameters, and the reset.
+
+use std::sync::Arc;
+
+use super::command::{Accepted, Nanos};
+use super::lifecycle::{LastResponse, Twin};
+use super::output::{Output, Outputs, ParametersChanged, Severity};
+use super::plant::Plant;
+use super::refusal::Refusal;
+use crate::parameters::{Parameters, Value};
+
+impl Twin {
+    pub(super) fn set_parameters(
+        &mut self,
+        changes: &[(String, Value)],
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        let planned = self.parameters.plan(changes)?;
+        if planned.changed.is_empty() {
+            self.registry.counts.parameters_accepted += 1;
+            return Ok(Accepted::Unchanged);
+        }
+        let column = self.column_with(&planned.parameters)?;
+        let change = if self.response.is_some() && planned.must_wait() {
+            self.parameters.make_wait(&planned.parameters, source);
+            Accepted::Waiting
+        } else {
+            self.parameters.apply(&planned.parameters, changes)?;
+            if self.response.is_none() {
+                self.replace_column(column);
+            }
+            Accepted::Applied
+        };
+        self.registry.counts.parameters_accepted += 1;
+        self.status.set_changed();
+        out.put(Output::ParametersChanged(ParametersChanged {
+            stamp: now,
+            names: planned.names(),
+            change,
+            parameters: planned.parameters,
+            source: Arc::clone(source),
+        }));
+        if change == Accepted::Applied && self.response.is_none() {
+            self.save(now, out);
+        }
+        Ok(change)
+    }
+
+    /// The column at rest with other parameters.
+    fn column_with(&self, wanted: &Parameters) -> Result<Plant, Refusal> {
+        let from = self.parameters.current().column_properties();
+        self.at_rest
+            .with_properties(&from, &wanted.column_properties())
+    }
+
+    /// Replaces the column at rest. The last response can be resumed only if it was that of the same column.
+    fn replace_column(&mut self, column: Plant) {
+        if column.model != self.at_rest.model {
+            self.forbid_resuming();
+        }
+        self.at_rest = column;
+    }
+
+    fn forbid_resuming(&mut self) {
+        if let Some(last) = &mut self.last {
+            last.resumable = None;
+        }
+    }
+
+    pub(super) fn apply_waiting_parameters(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let Some((waiting, names)) = self.parameters.take_waiting() else {
+            return;
+        };
+        match self.column_with(&waiting.parameters) {
+            Ok(column) => {
+                self.replace_column(column);
+                self.parameters.replace(waiting.parameters);
+            }
+            Err(Refusal { code, reason }) => {
+                let reason =
+                    format!("the change that waited for the end of the response: {reason}");
+                self.refuse_change(Refusal::new(code, reason), &waiting.source, now, out);
+            }
+        }
+        // A change that is refused now was announced when it began to wait: the parameters return to what they were.
+        self.status.set_changed();
+        out.put(Output::ParametersChanged(ParametersChanged {
+            stamp: now,
+            names,
+            change: Accepted::Applied,
+            parameters: Arc::clone(self.parameters.current()),
+            source: waiting.source,
+        }));
+    }
+
+    pub(super) fn refuse_change(
+        &mut self,
+        refusal: Refusal,
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Refusal {
+        self.status.set_changed();
+        let refused = self.registry.refuse_change(refusal.clone(), source, now);
+        out.put(Output::Refused(refused));
+        refusal
+    }
+
+    pub(super) fn reset(&mut self, source: &str, now: Nanos, out: &mut impl Outputs) {
+        if let Some(response) = self.response.take() {
+            let text = format!(
+                "a reset ends the response to impact \"{}\"",
+                response.event_id
+            );
+            out.notice(Severity::Warning, now, text);
+            self.solver.newton_iterations += response.newton_iterations();
+            self.last = Some(LastResponse {
+                response,
+                resumable: None,
+            });
+        }
+        self.forbid_resuming();
+        if let Some(forgotten) = self.registry.pending_in_words() {
+            let text = format!("the reset drops {forgotten}");
+            out.notice(Severity::Warning, now, text);
+        }
+        self.registry.reset();
+        // The parameters were checked when they came; if they failed now, the old model would still be a column.
+        let properties = self.parameters.current().column_properties();
+        self.at_rest =
+            Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
+        self.apply_waiting_parameters(now, out);
+        let text = format!("reset by {source}: the column is virgin");
+        out.notice(Severity::Info, now, text);
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        self.save(now, out);
+    }
+}
