@@ -102,7 +102,7 @@ impl Replayer {
             ..*place
         };
         match place.first_difference(checkpoint, &computed) {
-            // The recorded node converted its outputs from here on as this conversion does after a checkpoint.
+            // Resets the conversion to messages, as the recorded node did at this checkpoint.
             None => replayed.convert(&Output::Journal(Journal::Checkpoint(Arc::new(computed)))),
             Some(difference) => {
                 self.verification.note_difference(difference);

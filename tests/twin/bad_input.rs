@@ -186,7 +186,7 @@ fn invalid_identifiers_are_rejected() {
     });
     assert_eq!(
         other,
-        "column_id is \"other?[31m\"; this twin is of column \"column\""
+        "column_id is \"other?[31m\", but this is the twin of column \"column\""
     );
     let empty = refusal_of(ImpactCommand {
         event_id: String::new(),
@@ -226,11 +226,11 @@ fn stamps_outside_the_tolerance_are_rejected() {
     for (stamp, expected) in [
         (
             START - 5_001 * MS,
-            "its stamp is 5.001 s old, event.max_age is 5 s",
+            "the stamp is 5.001 s old; event.max_age is 5 s",
         ),
         (
             START + 1_001 * MS,
-            "its stamp is 1.001 s ahead, event.max_ahead is 1 s",
+            "the stamp is 1.001 s ahead; event.max_ahead is 1 s",
         ),
         (0, "s old"),
         (i64::MIN, "s old"),

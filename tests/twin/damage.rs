@@ -375,6 +375,6 @@ fn another_height_is_rejected_while_the_column_responds() {
         bench.refusals()[0]
             .refusal
             .reason
-            .contains("while the column responds")
+            .contains("while the column is responding")
     );
 }

@@ -78,7 +78,7 @@ fn a_second_impact_hits_the_moving_column() {
         first.contact_force > 0.0,
         "the deformed column resists immediately"
     );
-    let ended = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("whose report will not come"));
+    let ended = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("for which no report will follow"));
     assert!(bench.out.iter().any(ended));
     assert_eq!(bench.forecasts().len(), 2);
     assert_eq!(bench.status().impacts_since_reset, 2);
@@ -204,7 +204,7 @@ fn the_number_of_impacts_ahead_is_limited() {
         bench.refusals()[0]
             .refusal
             .reason
-            .contains("lie ahead already")
+            .contains("are still to come")
     );
     bench.go_on(1_000 * MS);
     bench.rest();
@@ -224,7 +224,7 @@ fn a_reset_ends_the_response_and_drops_impacts_ahead() {
     bench.reset();
     let forgotten = |it: &Output| {
         matches!(it, Output::Notice(notice) if notice.severity == Severity::Warning
-            && notice.text.contains("lie ahead: \"b\""))
+            && notice.text.contains("are still to come: \"b\""))
     };
     assert!(bench.out.iter().any(forgotten));
     bench.go_on(200 * MS);
