@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{
-    Lengths, Output, Outputs, ParametersChanged, ReportOutput, Severity, StateOutput,
-};
+use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -17,7 +15,7 @@ use super::timeline::{Advanced, History, Outlook, Timeline};
 use super::what_if::ColumnSnapshot;
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
 use crate::column::{End, ModelError, StepError};
-use crate::parameters::{Parameters, Value};
+use crate::parameters::Parameters;
 
 /// Gives monotonic nanoseconds; used only to measure compute times.
 pub type Stopwatch = Box<dyn Fn() -> u64 + Send>;
