@@ -124,6 +124,8 @@ def base_value(base, field, number):
         return -70000 * number
     if base == "int64":
         return -5_000_000_000 * number
+    if base == "uint16":
+        return 50_000 + number
     if base == "uint32":
         return 4_000_000_000 + number
     if base == "uint64":

@@ -57,6 +57,7 @@ fn expected_format(ty: &Type) -> Format {
         Type::BuiltIn(BuiltInType::Bool) => Format::Bool,
         Type::BuiltIn(BuiltInType::Byte | BuiltInType::UInt8) => Format::U8,
         Type::BuiltIn(BuiltInType::Int32) => Format::I32,
+        Type::BuiltIn(BuiltInType::UInt16) => Format::U16,
         Type::BuiltIn(BuiltInType::UInt32) => Format::U32,
         Type::BuiltIn(BuiltInType::Int64) => Format::I64,
         Type::BuiltIn(BuiltInType::UInt64) => Format::U64,
@@ -125,6 +126,7 @@ fn every_constant_has_the_value_of_its_definition() {
         }
         TwinStatus {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED,
+            REFUSED_NONE, REFUSED_OTHER_COLUMN, REFUSED_EVENT_ID_INVALID, REFUSED_EVENT_ID_REPEATED, REFUSED_STAMP_TOO_OLD, REFUSED_STAMP_TOO_FAR_AHEAD, REFUSED_STAMP_OUT_OF_ORDER, REFUSED_TOO_MANY_IMPACTS_AHEAD, REFUSED_IMPACT_OUT_OF_RANGE, REFUSED_HEIGHT_NOT_POSSIBLE, REFUSED_COLUMN_COLLAPSED, REFUSED_TWIN_FAULTED, REFUSED_COLUMN_IMPOSSIBLE, REFUSED_PARAMETERS_INVALID, REFUSED_PARAMETERS_READ_ONLY, REFUSED_COLUMN_DAMAGED, REFUSED_NO_EQUILIBRIUM, REFUSED_NOT_COMPUTED, REFUSED_QUEUE_FULL, REFUSED_NO_ANSWER, REFUSED_STOPPING,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
         Log { DEBUG, INFO, WARN, ERROR, FATAL }
