@@ -57,7 +57,7 @@ impl Shared {
 
 /// The planned start of the next cycle.
 #[derive(Debug, Clone, Copy)]
-struct Planned {
+struct PlannedCycle {
     deadline: Nanos,
     period: u64,
 }
@@ -144,21 +144,21 @@ impl Solver {
 
     /// A deadline in the past counts only if the response was on time before: while it catches up with a late event, the
     /// solver is not to blame for the delay.
-    fn plan(&self, before: Option<Planned>, disturbed: bool) -> Option<Planned> {
+    fn plan(&self, before: Option<PlannedCycle>, disturbed: bool) -> Option<PlannedCycle> {
         if !self.twin.is_responding() {
             return None;
         }
         let now = self.clock.now();
         let deadline = self.twin.next_deadline(now);
         let was_on_time = before.is_some() && !disturbed;
-        (deadline > now || was_on_time).then(|| Planned {
+        (deadline > now || was_on_time).then(|| PlannedCycle {
             deadline,
             period: self.twin.period(),
         })
     }
 
-    fn note_lateness(&self, planned: Option<Planned>) {
-        let Some(Planned { deadline, period }) = planned else {
+    fn note_lateness(&self, planned: Option<PlannedCycle>) {
+        let Some(PlannedCycle { deadline, period }) = planned else {
             return;
         };
         let late = lateness(deadline, period, self.clock.now());

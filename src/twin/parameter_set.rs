@@ -24,12 +24,12 @@ pub(super) struct Waiting {
 
 /// A valid change that has not been made yet.
 #[derive(Debug)]
-pub(super) struct Planned {
+pub(super) struct PlannedChange {
     pub parameters: Arc<Parameters>,
     pub changed: Vec<&'static Parameter>,
 }
 
-impl Planned {
+impl PlannedChange {
     /// Whether any of these parameters applies only when the response has ended.
     pub fn must_wait(&self) -> bool {
         self.changed
@@ -66,13 +66,13 @@ impl ParameterSet {
     ///
     /// # Errors
     /// The changes are invalid, or for parameters that are read-only while the node runs.
-    pub fn plan(&self, changes: &[(String, Value)]) -> Result<Planned, Refusal> {
+    pub fn plan(&self, changes: &[(String, Value)]) -> Result<PlannedChange, Refusal> {
         let latest = self
             .waiting
             .as_ref()
             .map_or(&self.current, |waiting| &waiting.parameters);
         let parameters = changed(latest, changes)?;
-        Ok(Planned {
+        Ok(PlannedChange {
             changed: parameters.changed_from(latest),
             parameters: Arc::new(parameters),
         })
