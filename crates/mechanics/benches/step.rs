@@ -111,7 +111,7 @@ fn main() {
     }
     println!("ns per step of 10 us, fastest of {RUNS} responses of the paper's example");
     println!(
-        "{:<20}{:<15}{:>10}{:>10}{:>7}{:>12}{:>7}{:>14}",
+        "{:<20}{:<15}{:>10}{:>8}{:>8}{:>14}{:>8}{:>19}",
         "scheme",
         "exponents",
         "response",
@@ -119,7 +119,7 @@ fn main() {
         "ratio",
         "with samples",
         "ratio",
-        "Newton its/step"
+        "Newton iterations"
     );
     for scheme in SCHEMES {
         for (name, exponents) in EXPONENTS {
@@ -128,7 +128,7 @@ fn main() {
                 example(&[&[chosen.as_str(), "solver.dt:=1.0e-5"], &exponents[..]].concat());
             let cost = cost(&properties, &impact);
             println!(
-                "{scheme:<20}{name:<15}{:>10.0}{:>10.0}{:>7.2}{:>12.0}{:>7.2}{:>14.2}",
+                "{scheme:<20}{name:<15}{:>10.0}{:>8.0}{:>8.2}{:>14.0}{:>8.2}{:>19.2}",
                 cost.response,
                 cost.step,
                 cost.response / cost.step,
