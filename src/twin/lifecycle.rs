@@ -184,13 +184,9 @@ impl Twin {
         self.report_checkpoint(now, out);
         let position = self.position();
         let result = match &command {
-            Command::Impact(impact) => self.take_impact(impact, now, out).map_err(|refusal| {
-                self.status.set_changed();
-                let refused = self
-                    .registry
-                    .refuse_impact(&impact.event_id, refusal.clone(), now);
-                out.put(Output::Refused(refused));
-                refusal
+            Command::Impact(impact) => self.take_impact(impact, now, out).inspect_err(|refusal| {
+                let refusal = refusal.clone();
+                self.refuse_impact(&impact.event_id, refusal, now, out);
             }),
             Command::SetParameters { changes, source } => self
                 .set_parameters(changes, source, now, out)
@@ -446,11 +442,21 @@ impl Twin {
             Ok(struck) => self.begin(event_id, stamp, struck, now, out),
             Err(refusal) => {
                 self.registry.withdraw();
-                self.status.set_changed();
-                let refused = self.registry.refuse_impact(&event_id, refusal, now);
-                out.put(Output::Refused(refused));
+                self.refuse_impact(&event_id, refusal, now, out);
             }
         }
+    }
+
+    fn refuse_impact(
+        &mut self,
+        event_id: &str,
+        refusal: Refusal,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        self.status.set_changed();
+        let refused = self.registry.refuse_impact(event_id, refusal, now);
+        out.put(Output::Refused(refused));
     }
 
     fn begin(
