@@ -17,8 +17,6 @@
 
 pub use column_mechanics as column;
 
-#[cfg(feature = "cli")]
-pub mod cli;
 pub mod endpoints;
 #[cfg(feature = "record")]
 pub mod evidence;

@@ -12,12 +12,12 @@ use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::failure::{Exit, Failure, LinePrinter};
-use crate::column::ImpactSpecification;
-use crate::column::{HINGE_NAMES, HINGES};
-use crate::evidence;
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
-use crate::ros::{Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact};
-use crate::shape::HINGE_PLACES;
+use column_twin::column::ImpactSpecification;
+use column_twin::column::{HINGE_NAMES, HINGES};
+use column_twin::evidence;
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::ros::{Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact};
+use column_twin::shape::HINGE_PLACES;
 
 /// Arguments of `column-twin demo`.
 #[derive(Debug, Args)]

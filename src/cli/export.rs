@@ -9,8 +9,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::{Exit, Failure, unless_closed};
-use crate::recording::{Decoded, Decoder, Message, Reader, RecordingError};
-use crate::whole_file::WholeFile;
+use column_twin::recording::{Decoded, Decoder, Message, Reader, RecordingError};
+use column_twin::whole_file::WholeFile;
 
 /// Arguments of `column-twin export`.
 #[derive(Debug, Args)]

@@ -41,8 +41,8 @@ impl Failure {
     }
 }
 
-impl From<crate::parameters::ParameterFaults> for Failure {
-    fn from(faults: crate::parameters::ParameterFaults) -> Self {
+impl From<column_twin::parameters::ParameterFaults> for Failure {
+    fn from(faults: column_twin::parameters::ParameterFaults) -> Self {
         Self {
             exit: Exit::BadInput,
             report: faults.report(),
@@ -51,8 +51,8 @@ impl From<crate::parameters::ParameterFaults> for Failure {
 }
 
 #[cfg(feature = "record")]
-impl From<crate::recording::RecordingError> for Failure {
-    fn from(error: crate::recording::RecordingError) -> Self {
+impl From<column_twin::recording::RecordingError> for Failure {
+    fn from(error: column_twin::recording::RecordingError) -> Self {
         let exit = match error.is_bad_input() {
             true => Exit::BadInput,
             false => Exit::Failed,

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::column::{HINGE_NAMES, HingeSample, HingeState, Phase, Sample};
+use column_twin::column::{HINGE_NAMES, HingeSample, HingeState, Phase, Sample};
 
 /// Writes samples as CSV: a header with the unit in every name, then one row per sample. Numbers read back to the same
 /// bits.
@@ -118,7 +118,7 @@ fn exact(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::reference::Reference;
+    use crate::cli::reference::Reference;
 
     #[test]
     fn a_history_reads_back_to_the_same_bits() {

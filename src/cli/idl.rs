@@ -5,8 +5,8 @@ use std::io::Write;
 use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
-use crate::messages::{self, idl::idl};
-use crate::ros::qos::{Direction, ENDPOINTS, Endpoint};
+use column_twin::messages::{self, idl::idl};
+use column_twin::ros::qos::{Direction, ENDPOINTS, Endpoint};
 
 /// Arguments of `column-twin idl`.
 #[derive(Debug, Args)]

@@ -8,8 +8,8 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::environment;
-use crate::parameters::Parameters;
-use crate::ros::{
+use column_twin::parameters::Parameters;
+use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
 };
 

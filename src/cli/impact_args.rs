@@ -3,7 +3,7 @@
 use clap::Args;
 
 #[cfg(feature = "ros")]
-use crate::column::ImpactSpecification;
+use column_twin::column::ImpactSpecification;
 
 /// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
 #[derive(Debug, Clone, Args)]

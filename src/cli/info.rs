@@ -8,7 +8,9 @@ use jiff::Timestamp;
 use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
-use crate::recording::{self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError};
+use column_twin::recording::{
+    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError,
+};
 
 /// Arguments of `column-twin info`.
 #[derive(Debug, Args)]

@@ -15,6 +15,10 @@ mod impact_args;
 mod info;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
+#[cfg(test)]
+#[path = "../figures/reference.rs"]
+#[expect(dead_code, reason = "the tests of the figures use more of it")]
+mod reference;
 #[cfg(feature = "record")]
 mod repair;
 #[cfg(all(feature = "ros", feature = "record"))]
@@ -36,10 +40,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-pub use failure::{Exit, Failure};
-pub use history::HistoryWriter;
-pub use simulate::SimulateArgs;
-pub use summary::Summary;
+use failure::Exit;
+use simulate::SimulateArgs;
 
 /// Digital twin of a steel column hit by a vehicle.
 #[derive(Debug, Parser)]
@@ -96,7 +98,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
     }));
     #[cfg(feature = "ros")]
-    let (arguments, ros) = match crate::ros::RosArguments::split(arguments) {
+    let (arguments, ros) = match column_twin::ros::RosArguments::split(arguments) {
         Ok(split) => split,
         Err(faults) => {
             for fault in faults {

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 
 use super::failure::{Exit, Failure};
-use crate::evidence::{JournalEntry, JournalError, JournalLine};
-use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
-use crate::messages::{Message, cdr};
-use crate::parameters::Parameters;
-use crate::recording::{self, Reader};
-use crate::twin::Journal;
-use crate::viewer::{self, RecordedMessage, ViewerItem};
+use column_twin::evidence::{JournalEntry, JournalError, JournalLine};
+use column_twin::messages::builtin_interfaces::Time;
+use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::{Message, cdr};
+use column_twin::parameters::Parameters;
+use column_twin::recording::{self, Reader};
+use column_twin::twin::Journal;
+use column_twin::viewer::{self, RecordedMessage, ViewerItem};
 
 /// The parameters of the column of a recording, and the items to show.
 pub(super) struct RecordedItems {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure};
-use crate::recording;
+use column_twin::recording;
 
 /// Arguments of `column-twin repair`.
 #[derive(Debug, Args)]

@@ -13,8 +13,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::failure::printed;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::run::environment;
-use crate::ros::RosArguments;
-use crate::ros::replay::{
+use column_twin::ros::RosArguments;
+use column_twin::ros::replay::{
     RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
 };
 
@@ -152,13 +152,14 @@ fn show(arguments: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let failed = |error| Failure::plain(Exit::Failed, error);
     let recorded = super::recorded_items::of_recording(&arguments.bag, arguments.config.as_ref())?;
     if let Some(path) = &arguments.rrd {
-        crate::viewer::write_rrd(path, &recorded.parameters, recorded.items, false)
+        column_twin::viewer::write_rrd(path, &recorded.parameters, recorded.items, false)
             .map_err(failed)?;
         return printed(writeln!(out, "rerun {}", path.display()));
     }
-    let mut signals =
-        crate::ros::StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
-    let served = crate::viewer::serve(&recorded.parameters, recorded.items).map_err(failed)?;
+    let mut signals = column_twin::ros::StopSignals::listen()
+        .map_err(|error| Failure::plain(Exit::Failed, error))?;
+    let served =
+        column_twin::viewer::serve(&recorded.parameters, recorded.items).map_err(failed)?;
     printed(writeln!(
         out,
         "serving until Ctrl-C; to watch: rerun {}",

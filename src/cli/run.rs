@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure};
-use crate::ros::{self, Environment, RosArguments, RunError, RunOptions};
+use column_twin::ros::{self, Environment, RosArguments, RunError, RunOptions};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
 #[derive(Debug, Args)]

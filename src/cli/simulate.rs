@@ -14,17 +14,21 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
 use super::summary::Summary;
-use crate::column::{ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate};
+use column_twin::column::{
+    ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate,
+};
 #[cfg(feature = "record")]
-use crate::evidence::SimulatedRecordingError;
-use crate::figures::units::significant;
-use crate::figures::{self, FigureError, HistoryThinning};
-use crate::parameters::{Fault, NodeName, ParameterFaults, Parameters, Source, parse_override};
+use column_twin::evidence::SimulatedRecordingError;
+use column_twin::figures::units::significant;
+use column_twin::figures::{self, FigureError, HistoryThinning};
+use column_twin::parameters::{
+    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
+};
 #[cfg(feature = "record")]
-use crate::recording::RecordingError;
+use column_twin::recording::RecordingError;
 #[cfg(feature = "viewer")]
-use crate::viewer::{self, ViewerError};
-use crate::whole_file::WholeFile;
+use column_twin::viewer::{self, ViewerError};
+use column_twin::whole_file::WholeFile;
 
 /// Arguments of `column-twin simulate`.
 #[derive(Debug, Args)]
@@ -267,10 +271,10 @@ impl Case {
     #[cfg(feature = "record")]
     fn record(&self, directory: &Path, stamp: f64) -> Result<(), SimulateError> {
         let compression = self.parameters.settings().record.compression;
-        let options = crate::recording::writer_options(compression);
+        let options = column_twin::recording::writer_options(compression);
         // `as` saturates; a time out of range is rejected below.
         let origin = (stamp * 1e9).round() as i64;
-        crate::evidence::record_impact(&self.parameters, origin, directory, &options)
+        column_twin::evidence::record_impact(&self.parameters, origin, directory, &options)
             .map(drop)
             .map_err(SimulateError::Recording)
     }

@@ -6,8 +6,8 @@ use clap::Parser;
 
 use super::failure::{Exit, Failure};
 use super::simulate::{SimulateArgs, run};
-use crate::column::simulate;
-use crate::parameters::{Parameters, Value};
+use column_twin::column::simulate;
+use column_twin::parameters::{Parameters, Value};
 
 #[derive(Parser)]
 struct CommandLine {

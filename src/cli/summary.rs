@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
-use crate::figures::units::{Unit, significant};
-use crate::shape::HINGE_PLACES;
+use column_twin::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
+use column_twin::figures::units::{Unit, significant};
+use column_twin::shape::HINGE_PLACES;
 
 /// The summary of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
 #[derive(Debug, Clone, Copy)]
@@ -329,7 +329,7 @@ impl From<&HingeReport> for HingeFields {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::reference::Reference;
+    use crate::cli::reference::Reference;
 
     fn text(report: &Report) -> String {
         let title = "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base";

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
-use crate::evidence;
+use column_twin::evidence;
 
 /// Arguments of `column-twin verify`.
 #[derive(Debug, Args)]

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
 use super::run::environment;
-use crate::ros::{RosArguments, watch};
+use column_twin::ros::{RosArguments, watch};
 
 /// Arguments of `column-twin watch`, besides the ROS arguments.
 #[derive(Debug, Args)]

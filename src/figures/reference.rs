@@ -6,8 +6,7 @@ use crate::column::{
     End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
     YieldExponents,
 };
-
-use super::response_history::ResponseHistory;
+use crate::figures::ResponseHistory;
 
 /// A reference response, read from `tests/data`.
 pub(crate) struct Reference {
