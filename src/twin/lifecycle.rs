@@ -64,7 +64,7 @@ const NO_REPORT: &str = "for which no report will follow";
 const OBSOLETE_REPORT: &str = "whose report no longer holds";
 
 impl Twin {
-    /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`] returned for
+    /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`](super::state_file::load) returned for
     /// the same parameters.
     ///
     /// # Errors

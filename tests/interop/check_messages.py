@@ -4,7 +4,7 @@
 Run by the Python of tests/interop/environment.sh:
 
     check_messages.py           compares; exit code 1 with a list of what differs
-    check_messages.py --write   writes tests/data/messages/golden.json anew, then compares
+    check_messages.py --write   rewrites tests/data/messages/golden.json, then compares
 
 For every type golden.json holds a filled message, its bytes as `rosbags` writes them (which shares no code with ROS 2 or
 with column_twin) and its type hash as rosidl wrote it. The fast tests of the Rust side read that file; this script

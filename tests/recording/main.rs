@@ -1,4 +1,4 @@
-//! Recordings of this program: layout, commands, and programs of others that read them.
+//! Recordings of this program: layout, commands, and other programs that read them.
 #![cfg(feature = "record")]
 // A test may wait for another thread as it likes: it ends with the test.
 #![allow(clippy::disallowed_methods)]

@@ -38,7 +38,7 @@ fn records_until_it_is_killed() {
     let sent = File::create(folder.join("sent")).unwrap();
     let text = "x".repeat(500);
     let begin = Instant::now();
-    // Ends even if nobody kills it.
+    // Ends by itself even if it is not killed.
     for index in 0..RATE * 60 {
         let due = Duration::from_nanos(index * 1_000_000_000 / RATE);
         while let Some(early) = due.checked_sub(begin.elapsed()) {
