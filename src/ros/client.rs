@@ -16,7 +16,7 @@ use crate::messages::column_twin::{
 use crate::messages::std_msgs::Header;
 
 use super::environment::Environment;
-use super::lines::WatchLines;
+use super::lines::{Seen, WatchLines};
 use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
@@ -103,21 +103,6 @@ pub enum ClientError {
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
-}
-
-/// A message of the twin.
-#[derive(Debug, Clone)]
-pub enum Seen {
-    /// State of the column.
-    State(ColumnState),
-    /// Forces in the hinges.
-    Forces(HingeForces),
-    /// Forecast of a response.
-    Forecast(ImpactReport),
-    /// Result of a response.
-    Report(ImpactReport),
-    /// Status of the twin.
-    Status(TwinStatus),
 }
 
 /// Publishes an event and waits for the twin's reply; `say` receives progress messages.

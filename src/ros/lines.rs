@@ -2,9 +2,23 @@
 
 use std::time::{Duration, Instant};
 
-use super::client::Seen;
 use crate::column::HINGE_NAMES;
-use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
+use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+
+/// A message of the twin.
+#[derive(Debug, Clone)]
+pub enum Seen {
+    /// State of the column.
+    State(ColumnState),
+    /// Forces in the hinges.
+    Forces(HingeForces),
+    /// Forecast of a response.
+    Forecast(ImpactReport),
+    /// Result of a response.
+    Report(ImpactReport),
+    /// Status of the twin.
+    Status(TwinStatus),
+}
 
 /// Minimum time between two lines of state.
 const STATE_LINES: Duration = Duration::from_millis(100);

@@ -22,7 +22,6 @@ mod names;
 mod node;
 mod node_viewer;
 mod parameter_services;
-mod participant;
 mod publishing;
 pub mod qos;
 mod raw;
@@ -35,12 +34,10 @@ mod task;
 mod twin_node;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
-pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, Seen, follow_impact, send_impact, watch,
-};
+pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use fresh_domain::FreshDomain;
-pub use lines::report_line;
+pub use lines::{Seen, report_line};
 pub use live_twin::{Health, LiveTwin, LiveTwinError};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};

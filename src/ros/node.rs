@@ -1,5 +1,6 @@
 //! A node: participant, names, and endpoints created from the table.
 
+use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
 use ros2_client::qos::QosProfile;
@@ -7,14 +8,14 @@ use ros2_client::{
     Context, MessageTypeName, Name, NodeName, NodeOptions, Publisher, Server, ServiceMapping,
     ServiceTypeName, Subscription,
 };
+use rustdds::DomainParticipantBuilder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::duplicates::Duplicates;
-use super::environment::Environment;
+use super::environment::{DiscoveryRange, Environment};
 use super::matches::Matches;
 use super::names::{NameError, Names};
-use super::participant;
 use super::qos::{self, Endpoint, package_and_type};
 use super::raw::Raw;
 
@@ -68,7 +69,7 @@ impl Node {
     /// # Errors
     /// The participant or the node cannot be created.
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
-        let context = participant::context(environment)?;
+        let context = context(environment)?;
         let not_created = |reason: String| NodeError::Endpoint {
             what: names.fully_qualified(),
             reason,
@@ -268,4 +269,24 @@ fn not_created(what: &str, reason: &impl ToString) -> NodeError {
         what: what.to_owned(),
         reason: reason.to_string(),
     }
+}
+
+/// A context with a participant in the domain and on the networks of the environment.
+///
+/// # Errors
+/// Sockets or threads are not available.
+fn context(environment: &Environment) -> Result<Context, NodeError> {
+    let builder = DomainParticipantBuilder::new(environment.domain_id);
+    let builder = match environment.discovery_range {
+        DiscoveryRange::Localhost => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
+        DiscoveryRange::Subnet => builder,
+    };
+    let participant = builder.build().map_err(|error| NodeError::Participant {
+        domain_id: environment.domain_id,
+        reason: format!("{error:?}"),
+    })?;
+    Context::from_domain_participant(participant).map_err(|error| NodeError::Participant {
+        domain_id: environment.domain_id,
+        reason: error.to_string(),
+    })
 }
