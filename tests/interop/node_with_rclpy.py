@@ -215,10 +215,11 @@ def parameters(peer):
     check_that(f"all rejections are counted: {refused}", refused >= 8)
     message.column_id, message.top_load = "another", 1e5
     peer.sets.publish(message)
-    reason = 'they are for the column "another", and this is "column"'
+    reason = 'the message is for column "another", but this is the twin of column "column"'
     peer.until("its rejection in /rosout", lambda: any(reason in it.msg for it in peer.of_node("/rosout")))
     peer.until("its rejection in twin_status",
-               lambda: any(reason in it.last_refusal_reason for it in peer.seen["twin_status"]))
+               lambda: any(reason in it.last_refusal_reason and it.last_refusal_code == TwinStatus.REFUSED_OTHER_COLUMN
+                           for it in peer.seen["twin_status"]))
     check("nothing is changed", get_load(), 5e5)
 
 
@@ -271,8 +272,9 @@ def impact(peer, expected):
     event.mass = -1.0
     peer.events.publish(event)
     peer.until("the refusal", lambda: any(it.last_refusal_event_id == "e2" and "mass = -1" in it.last_refusal_reason
+                                          and it.last_refusal_code == TwinStatus.REFUSED_IMPACT_OUT_OF_RANGE
                                           for it in peer.seen["twin_status"]))
-    refusal = 'impact event "e2" is refused: mass = -1'
+    refusal = 'impact event "e2" was rejected: mass = -1'
     peer.until("the refusal in /rosout", lambda: any(refusal in it.msg for it in peer.of_node("/rosout")))
     levels = [it.level for it in peer.of_node("/rosout") if refusal in it.msg]
     check("its level", [it if isinstance(it, int) else it[0] for it in levels], [30])
@@ -297,7 +299,9 @@ def services(peer, expected):
     check_fields("prediction", report, expected["report"])
     request.mass = 0.0
     answer = peer.result("predict", predict.call_async(request))
-    check("predict without mass", (answer.success, "mass = 0: is out of range" in answer.message), (False, True))
+    check("predict without mass",
+          (answer.success, answer.refusal_code, "mass = 0: is out of range" in answer.message),
+          (False, TwinStatus.REFUSED_IMPACT_OUT_OF_RANGE, True))
     # The virgin column again, in every bit.
     whole_response(peer, expected, "e3")
 
