@@ -238,8 +238,14 @@ impl Twin {
                 }));
                 // Saved now: if the machine stops before the response is over, the damage is known all the same.
                 let condition = condition_after(report.end, residual.as_ref());
-                let expected = timeline.plant().settled(residual, condition);
-                self.save_plant(&expected, residual.is_some(), report.plastic_work, now, out);
+                let mut expected = timeline.plant().settled(residual, condition);
+                if residual.is_none() {
+                    // The damage before the response is then the last that can be saved.
+                    expected.state = self.at_rest.state;
+                }
+                let mut saved = self.saved_state_of(&expected, now);
+                saved.plastic_work_since_reset += report.plastic_work;
+                out.put(Output::Save(Arc::new(saved)));
             }
             Outlook::Failed(reason) => {
                 let text = format!("no forecast of impact \"{event_id}\": {reason}");
@@ -278,12 +284,11 @@ impl Twin {
 
     /// The damage to be saved, without what the present response will add.
     pub fn saved_state(&self, now: Nanos) -> SavedState {
-        SavedState::new(
-            &self.registry,
-            self.parameters.fingerprint(),
-            &self.at_rest,
-            now,
-        )
+        self.saved_state_of(&self.at_rest, now)
+    }
+
+    fn saved_state_of(&self, plant: &Plant, now: Nanos) -> SavedState {
+        SavedState::new(&self.registry, self.parameters.fingerprint(), plant, now)
     }
 
     fn phase(&self) -> TwinPhase {
@@ -598,29 +603,6 @@ impl Twin {
                 self.save(now, out); // it was refused: fewer impacts than were saved
             }
         }
-    }
-
-    /// Saves the damage that the present response will leave according to its forecast.
-    fn save_plant(
-        &self,
-        expected: &Plant,
-        has_residual: bool,
-        plastic_work: f64,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        // Without a residual equilibrium the damage before the response is the last that can be saved.
-        let plant = match has_residual {
-            true => expected.clone(),
-            false => Plant {
-                model: expected.model,
-                condition: expected.condition.clone(),
-                ..self.at_rest.clone()
-            },
-        };
-        let mut saved = SavedState::new(&self.registry, self.parameters.fingerprint(), &plant, now);
-        saved.plastic_work_since_reset += plastic_work;
-        out.put(Output::Save(Arc::new(saved)));
     }
 }
 
