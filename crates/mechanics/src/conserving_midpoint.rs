@@ -8,11 +8,12 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bracketing;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
-use super::newton::{self, NonlinearSystem};
+use super::newton::NonlinearSystem;
 use super::state::{State, Velocity};
 
 /// Most closings and releases in one step; after them contact stays as it is to the end of the step.
@@ -274,7 +275,7 @@ impl Part<'_> {
         self.point.below.stress.expect(near.below);
         self.point.above.stress.expect(near.above);
         let guess = from.predictor.increment(&from.velocity, secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);

@@ -15,6 +15,7 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod bracketing;
 mod conserving_midpoint;
 mod contact;
 mod frame;

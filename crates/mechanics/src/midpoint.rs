@@ -6,12 +6,13 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, BarStress, PerBar};
+use super::bracketing;
 use super::contact::{Coupling, Impactor};
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
-use super::newton::{self, NonlinearSystem};
+use super::newton::NonlinearSystem;
 use super::state::{State, Velocity};
 use super::statics;
 
@@ -160,7 +161,7 @@ impl Part<'_> {
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
         let guess = first_guess(model, from, self.secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,

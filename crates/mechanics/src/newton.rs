@@ -16,7 +16,7 @@ const BALANCED: f64 = 1e-15;
 
 /// Relative residual or relative increment that is accepted once iterations no longer lower the residual: round-off of
 /// a stiff column.
-const STAGNATED: f64 = 2e-12;
+pub(crate) const STAGNATED: f64 = 2e-12;
 
 /// Floor of the pivots of `beta1` and `u2`, relative to their elastic stiffness. With both hinges of the joint flowing,
 /// or with the normal force held at a corner of the yield surface, the tangent of a massless unknown vanishes: its value
@@ -39,14 +39,14 @@ const JOINT_BALANCES: u32 = 8;
 const MAX_ROTATION: f64 = 1.0;
 
 /// Row of `beta1`.
-const BETA1: usize = 2;
+pub(crate) const BETA1: usize = 2;
 
 /// Row of `u2`.
-const U2: usize = 3;
+pub(crate) const U2: usize = 3;
 
 /// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar: a massless unknown that
 /// has lost its stiffness would leap to an equilibrium with the column turned inside out.
-const MAX_CORRECTION: f64 = 0.05;
+pub(crate) const MAX_CORRECTION: f64 = 0.05;
 
 /// Equations that are solved for the increment of `U`.
 pub(crate) trait NonlinearSystem {
@@ -87,16 +87,7 @@ pub(crate) fn solve<S: NonlinearSystem>(
     point: &mut S::Point,
 ) -> Option<Solved> {
     let inverse_scale = system.scale().map(|s| 1.0 / s);
-    let size_of = |residual: &Vector4<f64>| {
-        let mut size = 0.0;
-        for row in 0..4 {
-            let relative = (residual[row] * inverse_scale[row]).abs();
-            if relative > size || relative.is_nan() {
-                size = relative;
-            }
-        }
-        size
-    };
+    let size_of = |residual: &Vector4<f64>| size_of(residual, &inverse_scale);
     let mut increment = guess;
     let mut residual = system.evaluate(&increment, point);
     let mut size = size_of(&residual);
@@ -157,6 +148,27 @@ pub(crate) fn solve<S: NonlinearSystem>(
     None
 }
 
+/// Largest entry of a residual, relative to the scale of its row.
+#[inline(always)]
+pub(crate) fn size_of(residual: &Vector4<f64>, inverse_scale: &Vector4<f64>) -> f64 {
+    let mut size = 0.0;
+    for row in 0..4 {
+        let relative = (residual[row] * inverse_scale[row]).abs();
+        if relative > size || relative.is_nan() {
+            size = relative;
+        }
+    }
+    size
+}
+
+/// Derivative of the potential along a correction, which is subtracted: below zero at its start.
+pub(crate) fn slope(residual: &Vector4<f64>, correction: &Displacement) -> f64 {
+    -(residual[0] * correction.v1
+        + residual[1] * correction.u1
+        + residual[2] * correction.beta1
+        + residual[3] * correction.u2)
+}
+
 /// Whether a correction is round-off of the increment.
 fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
     let moved = |u: &Displacement| u.v1.abs().max(u.u1.abs()).max(u.u2.abs());
@@ -165,7 +177,7 @@ fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
 }
 
 /// A correction scaled down to [`MAX_CORRECTION`].
-fn limited(correction: Displacement, length: f64) -> Displacement {
+pub(crate) fn limited(correction: Displacement, length: f64) -> Displacement {
     let Displacement { v1, u1, beta1, u2 } = correction;
     let largest = (v1.abs().max(u1.abs()).max(u2.abs()) / length).max(beta1.abs());
     if largest > MAX_CORRECTION {
@@ -185,12 +197,7 @@ fn search_line<S: NonlinearSystem>(
     full_residual: &Vector4<f64>,
     point: &mut S::Point,
 ) -> Displacement {
-    let slope = |r: &Vector4<f64>| {
-        -(r[0] * correction.v1
-            + r[1] * correction.u1
-            + r[2] * correction.beta1
-            + r[3] * correction.u2)
-    };
+    let slope = |residual: &Vector4<f64>| slope(residual, &correction);
     let full = slope(full_residual);
     if full.is_nan() || full <= 0.0 {
         // The minimum lies beyond the full correction, which is then the best on offer.
@@ -289,7 +296,7 @@ fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f
 /// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
 // Inlined, measured: a step takes 5 % less.
 #[inline(always)]
-fn condensed_solve(
+pub(crate) fn condensed_solve(
     jacobian: &Matrix4<f64>,
     residual: &Vector4<f64>,
     massless_stiffness: [f64; 2],
