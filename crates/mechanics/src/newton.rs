@@ -29,11 +29,11 @@ const MAX_LINE_SEARCH: u32 = 40;
 /// A line search ends where the slope along the correction has fallen to this share.
 const SLOPE_SHARE: f64 = 0.1;
 
-/// Bound of the search for a massless unknown, for its bracket and within it: all bits of a double.
+/// Bound of the search for `beta1`, for its bracket and within it: all bits of a double.
 const MAX_BISECTIONS: u32 = 60;
 
-/// Of so many stagnations, all but the last solve for `beta1` alone: a search for `u2` around it costs tens of times more.
-const JOINT_BALANCES: u32 = 8;
+/// Of so many stagnations the last ends the iteration: brackets find the solution sooner.
+const MAX_STAGNATIONS: u32 = 6;
 
 /// Range in which `beta1` is searched \[rad\].
 const MAX_ROTATION: f64 = 1.0;
@@ -135,8 +135,10 @@ pub(crate) fn solve<S: NonlinearSystem>(
                 point,
             );
             stagnations += 1;
-            let with_top = stagnations % JOINT_BALANCES == 0;
-            balance_massless(system, searched, with_top, point)
+            if stagnations == MAX_STAGNATIONS {
+                return None;
+            }
+            balance_joint(system, searched, point)
         } else {
             (full, full_residual)
         };
@@ -221,41 +223,21 @@ fn search_line<S: NonlinearSystem>(
     from.plus(-share, correction)
 }
 
-/// Solves the equations of the massless unknowns with the others held, and returns the increment and its residual.
-/// `M_1b - M_1a` never decreases with `beta1`, nor does the force on the top with `u2` while the column carries the load:
-/// brackets find where they vanish. Where both hinges of the joint flow and their moments differ, one has to unload, and
-/// no tangent tells how far that is.
-fn balance_massless<S: NonlinearSystem>(
+/// Solves the equation of `beta1` with the other unknowns held, and returns the increment and its residual. `M_1b - M_1a`
+/// never decreases with `beta1`: brackets find where it vanishes. Where both hinges of the joint flow and their moments
+/// differ, one has to unload, and no tangent tells how far that is.
+fn balance_joint<S: NonlinearSystem>(
     system: &S,
     from: Displacement,
-    with_top: bool,
     point: &mut S::Point,
 ) -> (Displacement, Vector4<f64>) {
-    let frame = &system.model().frame;
-    let [joint, top] = frame.massless_stiffness();
-    let mut joint_balanced = |u: Displacement| {
-        let turned = |turn: f64| Displacement {
-            beta1: u.beta1 + turn,
-            ..u
-        };
-        let unbalanced = |turn: f64| system.evaluate(&turned(turn), point)[BETA1];
-        turned(zero_near(unbalanced, joint, MAX_ROTATION))
+    let [stiffness, _] = system.model().frame.massless_stiffness();
+    let turned = |turn: f64| Displacement {
+        beta1: from.beta1 + turn,
+        ..from
     };
-    let increment = if with_top && system.model().top_is_massless() {
-        let mut lowered = |fall: f64| {
-            joint_balanced(Displacement {
-                u2: from.u2 + fall,
-                ..from
-            })
-        };
-        let mut scratch = S::Point::default();
-        let unbalanced = |fall: f64| system.evaluate(&lowered(fall), &mut scratch)[U2];
-        let reach = MAX_CORRECTION * frame.shorter_bar();
-        let fall = zero_near(unbalanced, top, reach);
-        lowered(fall)
-    } else {
-        joint_balanced(from)
-    };
+    let unbalanced = |turn: f64| system.evaluate(&turned(turn), point)[BETA1];
+    let increment = turned(zero_near(unbalanced, stiffness, MAX_ROTATION));
     (increment, system.evaluate(&increment, point))
 }
 
