@@ -9,6 +9,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
 use super::bracketing;
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -401,7 +402,8 @@ impl Part<'_> {
 }
 
 /// Newton's impact law on an impactor that touches and closes, `offset_secs` into the step, and the contact force that it
-/// leaves behind. The last event that a step may have is perfectly inelastic.
+/// leaves behind. The last event that a step may have is perfectly inelastic, and so are percussions beyond
+/// [`MAX_ELASTIC_PERCUSSIONS`].
 pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events: &mut Events) {
     events.count += 1;
     let Some(mut impactor) = state.impactor else {
@@ -412,7 +414,7 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     impactor.position = state.displacement.v1;
     let mut restitution = 0.0;
     if speed > 0.0 {
-        if !events.exhausted() {
+        if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {
             restitution = impactor.effective_restitution(speed);
         }
         let percussion = impactor.percussion(model, speed, restitution);

@@ -39,7 +39,7 @@ mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
-pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
 pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::sample::HINGES;
 
 /// How a response ended.
@@ -87,6 +88,14 @@ pub struct Report {
     pub steps: u64,
     /// The hinges.
     pub hinges: [HingeReport; HINGES],
+}
+
+impl Report {
+    /// Whether the response had more percussions than follow the restitution given (only with the conserving scheme): from
+    /// number [`MAX_ELASTIC_PERCUSSIONS`] on they were perfectly inelastic, and what they lost is part of `impact_loss`.
+    pub fn restitution_ended_early(&self) -> bool {
+        self.percussions > MAX_ELASTIC_PERCUSSIONS
+    }
 }
 
 /// The history of one hinge in a response.
