@@ -15,6 +15,7 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod capacity;
 mod conserving_midpoint;
 mod contact;
 mod frame;
@@ -37,6 +38,10 @@ mod stepping;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use capacity::{
+    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
+    PushDownPoint, capacity, push_down,
+};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
 pub use frame::Frame;
