@@ -15,6 +15,7 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod buckling;
 mod capacity;
 mod conserving_midpoint;
 mod contact;
@@ -38,6 +39,9 @@ mod stepping;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use buckling::{
+    BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
+};
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
     PushDownPoint, capacity, push_down,
