@@ -16,6 +16,8 @@
 
 mod bar;
 mod bracketing;
+mod buckling;
+mod capacity;
 mod conserving_midpoint;
 mod contact;
 mod frame;
@@ -35,9 +37,17 @@ mod section;
 mod state;
 mod statics;
 mod stepping;
+mod vehicle;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use buckling::{
+    BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
+};
+pub use capacity::{
+    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
+    PushDownPoint, capacity, push_down,
+};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
 pub use frame::Frame;
@@ -47,11 +57,12 @@ pub use ledger::{Energies, Ledger};
 pub use model::{Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
 pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
-pub use report::{End, HingeReport, Outcome, Report};
+pub use report::{End, HingeReport, Outcome, Report, VehicleReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
-pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample};
+pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, begin_impact, step};
+pub use vehicle::{CrushCurve, CrushSpring, MAX_CURVE_POINTS, MAX_MASSES, Vehicle, VehicleError};
 pub use yield_surface::YieldSurface;
