@@ -29,6 +29,8 @@ pub struct Model {
     pub rest: RestState,
     /// Period of the slowest elastic mode about it \[s\].
     pub slowest_period: f64,
+    /// Stiffness of the virgin column against `v1` about it, `beta1` free \[N/m\].
+    pub(crate) transverse_stiffness: f64,
     /// `None` for a column without damping.
     pub(crate) damping: Option<Damping>,
     /// Length of a step \[s\].
@@ -123,6 +125,7 @@ impl Model {
             impact_point_mass,
             rest,
             slowest_period,
+            transverse_stiffness: stiffness,
             damping: (p.damping_ratio > 0.0)
                 .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
             step_secs: p.step_nanos as f64 / NANOS_PER_SECOND,
