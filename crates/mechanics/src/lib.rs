@@ -15,8 +15,10 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod chain;
 mod conserving_midpoint;
 mod contact;
+mod crush;
 mod frame;
 mod geometry;
 mod impact;
@@ -38,8 +40,10 @@ mod vehicle;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};
