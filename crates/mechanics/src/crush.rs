@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::vehicle::{CrushCurve, CrushSpring};
+use super::vehicle::{CrushSpring, Piece};
 
 /// State of one spring of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -19,111 +19,17 @@ pub struct SpringState {
     pub permanent: f64,
 }
 
-/// A straight piece of an envelope.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Piece {
-    /// Crush \[m\] and force \[N\] at its beginning.
-    begin: [f64; 2],
-    /// \[N/m\].
-    slope: f64,
-    /// Crush at its end \[m\].
-    end: f64,
-}
-
-impl Piece {
-    fn force(&self, crush: f64) -> f64 {
-        self.begin[1] + self.slope * (crush - self.begin[0])
-    }
-
-    /// Work from one crush on the piece to another \[J\].
-    fn work(&self, from: f64, to: f64) -> f64 {
-        0.5 * (self.force(from) + self.force(to)) * (to - from)
-    }
-
-    /// Share of a crush along this piece that remains.
-    fn permanent_share(&self, unloading_stiffness: f64) -> f64 {
-        (1.0 - self.slope / unloading_stiffness).max(0.0)
-    }
-}
-
-/// The pieces of an envelope from the origin to infinity.
-#[derive(Clone)]
-struct Pieces<'a> {
-    points: &'a [[f64; 2]],
-    next: usize,
-    begin: [f64; 2],
-}
-
-impl<'a> Pieces<'a> {
-    fn of(curve: &'a CrushCurve) -> Self {
-        Self {
-            points: curve.points(),
-            next: 0,
-            begin: [0.0; 2],
-        }
-    }
-
-    /// The pieces from the one on along which the crush grows beyond `crush`.
-    fn beyond(curve: &'a CrushCurve, crush: f64) -> Self {
-        let points = curve.points();
-        let last = points.len() - 1;
-        let before_last = points[..last].iter();
-        let next = before_last.filter(|point| point[0] <= crush).count();
-        let mut pieces = Self {
-            points,
-            next,
-            begin: if next == 0 {
-                [0.0; 2]
-            } else {
-                points[next - 1]
-            },
-        };
-        if next == last && pieces.clone().next().is_some_and(|it| it.end <= crush) {
-            // The continued last slope has fallen to zero.
-            pieces.next();
-        }
-        pieces
-    }
-}
-
-impl Iterator for Pieces<'_> {
-    type Item = Piece;
-
-    fn next(&mut self) -> Option<Piece> {
-        let begin = self.begin;
-        let Some(&point) = self.points.get(self.next) else {
-            // Behind the crush at which the continued last slope has fallen to zero.
-            self.begin = [f64::INFINITY, 0.0];
-            return begin[0].is_finite().then_some(Piece {
-                begin,
-                slope: 0.0,
-                end: f64::INFINITY,
-            });
-        };
-        let slope = (point[1] - begin[1]) / (point[0] - begin[0]);
-        self.next += 1;
-        let end = if self.next < self.points.len() {
-            point
-        } else if slope < 0.0 {
-            [begin[0] - begin[1] / slope, 0.0]
-        } else {
-            [f64::INFINITY, 0.0]
-        };
-        self.begin = end;
-        Some(Piece {
-            begin,
-            slope,
-            end: end[0],
-        })
-    }
+/// Share of a crush along this piece of the envelope that remains, >= 0.
+fn permanent_share(spring: &CrushSpring, piece: &Piece) -> f64 {
+    1.0 - piece.slope / spring.unloading_stiffness
 }
 
 /// The permanent crush after a largest crush \[m\].
 fn permanent_crush(spring: &CrushSpring, largest: f64) -> f64 {
     let mut permanent = 0.0;
-    for piece in Pieces::of(&spring.envelope) {
+    for piece in spring.envelope.pieces() {
         let end = piece.end.min(largest);
-        permanent += (end - piece.begin[0]) * piece.permanent_share(spring.unloading_stiffness);
+        permanent += (end - piece.begin[0]) * permanent_share(spring, &piece);
         if largest <= piece.end {
             break;
         }
@@ -165,9 +71,9 @@ impl SpringState {
         }
         let mut dissipated = 0.0;
         let mut from = self.largest;
-        for piece in Pieces::beyond(&spring.envelope, from) {
+        for piece in spring.envelope.pieces_beyond(from) {
             let to = piece.end.min(crush);
-            dissipated += piece.work(from, to) * piece.permanent_share(spring.unloading_stiffness);
+            dissipated += piece.work(from, to) * permanent_share(spring, &piece);
             from = to;
             if crush <= piece.end {
                 break;
@@ -201,7 +107,9 @@ pub(crate) struct MeanForce {
 impl<'a> Stretch<'a> {
     pub(crate) fn new(spring: &'a CrushSpring, from: SpringState) -> Self {
         // The pieces go on to infinity.
-        let ahead = Pieces::beyond(&spring.envelope, from.largest)
+        let ahead = spring
+            .envelope
+            .pieces_beyond(from.largest)
             .next()
             .unwrap_or_default();
         Self {
@@ -262,7 +170,7 @@ impl<'a> Stretch<'a> {
         if high > largest {
             // The crush never begins a part above its largest, so that `high` is its end.
             let mut from = low.max(largest);
-            for piece in Pieces::beyond(&self.spring.envelope, from) {
+            for piece in self.spring.envelope.pieces_beyond(from) {
                 let to = piece.end.min(high);
                 work += piece.work(from, to);
                 last_force = piece.force(to);
