@@ -17,15 +17,15 @@ use serde::{Deserialize, Serialize};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
-const MAX_RETURN_ITERATIONS: usize = 120;
+pub(crate) const MAX_RETURN_ITERATIONS: usize = 120;
 
 /// The root search stops at a Newton step of this size, relative to the coordinate: the error after it is of the order of
 /// its square, even where the curvature of the surface is infinite at `N = 0`. (The stress lies on the surface and the
 /// energy balance holds whatever the error is.) A bisection step gives no such bound and goes on to the last bit.
-const RETURN_TOLERANCE: f64 = 1e-9;
+pub(crate) const RETURN_TOLERANCE: f64 = 1e-9;
 
 /// A step of the root search below this is nothing beside any stress.
-const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
+pub(crate) const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -145,11 +145,11 @@ pub struct Bar {
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
     /// `1/K` \[m/N\].
-    axial_flexibility: f64,
+    pub(crate) axial_flexibility: f64,
     /// Inverse of the rotational stiffness, 0 for a hinge that bears no moment \[rad/(N m)\].
-    rotational_flexibility: [[f64; 2]; 2],
+    pub(crate) rotational_flexibility: [[f64; 2]; 2],
     /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
-    flexibility_alone: [f64; 2],
+    pub(crate) flexibility_alone: [f64; 2],
     /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
     return_scale: f64,
 }
@@ -159,72 +159,34 @@ pub struct Bar {
 pub(crate) struct Returned {
     pub forces: BarForces,
     pub flow: PlasticFlow,
-    place: Place,
+    pub place: Place,
 }
 
 /// Where the returned stress lies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Place {
+pub(crate) enum Place {
     /// Inside: no flow.
     #[default]
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
-    /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
+    /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm_k = tangent_moment[k] dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
         active: [bool; 2],
         sign_axial: f64,
         tangent_axial: f64,
-        tangent_moment: f64,
+        tangent_moment: [f64; 2],
         stiffness: f64,
     },
 }
 
-/// The stress of a bar in the course of an iteration.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct BarStress {
-    /// The last stress, and the flow that it took.
-    pub returned: Returned,
-    /// Deformation less the plastic deformation before the flow.
-    strain: BarStrain,
-    tangent: BarTangent,
-    /// Expected normal force \[N\].
-    near: f64,
-}
-
-impl BarStress {
-    /// Begins an iteration in which the normal force `near` \[N\] is expected.
-    pub(crate) fn expect(&mut self, near: f64) {
-        self.near = near;
-        self.tangent = BarTangent::default();
-    }
-
-    /// Returns the stress of a deformation to the yield surface. The last tangent predicts its normal force, which saves
-    /// iterations of the return.
-    pub(crate) fn update(&mut self, bar: &Bar, strain: BarStrain) {
-        let [first, second] = self.tangent.mixed;
-        self.near += self.tangent.axial * (strain.elongation - self.strain.elongation)
-            + first * (strain.rotation[0] - self.strain.rotation[0])
-            + second * (strain.rotation[1] - self.strain.rotation[1]);
-        self.returned = bar.return_stress(bar.elastic(&strain), self.near);
-        self.near = self.returned.forces.normal;
-        self.strain = strain;
-    }
-
-    /// Consistent tangent of the last stress.
-    pub(crate) fn linearise(&mut self, bar: &Bar) -> BarTangent {
-        self.tangent = bar.tangent(&self.returned);
-        self.tangent
-    }
-}
-
-/// Rotations that bring trial moments within a cap, and how much of them a smaller cap would add.
+/// Rotations that bring trial moments within their caps, and how much of them smaller caps would add.
 #[derive(Debug, Clone, Copy)]
-struct CappedMoments {
+pub(crate) struct CappedMoments {
     /// Plastic rotations \[rad\].
-    rotation: [f64; 2],
-    /// `-d(|p_0| + |p_1|)/dm` \[rad/(N m)\].
+    pub rotation: [f64; 2],
+    /// `-d(|p_0| + |p_1|)/dm` where both caps change alike \[rad/(N m)\].
     compliance: f64,
 }
 
@@ -332,7 +294,8 @@ impl Bar {
 
     fn at_vertex(&self, trial: BarForces, sign: f64, axial: f64, cap: f64) -> Returned {
         let surface = &self.surface;
-        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let limits = [cap * surface.resistance_moment; 2];
+        let capped = self.cap_moments(trial.moment, limits);
         let normal = sign * axial * surface.resistance_axial;
         let total = (trial.normal - normal) * self.axial_flexibility;
         let elongation = if axial == 0.0 {
@@ -345,7 +308,7 @@ impl Bar {
             let rest = 0.5 * (total - own[0] - own[1]);
             [own[0] + rest, own[1] + rest]
         };
-        self.returned(trial, normal, cap, capped, elongation, |active| {
+        self.returned(trial, normal, limits, capped, elongation, |active| {
             Place::Vertex { active }
         })
     }
@@ -365,7 +328,8 @@ impl Bar {
             Branch::Axial => (t, point.other),
             Branch::Moment => (point.other, t),
         };
-        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let limits = [cap * surface.resistance_moment; 2];
+        let capped = self.cap_moments(trial.moment, limits);
         let normal = sign * axial * surface.resistance_axial;
         let total = (trial.normal - normal) * self.axial_flexibility;
         let (tangent_axial, tangent_moment, curvature) = match branch {
@@ -384,29 +348,29 @@ impl Bar {
             + tangent_moment * tangent_moment * capped.compliance
             + curvature;
         let elongation = shared(total, &capped);
-        self.returned(trial, normal, cap, capped, elongation, |active| {
+        self.returned(trial, normal, limits, capped, elongation, |active| {
             Place::Curve {
                 active,
                 sign_axial: sign,
                 tangent_axial,
-                tangent_moment,
+                tangent_moment: [tangent_moment; 2],
                 stiffness,
             }
         })
     }
 
-    /// Puts the parts together. Active hinges get the cap itself rather than the trial moment less the flow, so that they
+    /// Puts the parts together. Active hinges get their caps \[N m\] themselves rather than the trial moment less the flow, so that they
     /// lie on the surface to the last bit.
-    fn returned(
+    #[inline(always)]
+    pub(crate) fn returned(
         &self,
         trial: BarForces,
         normal: f64,
-        cap: f64,
+        limits: [f64; 2],
         capped: CappedMoments,
         elongation: [f64; 2],
         place: impl Fn([bool; 2]) -> Place,
     ) -> Returned {
-        let limit = cap * self.surface.resistance_moment;
         let [p, q] = capped.rotation;
         let c = &self.rotational;
         let elastic = [
@@ -416,9 +380,9 @@ impl Bar {
         let active = [p != 0.0, q != 0.0];
         let moment = [0, 1].map(|k| {
             if active[k] {
-                limit.copysign(capped.rotation[k])
+                limits[k].copysign(capped.rotation[k])
             } else {
-                elastic[k].clamp(-limit, limit)
+                elastic[k].clamp(-limits[k], limits[k])
             }
         });
         Returned {
@@ -431,13 +395,13 @@ impl Bar {
         }
     }
 
-    /// The plastic rotations that bring `trial` moments within `[-cap, cap]` with the least complementary energy:
-    /// `min 1/2 p' C p - trial' p + cap (|p_0| + |p_1|)`, solved by cases.
+    /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
+    /// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases.
     #[inline]
-    fn cap_moments(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
+    pub(crate) fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
         let c = &self.rotational;
         let flexibility = self.flexibility_alone;
-        let excess = trial.map(|m| m.abs() - cap);
+        let excess = [trial[0].abs() - caps[0], trial[1].abs() - caps[1]];
         let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
         if excess[0] <= 0.0 && excess[1] <= 0.0 {
             return CappedMoments {
@@ -455,7 +419,7 @@ impl Bar {
         }
         for k in 0..2 {
             let p = alone(k);
-            if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= cap {
+            if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= caps[1 - k] {
                 let mut rotation = [0.0; 2];
                 rotation[k] = p;
                 return CappedMoments {
@@ -464,11 +428,11 @@ impl Bar {
                 };
             }
         }
-        self.cap_both(trial, cap)
+        self.cap_both(trial, caps)
     }
 
     /// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
-    fn cap_both(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
+    fn cap_both(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
         let c = &self.rotational;
         let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
         let mut best = CappedMoments {
@@ -477,7 +441,10 @@ impl Bar {
         };
         let mut best_agreement = f64::NEG_INFINITY;
         for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
-            let right = [trial[0] - signs[0] * cap, trial[1] - signs[1] * cap];
+            let right = [
+                trial[0] - signs[0] * caps[0],
+                trial[1] - signs[1] * caps[1],
+            ];
             let rotation = [
                 (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
                 (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
@@ -496,13 +463,13 @@ impl Bar {
     }
 
     /// `-dm/dn` of the quarter curve at its tip `n = 1`, where that is finite; elsewhere no hinge rotates there.
-    fn tip_slope(&self) -> f64 {
+    pub(crate) fn tip_slope(&self) -> f64 {
         let inverse = self.surface.point(Branch::Moment, 0.0).slope;
         if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
     }
 
     /// Consistent tangent of the returned stress.
-    fn tangent(&self, returned: &Returned) -> BarTangent {
+    pub(crate) fn tangent(&self, returned: &Returned) -> BarTangent {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
@@ -515,15 +482,16 @@ impl Bar {
             } => {
                 let c = &self.rotational;
                 let sign = returned.flow.rotation.map(f64::signum);
-                let along = match active {
-                    [true, true] => [sign[0], sign[1]],
-                    [true, false] => [sign[0], sign[0] * c[0][1] * self.flexibility_alone[0]],
-                    [false, true] => [sign[1] * c[0][1] * self.flexibility_alone[1], sign[1]],
+                let [first, second] = tangent_moment;
+                let carried = |k: usize| sign[k] * c[0][1] * self.flexibility_alone[k];
+                let m = match active {
+                    [true, true] => [first * sign[0], second * sign[1]],
+                    [true, false] => [first * sign[0], first * carried(0)],
+                    [false, true] => [second * carried(1), second * sign[1]],
                     [false, false] => [0.0, 0.0],
                 };
                 let per_stiffness = 1.0 / stiffness;
                 let w = sign_axial * tangent_axial;
-                let m = along.map(|along| tangent_moment * along);
                 let scaled = m.map(|m| m * per_stiffness);
                 let mut tangent = self.frozen_tangent(active);
                 tangent.axial = w * w * per_stiffness;
@@ -596,9 +564,8 @@ impl Search<'_> {
         let scale = self.bar.return_scale;
         match branch {
             Branch::Axial => {
-                let capped = self
-                    .bar
-                    .cap_moments(self.moments, point.other * surface.resistance_moment);
+                let cap = point.other * surface.resistance_moment;
+                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
                 let value = t - self.trial + scale * capped.sum() * point.slope;
                 let compliance = capped.compliance * surface.resistance_moment;
                 let slope = 1.0
@@ -606,9 +573,8 @@ impl Search<'_> {
                 (value, slope)
             }
             Branch::Moment => {
-                let capped = self
-                    .bar
-                    .cap_moments(self.moments, t * surface.resistance_moment);
+                let cap = t * surface.resistance_moment;
+                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
                 let short = self.trial - point.other;
                 let value = short * point.slope - scale * capped.sum();
                 let compliance = capped.compliance * surface.resistance_moment;
