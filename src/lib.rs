@@ -6,7 +6,7 @@
 //!
 //! // The default column: HEB 220 in S355.
 //! let column = Parameters::default().column_properties();
-//! let car = Impact { mass: 1500.0, velocity: 10.0, gap: 0.0, restitution: 0.0 };
+//! let car = Impact::rigid(1500.0, 10.0);
 //! let report = simulate(&column, &car, 2.0, &mut |_| {})?;
 //! assert!(report.max_v1 > 0.1 && report.residual_v1.is_some());
 //! # Ok::<(), column_twin::column::SimulationError>(())

@@ -172,5 +172,6 @@ fn report(samples: &[Sample], summary: &serde_json::Value) -> Report {
         ledger_residual: 5e-9,
         steps: 100_000,
         hinges,
+        vehicle: Default::default(),
     }
 }

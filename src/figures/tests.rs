@@ -235,6 +235,7 @@ fn nothing_happened() -> Report {
         ledger_residual: 0.0,
         steps: 0,
         hinges: [HingeReport::default(); HINGES],
+        vehicle: Default::default(),
     }
 }
 

@@ -223,7 +223,14 @@ impl Parameters {
     /// The default impact, for what an impact event leaves open.
     #[must_use]
     pub fn impact(&self) -> Impact {
-        self.settings.impact
+        let given = &self.settings.impact;
+        Impact {
+            mass: given.mass,
+            velocity: given.velocity,
+            gap: given.gap,
+            restitution: given.restitution,
+            vehicle: None,
+        }
     }
 
     /// Maximum duration of a response \[s\].

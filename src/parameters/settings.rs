@@ -6,7 +6,7 @@ use serde_json::{Map, Value as Json};
 use super::parameter::Parameter;
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
-use crate::column::{ElasticLaw, Impact, Scheme};
+use crate::column::{ElasticLaw, Scheme};
 
 /// Every parameter by its name in the [table](super::PARAMETERS), which also gives units and meaning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct Settings {
     pub support: SupportSettings,
     pub top: TopSettings,
     /// Default impact, for what an impact event leaves open.
-    pub impact: Impact,
+    pub impact: ImpactSettings,
     pub event: EventSettings,
     pub solver: SolverSettings,
     pub damping: DampingSettings,
@@ -66,6 +66,8 @@ groups! {
     SupportSettings { base: SupportKind, base_stiffness: f64, top: SupportKind, top_stiffness: f64 }
     /// The structure above the column.
     TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
+    /// The default impact.
+    ImpactSettings { mass: f64, velocity: f64, gap: f64, restitution: f64 }
     /// Admissible stamps of impact events.
     EventSettings { max_age: f64, max_ahead: f64 }
     /// Time stepping.

@@ -63,7 +63,10 @@ impl ColumnSnapshot {
     /// # Errors
     /// All numbers that are not finite or out of range.
     pub(super) fn complete(&self, specification: &ImpactSpecification) -> Result<Impact, Refusal> {
-        let impact = specification.complete(&self.parameters.impact());
+        let defaults = self.parameters.impact();
+        let impact = specification
+            .complete(&defaults, defaults.vehicle)
+            .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error.to_string()))?;
         let faults: Vec<_> = [
             fault_of("mass", "impact.mass", impact.mass),
             fault_of("velocity", "impact.velocity", impact.velocity),

@@ -167,6 +167,7 @@ mod tests {
             velocity: 10.0,
             gap: 0.005,
             restitution: 0.0,
+            vehicle: None,
         };
         let mut samples = Vec::new();
         let column = Parameters::default().column_properties();

@@ -178,6 +178,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         damping_work: state.damping_work,
         load_work: state.load_work,
         ledger_residual: state.ledger_residual,
+        vehicle: Default::default(),
         hinges: std::array::from_fn(hinge),
     }
 }
@@ -195,6 +196,7 @@ mod tests {
             velocity: 10.0,
             gap: 0.01,
             restitution: 0.0,
+            vehicle: None,
         };
         let mut samples = Vec::new();
         let column = Parameters::default().column_properties();

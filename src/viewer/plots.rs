@@ -281,6 +281,7 @@ mod tests {
         velocity: 10.0,
         gap: 0.0,
         restitution: 0.0,
+        vehicle: None,
     };
 
     fn samples() -> Vec<Sample> {

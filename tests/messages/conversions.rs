@@ -157,6 +157,7 @@ fn report() -> Report {
             plastic_rotation: 50.0 + index as f64,
             plastic_elongation: 60.0 + index as f64,
         }),
+        vehicle: Default::default(),
     }
 }
 

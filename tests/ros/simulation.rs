@@ -21,6 +21,7 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
         velocity,
         gap: 0.0,
         restitution: 0.0,
+        vehicle: None,
     };
     let properties = parameters.column_properties();
     let mut steps: Vec<Sample> = Vec::new();

@@ -8,7 +8,10 @@ use crate::{Bench, MS, START, event, light, parameters};
 
 /// The result of `column-twin simulate`: every step, and the report.
 fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Report) {
-    let impact = event.impact.complete(&parameters.impact());
+    let impact = event
+        .impact
+        .complete(&parameters.impact(), None)
+        .expect("an impact");
     let mut samples = Vec::new();
     let properties = parameters.column_properties();
     let report = simulate(

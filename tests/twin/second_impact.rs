@@ -12,6 +12,7 @@ const IMPACT: Impact = Impact {
     velocity: 10.0,
     gap: 0.0,
     restitution: 0.0,
+    vehicle: None,
 };
 
 /// Computes two impacts with the mechanics alone, the second after `first_steps`: the plastic work of the first, and the

@@ -18,6 +18,7 @@ fn impact() -> (Vec<Sample>, Report) {
         velocity: 10.0,
         gap: 0.0,
         restitution: 0.0,
+        vehicle: None,
     };
     let mut samples = Vec::new();
     let column = Parameters::default().column_properties();

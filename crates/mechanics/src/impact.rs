@@ -3,15 +3,18 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::vehicle::{Vehicle, VehicleError};
+
 /// The specification of an impact, as an event, a command line or a what-if gives it.
 ///
-/// Mass and velocity are always given. [`ImpactSpecification::complete`] takes the gap and the restitution that are
-/// left open from the defaults of the column. The height belongs to the column model, because it divides the column into
+/// The velocity is always given, and the mass unless a compliant vehicle has one of its own.
+/// [`ImpactSpecification::complete`] takes the gap and the restitution that are left open from the defaults of the column,
+/// and the vehicle that strikes. The height belongs to the column model, because it divides the column into
 /// the two bars; `None` keeps the height of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactSpecification {
-    /// `m_c`: mass of the vehicle \[kg\], > 0.
+    /// `m_c`: total mass of the vehicle \[kg\], > 0; 0 or NaN is the own mass of a compliant vehicle.
     pub mass: f64,
     /// Speed of the vehicle towards the column, over the ground \[m/s\], > 0.
     pub velocity: f64,
@@ -27,21 +30,33 @@ pub struct ImpactSpecification {
 }
 
 impl ImpactSpecification {
-    /// The impact with the open gap and restitution taken from `defaults`, whose mass and velocity do not count.
-    /// The height does not enter: it belongs to the column model.
-    #[must_use]
-    pub fn complete(&self, defaults: &Impact) -> Impact {
-        Impact {
-            mass: self.mass,
+    /// The impact of `vehicle` (`None`: a rigid mass) with the open gap and restitution taken from `defaults`, of which
+    /// nothing else counts. The height does not enter: it belongs to the column model.
+    ///
+    /// # Errors
+    /// A mass that leaves nothing for the rearmost mass of the vehicle.
+    pub fn complete(
+        &self,
+        defaults: &Impact,
+        vehicle: Option<Vehicle>,
+    ) -> Result<Impact, VehicleError> {
+        let is_open = self.mass == 0.0 || self.mass.is_nan();
+        let mass = match vehicle {
+            Some(vehicle) if is_open => vehicle.total_mass(),
+            _ => self.mass,
+        };
+        Ok(Impact {
+            mass,
             velocity: self.velocity,
             gap: self.gap.unwrap_or(defaults.gap),
             restitution: self.restitution.unwrap_or(defaults.restitution),
-        }
+            vehicle: vehicle.map(|it| it.with_total_mass(mass)).transpose()?,
+        })
     }
 }
 
 impl From<Impact> for ImpactSpecification {
-    /// A specification that leaves nothing open but the height.
+    /// A specification that leaves nothing open but the height; the vehicle is no part of it.
     fn from(impact: Impact) -> Self {
         Self {
             mass: impact.mass,
@@ -53,20 +68,27 @@ impl From<Impact> for ImpactSpecification {
     }
 }
 
-/// A completed impact: a rigid mass `m_c` that moves towards the impact point.
+/// A completed impact: a rigid mass `m_c` or a compliant vehicle that moves towards the impact point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Impact {
-    /// `m_c`: mass of the vehicle \[kg\], > 0.
+    /// `m_c`: total mass of the vehicle \[kg\], > 0.
     pub mass: f64,
     /// Speed of the vehicle towards the column, over the ground; the closing speed on a column at rest
     /// \[m/s\], > 0.
     pub velocity: f64,
     /// Distance to the impact point at time 0 \[m\], >= 0.
     pub gap: f64,
-    /// `epsilon` of Newton's law (Eq 36), from 0 (perfectly inelastic) to 1 (elastic).
+    /// `epsilon` of Newton's law (Eq 36), from 0 (perfectly inelastic) to 1 (elastic); without effect for a compliant
+    /// vehicle, which strikes without a percussion.
     pub restitution: f64,
+    /// The compliant vehicle, whose masses add up to `mass`; `None` is the paper's rigid mass.
+    #[serde(default)]
+    pub vehicle: Option<Vehicle>,
 }
+
+/// Relative difference by which the mass of an impact may differ from the sum of the masses of its vehicle: round-off.
+const MASS_TOLERANCE: f64 = 1e-12;
 
 /// Why an impact is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -81,7 +103,19 @@ pub struct ImpactError {
 }
 
 impl Impact {
-    /// Checks the four numbers.
+    /// The impact of a rigid mass \[kg\] with this velocity \[m/s\], without a gap and perfectly inelastic.
+    #[must_use]
+    pub fn rigid(mass: f64, velocity: f64) -> Self {
+        Self {
+            mass,
+            velocity,
+            gap: 0.0,
+            restitution: 0.0,
+            vehicle: None,
+        }
+    }
+
+    /// Checks the numbers.
     ///
     /// # Errors
     /// The first number that is NaN, infinite or out of range.
@@ -116,6 +150,15 @@ impl Impact {
                 });
             }
         }
+        if let Some(vehicle) = &self.vehicle
+            && (self.mass - vehicle.total_mass()).abs() > MASS_TOLERANCE * self.mass
+        {
+            return Err(ImpactError {
+                name: "mass [kg]",
+                found: self.mass,
+                expected: "the sum of the masses of its vehicle",
+            });
+        }
         Ok(())
     }
 
@@ -136,6 +179,7 @@ mod tests {
             velocity: 2.0,
             gap: 0.3,
             restitution: 0.4,
+            vehicle: None,
         };
         let open = ImpactSpecification {
             mass: 1500.0,
@@ -144,13 +188,13 @@ mod tests {
             restitution: None,
             height: Some(1.2),
         };
-        let completed = open.complete(&defaults);
+        let completed = open.complete(&defaults, None);
         let expected = Impact {
             mass: 1500.0,
             velocity: 10.0,
             ..defaults
         };
-        assert_eq!(completed, expected);
+        assert_eq!(completed, Ok(expected));
         let given = ImpactSpecification {
             gap: Some(0.0),
             restitution: Some(0.0),
@@ -161,10 +205,10 @@ mod tests {
             restitution: 0.0,
             ..expected
         };
-        assert_eq!(given.complete(&defaults), expected);
+        assert_eq!(given.complete(&defaults, None), Ok(expected));
         assert_eq!(
-            ImpactSpecification::from(expected).complete(&defaults),
-            expected
+            ImpactSpecification::from(expected).complete(&defaults, None),
+            Ok(expected)
         );
     }
 }

@@ -1,6 +1,9 @@
-//! Energy balance: kinetic + elastic + plastic work + impact loss + damping work - P u2 is constant.
+//! Energy balance: kinetic + elastic (column and vehicle) + plastic work + impact loss + damping work + crush of the
+//! vehicle - P u2 is constant.
 
 use serde::{Deserialize, Serialize};
+
+use super::vehicle::MAX_MASSES;
 
 /// Energy dissipated since the event, and the constant of the balance \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -11,6 +14,8 @@ pub struct Ledger {
     pub impact_loss: f64,
     /// Done against damping.
     pub damping_work: f64,
+    /// Dissipated in each spring of a compliant vehicle, front first.
+    pub vehicle_dissipated: [f64; MAX_MASSES],
     /// Kinetic energy of the impactor at the event.
     pub input: f64,
     /// Elastic energy at the event.
@@ -30,6 +35,8 @@ pub struct Energies {
     pub impactor_kinetic: f64,
     /// Elastic energy of the hinges and of the top spring.
     pub elastic: f64,
+    /// Elastic energy of the springs of a compliant vehicle.
+    pub vehicle_elastic: f64,
     /// `P u2`.
     pub load_work: f64,
 }
@@ -37,7 +44,8 @@ pub struct Energies {
 impl Energies {
     /// Kinetic + elastic - load work \[J\].
     pub fn mechanical(&self) -> f64 {
-        self.column_kinetic + self.impactor_kinetic + self.elastic - self.load_work
+        self.column_kinetic + self.impactor_kinetic + self.elastic + self.vehicle_elastic
+            - self.load_work
     }
 }
 
@@ -55,7 +63,8 @@ impl Ledger {
 
     /// The error of the balance \[J\].
     pub fn residual(&self, energies: &Energies) -> f64 {
-        energies.mechanical() + self.plastic_work + self.impact_loss + self.damping_work
+        let crushed: f64 = self.vehicle_dissipated.iter().sum();
+        energies.mechanical() + self.plastic_work + self.impact_loss + self.damping_work + crushed
             - self.initial_total
     }
 }

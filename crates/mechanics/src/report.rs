@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sample::HINGES;
+use super::vehicle::MAX_MASSES;
 
 /// How a response ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -94,6 +95,25 @@ pub struct Report {
     pub steps: u64,
     /// The hinges.
     pub hinges: [HingeReport; HINGES],
+    /// The compliant vehicle; its default for a rigid one.
+    pub vehicle: VehicleReport,
+}
+
+/// What became of a compliant vehicle: arrays over its masses and the springs in front of them, front first.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct VehicleReport {
+    /// Number of masses; 0 for a rigid vehicle.
+    pub masses: usize,
+    /// Largest crush of each spring \[m\], >= 0.
+    pub max_crush: [f64; MAX_MASSES],
+    /// Permanent crush of each spring \[m\], >= 0.
+    pub permanent_crush: [f64; MAX_MASSES],
+    /// Energy dissipated in each spring \[J\], >= 0.
+    pub dissipated: [f64; MAX_MASSES],
+    /// Velocity of each mass at the end \[m/s\].
+    pub velocity: [f64; MAX_MASSES],
+    /// Elastic energy stored in all springs at the end \[J\], >= 0.
+    pub elastic_energy: f64,
 }
 
 /// The history of one hinge in a response.

@@ -10,7 +10,7 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::ColumnProperties;
-use super::report::{End, HingeReport, Outcome, Report};
+use super::report::{End, HingeReport, Outcome, Report, VehicleReport};
 use super::sample::{HINGES, Sample};
 use super::state::{State, Velocity};
 use super::statics;
@@ -331,6 +331,7 @@ impl Response {
             ledger_residual: self.worst_residual / ledger.input,
             steps: state.step,
             hinges,
+            vehicle: VehicleReport::default(),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::vehicle::MAX_MASSES;
+
 /// Number of generalised hinges; every array over hinges is in the order of [`HINGE_NAMES`].
 pub const HINGES: usize = 4;
 
@@ -84,8 +86,29 @@ pub struct Sample {
     pub load_work: f64,
     /// Error of the energy balance \[J\].
     pub ledger_residual: f64,
+    /// The compliant vehicle; its default for a rigid one or none.
+    pub vehicle: VehicleSample,
     /// The hinges.
     pub hinges: [HingeSample; HINGES],
+}
+
+/// A compliant vehicle at one instant: arrays over its masses and the springs in front of them, front first.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct VehicleSample {
+    /// Number of masses; 0 for a rigid vehicle or none.
+    pub masses: usize,
+    /// Velocity of each mass \[m/s\].
+    pub velocity: [f64; MAX_MASSES],
+    /// Crush of each spring \[m\]; negative where it is open.
+    pub crush: [f64; MAX_MASSES],
+    /// Permanent crush of each spring \[m\].
+    pub permanent_crush: [f64; MAX_MASSES],
+    /// Force of each spring \[N\], >= 0.
+    pub force: [f64; MAX_MASSES],
+    /// Energy dissipated in each spring since the event \[J\].
+    pub dissipated: [f64; MAX_MASSES],
+    /// Elastic energy stored in all springs \[J\].
+    pub elastic_energy: f64,
 }
 
 /// One hinge at one instant.

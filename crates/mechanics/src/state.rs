@@ -8,7 +8,7 @@ use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
-use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample};
+use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -213,6 +213,7 @@ impl State {
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
+            vehicle_elastic: 0.0,
             load_work: model.properties.top_load * u2,
         }
     }
@@ -336,6 +337,7 @@ impl State {
             damping_work: self.ledger.damping_work,
             load_work: energies.load_work,
             ledger_residual: self.ledger.residual(&energies),
+            vehicle: VehicleSample::default(),
             hinges: self.hinges(model),
         }
     }

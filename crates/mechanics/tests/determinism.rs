@@ -70,6 +70,9 @@ const GOLDEN: [[u64; 2]; 3] = [
     [0xb422_c297_8ef3_8c73, 0x0384_fb83_308b_97fc],
 ];
 
+/// Fields that the report has gained since the digests were taken; they are no results of these rigid impacts.
+const ADDED_FIELDS: [&str; 2] = ["vehicle", "max_dynamic_factor"];
+
 /// Digest of every step of a response and of its report.
 fn digest(changes: &[&str]) -> u64 {
     let (properties, impact) = example(changes);
@@ -82,9 +85,11 @@ fn digest(changes: &[&str]) -> u64 {
         let progress = response.advance(&model, &mut state, 1).expect("a step");
         add(state.hash());
         if let Progress::Over(end) = progress {
-            bits(&response.report(&model, &state, end))
-                .into_iter()
-                .for_each(add);
+            let mut report =
+                serde_json::to_value(response.report(&model, &state, end)).expect("plain data");
+            let fields = report.as_object_mut().expect("an object");
+            fields.retain(|name, _| !ADDED_FIELDS.contains(&name.as_str()));
+            bits(&report).into_iter().for_each(add);
             return digest;
         }
     }

@@ -105,6 +105,7 @@ mod tests {
             velocity: 10.0,
             gap: 0.0,
             restitution: 0.0,
+            vehicle: None,
         };
         let struck = Plant::virgin(&properties)
             .expect("stands")

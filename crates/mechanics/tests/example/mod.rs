@@ -34,6 +34,7 @@ pub fn paper() -> (ColumnProperties, Impact) {
         velocity: 10.0,
         gap: 0.0,
         restitution: 0.0,
+        vehicle: None,
     };
     (properties, impact)
 }

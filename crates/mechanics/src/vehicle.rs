@@ -1,0 +1,597 @@
+//! A compliant vehicle: a chain of masses with crushable springs in front of them.
+//!
+//! Spring 1 lies between a massless contact face and the front mass, spring `i >= 2` between mass `i - 1` and mass `i`.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Most masses of a vehicle, each with the spring in front of it.
+pub const MAX_MASSES: usize = 3;
+
+/// Most points of a force-crush curve, the origin not counted.
+pub const MAX_CURVE_POINTS: usize = 24;
+
+/// Crush up to which a narrow object meets only half of the force that the full width of a front gives, and crush from
+/// which it meets all of it, because it has reached the engine \[m\] (an assumption that the centre strip of the load-cell
+/// wall of NHTSA test 10146 supports).
+const NARROW_RAMP: [f64; 2] = [0.40, 0.55];
+
+/// Share of the force of the full width that a narrow object meets at first.
+const NARROW_SHARE: f64 = 0.5;
+
+/// Pieces into which the ramp from [`NARROW_SHARE`] to 1 is divided, where the product of both is a parabola.
+const NARROW_PIECES: usize = 6;
+
+/// Relative tolerance by which the unloading stiffness may fall short of the steepest slope: the round-off of a slope that
+/// was computed from two points.
+const SLOPE_TOLERANCE: f64 = 1e-9;
+
+/// The envelope of the force of a spring over its crush: piecewise linear from (0, 0) through its points, the last slope
+/// continued, but never below zero.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CurveParts")]
+pub struct CrushCurve {
+    /// Crush \[m\] and force \[N\]; the first `count` count.
+    points: [[f64; 2]; MAX_CURVE_POINTS],
+    count: usize,
+}
+
+/// One spring of a vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CrushSpring {
+    /// Envelope of the force over the crush.
+    pub envelope: CrushCurve,
+    /// `k_u`: stiffness of unloading and reloading \[N/m\], at least the steepest slope of the envelope.
+    pub unloading_stiffness: f64,
+    /// Distance that closes before the spring acts \[m\], >= 0; 0 for spring 1.
+    pub slack: f64,
+}
+
+/// A chain of one to three masses, front first, with one spring in front of each.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "VehicleParts")]
+pub struct Vehicle {
+    masses: [f64; MAX_MASSES],
+    springs: [CrushSpring; MAX_MASSES],
+    count: usize,
+}
+
+/// Why some numbers do not make a vehicle.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum VehicleError {
+    /// Too few or too many masses.
+    #[error("the vehicle has {found} masses; expected 1 to {MAX_MASSES}, front first")]
+    Masses {
+        /// How many.
+        found: usize,
+    },
+    /// A mass that is not a finite number > 0.
+    #[error("mass {number} of the vehicle is {found} kg; expected a finite number > 0")]
+    Mass {
+        /// Its number, from 1 at the front.
+        number: usize,
+        /// Its value \[kg\].
+        found: f64,
+    },
+    /// Not one spring for each mass.
+    #[error(
+        "the vehicle has {masses} masses and {springs} springs; expected one spring in front of each mass"
+    )]
+    Springs {
+        /// How many masses.
+        masses: usize,
+        /// How many springs.
+        springs: usize,
+    },
+    /// Too few or too many points.
+    #[error(
+        "a force-crush curve has {found} points; expected 1 to {MAX_CURVE_POINTS} after (0, 0)"
+    )]
+    Points {
+        /// How many.
+        found: usize,
+    },
+    /// Crush that does not increase.
+    #[error(
+        "point {number} of a force-crush curve has a crush of {found} m after {before} m; \
+         expected finite values that increase from 0"
+    )]
+    CrushNotIncreasing {
+        /// Its number, from 1.
+        number: usize,
+        /// Its crush \[m\].
+        found: f64,
+        /// The crush of the point before \[m\].
+        before: f64,
+    },
+    /// A negative force.
+    #[error(
+        "point {number} of a force-crush curve has a force of {found} N; expected a finite number >= 0"
+    )]
+    ForceNegative {
+        /// Its number, from 1.
+        number: usize,
+        /// Its force \[N\].
+        found: f64,
+    },
+    /// A front that gives no force at all.
+    #[error("a force-crush curve has no force > 0; a spring needs at least one")]
+    NoForce,
+    /// Unloading that is softer than loading.
+    #[error(
+        "the unloading stiffness of spring {spring} is {found:.6e} N/m; \
+         expected at least the steepest slope of its force-crush curve, {steepest:.6e} N/m"
+    )]
+    UnloadingTooSoft {
+        /// Number of the spring, from 1.
+        spring: usize,
+        /// Its unloading stiffness \[N/m\].
+        found: f64,
+        /// Steepest slope of its envelope \[N/m\].
+        steepest: f64,
+    },
+    /// A slack that is negative, or in front of the first mass.
+    #[error(
+        "the slack of spring {spring} is {found} m; expected a finite number >= 0, and 0 for spring 1"
+    )]
+    Slack {
+        /// Number of the spring, from 1.
+        spring: usize,
+        /// Its slack \[m\].
+        found: f64,
+    },
+    /// A total mass that leaves nothing for the rearmost mass.
+    #[error(
+        "the vehicle weighs {total} kg in total, but its front masses alone weigh {front} kg; \
+         expected a total above that"
+    )]
+    LighterThanFront {
+        /// The total \[kg\].
+        total: f64,
+        /// All masses but the rearmost \[kg\].
+        front: f64,
+    },
+    /// A factor of the force that is not a finite number > 0.
+    #[error("the factor of the vehicle's crush force is {found}; expected a finite number > 0")]
+    ForceFactor {
+        /// Its value.
+        found: f64,
+    },
+}
+
+impl CrushCurve {
+    /// The curve through `points`, crush \[m\] and force \[N\], after the origin.
+    ///
+    /// # Errors
+    /// No points or more than [`MAX_CURVE_POINTS`], crush that does not increase from 0, a negative force, no force at all.
+    pub fn new(points: &[[f64; 2]]) -> Result<Self, VehicleError> {
+        if points.is_empty() || points.len() > MAX_CURVE_POINTS {
+            return Err(VehicleError::Points {
+                found: points.len(),
+            });
+        }
+        let mut before = 0.0;
+        for (index, &[crush, force]) in points.iter().enumerate() {
+            let number = index + 1;
+            if !(crush.is_finite() && crush > before) {
+                return Err(VehicleError::CrushNotIncreasing {
+                    number,
+                    found: crush,
+                    before,
+                });
+            }
+            if !(force.is_finite() && force >= 0.0) {
+                return Err(VehicleError::ForceNegative {
+                    number,
+                    found: force,
+                });
+            }
+            before = crush;
+        }
+        if points.iter().all(|point| point[1] == 0.0) {
+            return Err(VehicleError::NoForce);
+        }
+        let mut curve = Self {
+            points: [[0.0; 2]; MAX_CURVE_POINTS],
+            count: points.len(),
+        };
+        curve.points[..points.len()].copy_from_slice(points);
+        Ok(curve)
+    }
+
+    /// The points after the origin: crush \[m\], force \[N\].
+    #[must_use]
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points[..self.count]
+    }
+
+    /// The force at a crush \[N\]; 0 for a crush <= 0.
+    #[must_use]
+    pub fn force(&self, crush: f64) -> f64 {
+        if crush <= 0.0 {
+            return 0.0;
+        }
+        let mut start = [0.0; 2];
+        let mut slope = 0.0;
+        for &end in self.points() {
+            slope = (end[1] - start[1]) / (end[0] - start[0]);
+            if crush <= end[0] {
+                return start[1] + slope * (crush - start[0]);
+            }
+            start = end;
+        }
+        (start[1] + slope * (crush - start[0])).max(0.0)
+    }
+
+    /// The largest force up to a crush \[N\].
+    #[must_use]
+    pub fn largest_force_up_to(&self, crush: f64) -> f64 {
+        let passed = self.points().iter().filter(|point| point[0] <= crush);
+        passed
+            .map(|point| point[1])
+            .fold(self.force(crush), f64::max)
+    }
+
+    /// The steepest slope \[N/m\].
+    #[must_use]
+    pub fn steepest_slope(&self) -> f64 {
+        let mut start = [0.0; 2];
+        let mut steepest = 0.0_f64;
+        for &end in self.points() {
+            steepest = steepest.max((end[1] - start[1]) / (end[0] - start[0]));
+            start = end;
+        }
+        steepest
+    }
+
+    /// The curve with all forces times `factor`.
+    fn scaled(mut self, factor: f64) -> Self {
+        for point in &mut self.points[..self.count] {
+            point[1] *= factor;
+        }
+        self
+    }
+
+    /// The curve that a narrow object meets: a share of the force until it reaches the engine.
+    ///
+    /// # Errors
+    /// Too many points.
+    fn against_narrow_object(&self) -> Result<Self, VehicleError> {
+        let [begin, end] = NARROW_RAMP;
+        let share = |crush: f64| {
+            let along = ((crush - begin) / (end - begin)).clamp(0.0, 1.0);
+            NARROW_SHARE + (1.0 - NARROW_SHARE) * along
+        };
+        let mut crushes = [0.0; MAX_CURVE_POINTS + NARROW_PIECES + 2];
+        let mut count = 0;
+        let ramp = (0..=NARROW_PIECES)
+            .map(|k: usize| begin + (end - begin) * k as f64 / NARROW_PIECES as f64)
+            .filter(|&crush| self.points().iter().all(|point| point[0] != crush));
+        // The last slope continues, so that the end of the curve must lie behind the ramp.
+        let last = self.points()[self.count - 1][0];
+        let behind = (last <= end).then_some(end + (end - begin));
+        for crush in self
+            .points()
+            .iter()
+            .map(|point| point[0])
+            .chain(ramp)
+            .chain(behind)
+        {
+            crushes[count] = crush;
+            count += 1;
+        }
+        let crushes = &mut crushes[..count];
+        crushes.sort_by(f64::total_cmp);
+        let mut points = [[0.0; 2]; MAX_CURVE_POINTS + NARROW_PIECES + 2];
+        for (point, &mut crush) in points.iter_mut().zip(crushes) {
+            *point = [crush, share(crush) * self.force(crush)];
+        }
+        Self::new(&points[..count])
+    }
+}
+
+impl Vehicle {
+    /// A vehicle of `masses` \[kg\], front first, with one spring in front of each.
+    ///
+    /// # Errors
+    /// Numbers that do not make a vehicle; see [`VehicleError`].
+    pub fn new(masses: &[f64], springs: &[CrushSpring]) -> Result<Self, VehicleError> {
+        let count = masses.len();
+        if count == 0 || count > MAX_MASSES {
+            return Err(VehicleError::Masses { found: count });
+        }
+        if springs.len() != count {
+            return Err(VehicleError::Springs {
+                masses: count,
+                springs: springs.len(),
+            });
+        }
+        for (index, &mass) in masses.iter().enumerate() {
+            if !(mass.is_finite() && mass > 0.0) {
+                return Err(VehicleError::Mass {
+                    number: index + 1,
+                    found: mass,
+                });
+            }
+        }
+        for (index, spring) in springs.iter().enumerate() {
+            spring.check(index + 1)?;
+        }
+        let mut vehicle = Self {
+            masses: [0.0; MAX_MASSES],
+            springs: [springs[0]; MAX_MASSES],
+            count,
+        };
+        vehicle.masses[..count].copy_from_slice(masses);
+        vehicle.springs[..count].copy_from_slice(springs);
+        Ok(vehicle)
+    }
+
+    /// The masses, front first \[kg\].
+    #[must_use]
+    pub fn masses(&self) -> &[f64] {
+        &self.masses[..self.count]
+    }
+
+    /// The springs, each in front of the mass of the same index.
+    #[must_use]
+    pub fn springs(&self) -> &[CrushSpring] {
+        &self.springs[..self.count]
+    }
+
+    /// The total mass \[kg\].
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        self.masses().iter().sum()
+    }
+
+    /// The vehicle with another total mass \[kg\]: the rearmost mass takes the difference.
+    ///
+    /// # Errors
+    /// A total that is not above the sum of the other masses.
+    pub fn with_total_mass(mut self, total: f64) -> Result<Self, VehicleError> {
+        let rear = self.count - 1;
+        let front: f64 = self.masses[..rear].iter().sum();
+        if !(total.is_finite() && total > front) {
+            return Err(VehicleError::LighterThanFront { total, front });
+        }
+        // A total that is the vehicle's own leaves its masses as they are, to the last bit.
+        if total != self.total_mass() {
+            self.masses[rear] = total - front;
+        }
+        Ok(self)
+    }
+
+    /// The vehicle with all forces of its front spring times `factor`; its unloading stiffness scales with them.
+    ///
+    /// # Errors
+    /// A factor that is not a finite number > 0.
+    pub fn with_force_factor(mut self, factor: f64) -> Result<Self, VehicleError> {
+        if !(factor.is_finite() && factor > 0.0) {
+            return Err(VehicleError::ForceFactor { found: factor });
+        }
+        if factor != 1.0 {
+            let front = &mut self.springs[0];
+            front.envelope = front.envelope.scaled(factor);
+            front.unloading_stiffness *= factor;
+        }
+        Ok(self)
+    }
+
+    /// The vehicle whose front meets an object that is narrow beside it, as a column is.
+    ///
+    /// # Errors
+    /// A curve with too many points, or one that becomes steeper than its unloading.
+    pub fn against_narrow_object(mut self) -> Result<Self, VehicleError> {
+        let front = &mut self.springs[0];
+        front.envelope = front.envelope.against_narrow_object()?;
+        front.check(1)?;
+        Ok(self)
+    }
+}
+
+impl CrushSpring {
+    /// Checks the spring of this number, from 1 at the front.
+    fn check(&self, spring: usize) -> Result<(), VehicleError> {
+        let found = self.unloading_stiffness;
+        let steepest = self.envelope.steepest_slope();
+        if !(found.is_finite() && found >= steepest * (1.0 - SLOPE_TOLERANCE)) {
+            return Err(VehicleError::UnloadingTooSoft {
+                spring,
+                found,
+                steepest,
+            });
+        }
+        let found = self.slack;
+        let right = if spring == 1 {
+            found == 0.0
+        } else {
+            found >= 0.0
+        };
+        if !(found.is_finite() && right) {
+            return Err(VehicleError::Slack { spring, found });
+        }
+        Ok(())
+    }
+}
+
+/// A curve that is read and not checked yet.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CurveParts {
+    points: [[f64; 2]; MAX_CURVE_POINTS],
+    count: usize,
+}
+
+impl TryFrom<CurveParts> for CrushCurve {
+    type Error = VehicleError;
+
+    fn try_from(parts: CurveParts) -> Result<Self, VehicleError> {
+        let CurveParts { points, count } = parts;
+        let given = points.get(..count);
+        Self::new(given.ok_or(VehicleError::Points { found: count })?)
+    }
+}
+
+/// A vehicle that is read and not checked yet.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VehicleParts {
+    masses: [f64; MAX_MASSES],
+    springs: [CrushSpring; MAX_MASSES],
+    count: usize,
+}
+
+impl TryFrom<VehicleParts> for Vehicle {
+    type Error = VehicleError;
+
+    fn try_from(parts: VehicleParts) -> Result<Self, VehicleError> {
+        let count = parts.count;
+        match (parts.masses.get(..count), parts.springs.get(..count)) {
+            (Some(masses), Some(springs)) => Self::new(masses, springs),
+            _ => Err(VehicleError::Masses { found: count }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mid_car() -> Vehicle {
+        let envelope = CrushCurve::new(&[
+            [0.10, 30e3],
+            [0.20, 275e3],
+            [0.33, 285e3],
+            [0.40, 550e3],
+            [0.50, 635e3],
+            [0.56, 330e3],
+            [0.68, 450e3],
+            [1.0, 600e3],
+        ])
+        .expect("a curve");
+        let spring = CrushSpring {
+            envelope,
+            unloading_stiffness: 15e6,
+            slack: 0.0,
+        };
+        Vehicle::new(&[1719.0], &[spring]).expect("a vehicle")
+    }
+
+    #[test]
+    fn a_curve_is_linear_between_its_points_and_continues_its_last_slope() {
+        let curve = mid_car().springs()[0].envelope;
+        assert_eq!(curve.force(-0.1), 0.0);
+        assert!((curve.force(0.15) - 152.5e3).abs() < 1e-9);
+        assert!((curve.force(0.53) - 482.5e3).abs() < 1e-6);
+        assert!((curve.force(1.32) - 750e3).abs() < 1e-6);
+        assert!((curve.steepest_slope() - 265e3 / 0.07).abs() < 1.0);
+        assert_eq!(curve.largest_force_up_to(0.6), 635e3);
+    }
+
+    #[test]
+    fn a_narrow_object_meets_half_of_the_force_until_it_reaches_the_engine() {
+        let full = mid_car();
+        let narrow = full.against_narrow_object().expect("a vehicle");
+        let (full, narrow) = (full.springs()[0].envelope, narrow.springs()[0].envelope);
+        for (crush, share) in [(0.2, 0.5), (0.40, 0.5), (0.55, 1.0), (0.9, 1.0)] {
+            let expected = share * full.force(crush);
+            let found = narrow.force(crush);
+            assert!(
+                (found - expected).abs() < 1e-9 * expected,
+                "{crush} {found}"
+            );
+        }
+        // On the ramp the product of two lines is a parabola, of which the curve is an inscribed polygon.
+        for k in 0..=100 {
+            let crush = 0.40 + 0.0015 * f64::from(k);
+            let share = 0.5 + 0.5 * (crush - 0.40) / 0.15;
+            let error = narrow.force(crush) - share * full.force(crush);
+            assert!(error.abs() < 0.012 * full.force(crush), "{crush} {error}");
+        }
+    }
+
+    #[test]
+    fn a_curve_that_ends_on_the_ramp_continues_its_own_slope_behind_it() {
+        let envelope = CrushCurve::new(&[[0.45, 300e3]]).expect("a curve");
+        let spring = CrushSpring {
+            envelope,
+            unloading_stiffness: 5e6,
+            slack: 0.0,
+        };
+        let vehicle = Vehicle::new(&[1000.0], &[spring]).expect("a vehicle");
+        let narrow = vehicle.against_narrow_object().expect("a vehicle");
+        let found = narrow.springs()[0].envelope.force(1.5);
+        assert!((found - envelope.force(1.5)).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
+    fn the_rearmost_mass_takes_the_difference_of_the_total() {
+        let spring = mid_car().springs()[0];
+        let lorry = Vehicle::new(&[5500.0, 2500.0], &[spring, spring]).expect("a vehicle");
+        let heavier = lorry.with_total_mass(9000.0).expect("a vehicle");
+        assert_eq!(heavier.masses(), [5500.0, 3500.0]);
+        assert_eq!(lorry.with_total_mass(8000.0), Ok(lorry));
+        let error = lorry.with_total_mass(5500.0).expect_err("too light");
+        assert_eq!(
+            error.to_string(),
+            "the vehicle weighs 5500 kg in total, but its front masses alone weigh 5500 kg; expected a total above that"
+        );
+    }
+
+    #[test]
+    fn impossible_vehicles_are_rejected_with_the_reason() {
+        let spring = mid_car().springs()[0];
+        let says = |found: Result<Vehicle, VehicleError>, text: &str| {
+            let found = found.expect_err(text).to_string();
+            assert!(found.contains(text), "{found}");
+        };
+        says(Vehicle::new(&[], &[]), "0 masses; expected 1 to 3");
+        says(Vehicle::new(&[1.0; 4], &[spring; 4]), "4 masses");
+        says(
+            Vehicle::new(&[1.0, 2.0], &[spring]),
+            "2 masses and 1 springs",
+        );
+        says(
+            Vehicle::new(&[-1.0], &[spring]),
+            "mass 1 of the vehicle is -1 kg",
+        );
+        let soft = CrushSpring {
+            unloading_stiffness: 1e6,
+            ..spring
+        };
+        says(
+            Vehicle::new(&[1.0], &[soft]),
+            "the unloading stiffness of spring 1 is 1.000000e6 N/m; expected at least the steepest slope",
+        );
+        let slack = CrushSpring {
+            slack: 0.1,
+            ..spring
+        };
+        says(
+            Vehicle::new(&[1.0], &[slack]),
+            "the slack of spring 1 is 0.1 m",
+        );
+        let curve = |points: &[[f64; 2]], text: &str| {
+            let found = CrushCurve::new(points).expect_err(text).to_string();
+            assert!(found.contains(text), "{found}");
+        };
+        curve(&[], "0 points");
+        curve(&[[0.1, 1.0], [0.1, 2.0]], "a crush of 0.1 m after 0.1 m");
+        curve(&[[0.0, 1.0]], "a crush of 0 m after 0 m");
+        curve(&[[0.1, -1.0]], "a force of -1 N");
+        curve(&[[f64::NAN, 1.0]], "a crush of NaN m");
+        curve(&[[0.1, 0.0]], "no force > 0");
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let vehicle = mid_car();
+        let text = serde_json::to_string(&vehicle).expect("JSON");
+        assert_eq!(
+            serde_json::from_str::<Vehicle>(&text).expect("a vehicle"),
+            vehicle
+        );
+    }
+}
