@@ -441,10 +441,7 @@ impl Bar {
         };
         let mut best_agreement = f64::NEG_INFINITY;
         for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
-            let right = [
-                trial[0] - signs[0] * caps[0],
-                trial[1] - signs[1] * caps[1],
-            ];
+            let right = [trial[0] - signs[0] * caps[0], trial[1] - signs[1] * caps[1]];
             let rotation = [
                 (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
                 (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,

@@ -7,13 +7,15 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
+use super::rate::{self, Collocation, Factors};
 use super::state::{State, Velocity};
+use super::strength::{BarStrength, BarStress};
 
 /// Most closings and releases in one step; after them contact stays as it is to the end of the step.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
@@ -55,6 +57,8 @@ struct BarPoint {
     gradient: ChordGradient,
     stress: BarStress,
     mean: BarForces,
+    /// Angle by which the chord has turned \[rad\].
+    turn: f64,
 }
 
 impl BarPoint {
@@ -74,6 +78,7 @@ impl BarPoint {
         self.mean = forces.mean(&self.stress.returned.forces);
         self.chord = chord;
         self.gradient = gradient;
+        self.turn = chord_turn;
     }
 }
 
@@ -158,6 +163,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// Of the resistances at its end.
+    factors: Factors,
     /// Contact force at its end \[N\]; negative where impactor and column would separate.
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
@@ -270,11 +277,8 @@ impl Part<'_> {
             start,
             motion: Motion::new(model, from, coupling, secs),
         };
-        let near = from.predictor.normal(&from.forces);
-        self.point.below.stress.expect(near.below);
-        self.point.above.stress.expect(near.above);
         let guess = from.predictor.increment(&from.velocity, secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let (solved, factors) = self.solve(&system, guess, secs)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
@@ -306,9 +310,69 @@ impl Part<'_> {
             velocity,
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            factors,
             contact_force,
             gap,
         })
+    }
+
+    /// Solves the equations with the resistances that are expected at the end of the part.
+    ///
+    /// A stress of the start that lies outside of a surface that has shrunk could do negative work on a flow that reverses
+    /// it. Such a part is solved again with the surface of its start, on which that work cannot be negative.
+    fn solve(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        secs: f64,
+    ) -> Result<(newton::Solved, Factors), Rejected> {
+        let (model, from) = (system.model, system.from);
+        let Some(law) = &model.strength else {
+            let solved = self.solve_with(system, guess, PerBar::default())?;
+            return Ok((solved, Factors::default()));
+        };
+        let turns = model.frame.turns(&system.start, &guess);
+        let factors = law.predict(&from.strength, &turns, secs, Collocation::End);
+        let strengths = rate::bar_strengths(&model.frame, &factors);
+        let solved = self.solve_with(system, guess, strengths)?;
+        if !self.gains_energy() {
+            return Ok((solved, factors));
+        }
+        let last = rate::last_factors(&from.strength);
+        let factors = rate::largest(&factors, &last);
+        let strengths = rate::bar_strengths(&model.frame, &factors);
+        let again = self.solve_with(system, guess, strengths)?;
+        let iterations = solved.iterations + again.iterations;
+        let solved = newton::Solved {
+            iterations,
+            ..again
+        };
+        Ok((solved, factors))
+    }
+
+    fn solve_with(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        strengths: PerBar<BarStrength>,
+    ) -> Result<newton::Solved, Rejected> {
+        let from = system.from;
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.stress.expect(near.below, strengths.below);
+        self.point.above.stress.expect(near.above, strengths.above);
+        newton::solve(system, guess, &mut self.point).ok_or(Rejected::TooLong)
+    }
+
+    /// Whether the mean stress does negative work on the flow of any hinge.
+    fn gains_energy(&self) -> bool {
+        let gains = |point: &BarPoint| {
+            let flow = &point.stress.returned.flow;
+            (0..2).any(|k| {
+                point.mean.normal * flow.elongation[k] + point.mean.moment[k] * flow.rotation[k]
+                    < 0.0
+            })
+        };
+        gains(&self.point.below) || gains(&self.point.above)
     }
 
     /// Moves the state to the end of the last trial and returns its length \[s\].
@@ -322,6 +386,18 @@ impl Part<'_> {
             &above.stress.returned.flow,
             1.0,
         );
+        if let Some(law) = &self.model.strength {
+            let turns = PerBar {
+                below: below.turn,
+                above: above.turn,
+            };
+            let flow = PerBar {
+                below: &below.stress.returned.flow,
+                above: &above.stress.returned.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, trial.secs, &trial.factors, flow, 1.0);
+        }
         state.forces = PerBar {
             below: below.stress.returned.forces,
             above: above.stress.returned.forces,

@@ -5,15 +5,17 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{BarForces, BarStress, PerBar};
+use super::bar::{BarForces, PerBar};
 use super::contact::{Coupling, Impactor};
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
+use super::rate::{self, Collocation, Factors};
 use super::state::{State, Velocity};
 use super::statics;
+use super::strength::BarStress;
 
 /// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
 /// persistent contact.
@@ -92,6 +94,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// Of the resistances at `n + 1/2`.
+    factors: Factors,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -156,10 +160,19 @@ impl Part<'_> {
             from,
             motion: Motion::new(model, from, coupling, self.secs),
         };
-        let near = from.predictor.normal(&from.forces);
-        self.point.below.expect(near.below);
-        self.point.above.expect(near.above);
         let guess = first_guess(model, from, self.secs);
+        let mut factors = Factors::default();
+        let mut strengths = PerBar::default();
+        if let Some(law) = &model.strength {
+            let turns = model
+                .frame
+                .turns(&model.frame.chords(&from.displacement), &guess);
+            factors = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            strengths = rate::bar_strengths(&model.frame, &factors);
+        }
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.expect(near.below, strengths.below);
+        self.point.above.expect(near.above, strengths.above);
         let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
         let increment = solved.increment;
         Ok(Trial {
@@ -167,6 +180,7 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            factors,
         })
     }
 
@@ -252,6 +266,20 @@ impl Part<'_> {
         check_part(self.model, &state.displacement, &end)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
+        if let Some(law) = &self.model.strength {
+            let frame = &self.model.frame;
+            let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
+            let turns = PerBar {
+                below: from.below.discrete_gradient(&to.below).1,
+                above: from.above.discrete_gradient(&to.above).1,
+            };
+            let flow = PerBar {
+                below: &below.flow,
+                above: &above.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, self.secs, &trial.factors, flow, 2.0);
+        }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
         state.ledger.damping_work += trial.damping_work;

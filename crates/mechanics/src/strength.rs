@@ -67,9 +67,7 @@ impl BarStrength {
             per_axial: dynamic.map(|factor| 1.0 / factor),
             weaker,
             weakest: dynamic[weaker],
-            lead: bar
-                .surface
-                .axial_lead(dynamic[weaker], dynamic[1 - weaker]),
+            lead: bar.surface.axial_lead(dynamic[weaker], dynamic[1 - weaker]),
         }
     }
 
@@ -217,14 +215,17 @@ impl PairSearch<'_> {
     #[inline(always)]
     fn state_at(&self, point: &PairedPoint) -> PairedState {
         let caps = self.caps(point);
-        let capped = self
-            .bar
-            .cap_moments(self.trial.moment, self.limits(&caps));
+        let capped = self.bar.cap_moments(self.trial.moment, self.limits(&caps));
         self.state_of(point, &caps, &capped)
     }
 
     #[inline(always)]
-    fn state_of(&self, point: &PairedPoint, caps: &[Jet; 2], capped: &CappedMoments) -> PairedState {
+    fn state_of(
+        &self,
+        point: &PairedPoint,
+        caps: &[Jet; 2],
+        capped: &CappedMoments,
+    ) -> PairedState {
         let n = &point.axial;
         let short = n.value - self.relative;
         let weight = [0, 1].map(|k| self.scale[k] * capped.rotation[k].abs());
@@ -333,20 +334,16 @@ impl PairSearch<'_> {
         let normal = self.sign * point.axial.value * self.axial;
         let elongation = self.shared(normal, &caps, &capped);
         let tangent_moment = [0, 1].map(|k| self.moment[k] * caps[k].first);
-        self.bar.returned(
-            self.trial,
-            normal,
-            limits,
-            capped,
-            elongation,
-            |active| Place::Curve {
-                active,
-                sign_axial: self.sign,
-                tangent_axial: point.axial.first * self.axial,
-                tangent_moment,
-                stiffness: state.slope / self.per_energy,
-            },
-        )
+        self.bar
+            .returned(self.trial, normal, limits, capped, elongation, |active| {
+                Place::Curve {
+                    active,
+                    sign_axial: self.sign,
+                    tangent_axial: point.axial.first * self.axial,
+                    tangent_moment,
+                    stiffness: state.slope / self.per_energy,
+                }
+            })
     }
 
     /// The stress at the corners `N = 0` of both surfaces.
@@ -400,8 +397,7 @@ impl PairSearch<'_> {
     /// where no hinge rotates.
     fn shared(&self, normal: f64, caps: &[Jet; 2], capped: &CappedMoments) -> [f64; 2] {
         let total = (self.trial.normal - normal) * self.bar.axial_flexibility;
-        let weights =
-            [0, 1].map(|k| (capped.rotation[k] * self.moment[k] * caps[k].first).abs());
+        let weights = [0, 1].map(|k| (capped.rotation[k] * self.moment[k] * caps[k].first).abs());
         let sum = weights[0] + weights[1];
         if sum > 0.0 {
             let per_weight = total / sum;
