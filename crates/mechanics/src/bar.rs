@@ -133,6 +133,31 @@ pub(crate) struct BarTangent {
     pub rotational: [[f64; 2]; 2],
 }
 
+impl BarTangent {
+    /// With the normal force held.
+    fn held(rotational: [[f64; 2]; 2]) -> Self {
+        Self {
+            axial: 0.0,
+            mixed: [0.0; 2],
+            rotational,
+        }
+    }
+
+    /// With the stress free to move by `dN = axial dt`, `dM = moment dt` against the stiffness `stiffness`.
+    fn sliding(mut self, axial: f64, moment: [f64; 2], stiffness: f64) -> Self {
+        let per_stiffness = 1.0 / stiffness;
+        let scaled = moment.map(|m| m * per_stiffness);
+        self.axial = axial * axial * per_stiffness;
+        self.mixed = scaled.map(|scaled| axial * scaled);
+        for (row, m) in self.rotational.iter_mut().zip(moment) {
+            for (entry, scaled) in row.iter_mut().zip(scaled) {
+                *entry += m * scaled;
+            }
+        }
+        self
+    }
+}
+
 /// What is constant about one bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bar {
@@ -170,13 +195,24 @@ pub(crate) enum Place {
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
-    /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm_k = tangent_moment[k] dt`, `stiffness` the
+    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`,
+    /// `dM = carried dt`, `stiffness` the second derivative of the convex problem in `t`; `frozen` is the tangent of the
+    /// moments with `t` held.
+    Curves {
+        frozen: [[f64; 2]; 2],
+        axial: f64,
+        carried: [f64; 2],
+        stiffness: f64,
+    },
+    /// On a vertex of surfaces of hinges of different strength: `N` is held.
+    Held { frozen: [[f64; 2]; 2] },
+    /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
         active: [bool; 2],
         sign_axial: f64,
         tangent_axial: f64,
-        tangent_moment: [f64; 2],
+        tangent_moment: f64,
         stiffness: f64,
     },
 }
@@ -353,7 +389,7 @@ impl Bar {
                 active,
                 sign_axial: sign,
                 tangent_axial,
-                tangent_moment: [tangent_moment; 2],
+                tangent_moment,
                 stiffness,
             }
         })
@@ -395,68 +431,10 @@ impl Bar {
         }
     }
 
-    /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
-    /// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases.
+    /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]`.
     #[inline]
-    pub(crate) fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
-        let c = &self.rotational;
-        let flexibility = self.flexibility_alone;
-        let excess = [trial[0].abs() - caps[0], trial[1].abs() - caps[1]];
-        let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
-        if excess[0] <= 0.0 && excess[1] <= 0.0 {
-            return CappedMoments {
-                rotation: [0.0; 2],
-                compliance: 0.0,
-            };
-        }
-        if c[0][1] == 0.0 {
-            let active = excess.map(|excess| excess > 0.0);
-            let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
-            return CappedMoments {
-                rotation: [pick(0, alone(0)), pick(1, alone(1))],
-                compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
-            };
-        }
-        for k in 0..2 {
-            let p = alone(k);
-            if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= caps[1 - k] {
-                let mut rotation = [0.0; 2];
-                rotation[k] = p;
-                return CappedMoments {
-                    rotation,
-                    compliance: flexibility[k],
-                };
-            }
-        }
-        self.cap_both(trial, caps)
-    }
-
-    /// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
-    fn cap_both(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
-        let c = &self.rotational;
-        let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
-        let mut best = CappedMoments {
-            rotation: [0.0; 2],
-            compliance: 0.0,
-        };
-        let mut best_agreement = f64::NEG_INFINITY;
-        for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
-            let right = [trial[0] - signs[0] * caps[0], trial[1] - signs[1] * caps[1]];
-            let rotation = [
-                (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
-                (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
-            ];
-            let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
-            if agreement > best_agreement {
-                best_agreement = agreement;
-                best = CappedMoments {
-                    rotation,
-                    compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1])
-                        / determinant,
-                };
-            }
-        }
-        best
+    fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+        cap_moments(&self.rotational, self.flexibility_alone, trial, caps)
     }
 
     /// `-dm/dn` of the quarter curve at its tip `n = 1`, where that is finite; elsewhere no hinge rotates there.
@@ -470,6 +448,13 @@ impl Bar {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
+            Place::Held { frozen } => BarTangent::held(frozen),
+            Place::Curves {
+                frozen,
+                axial,
+                carried,
+                stiffness,
+            } => BarTangent::held(frozen).sliding(axial, carried, stiffness),
             Place::Curve {
                 active,
                 sign_axial,
@@ -479,26 +464,15 @@ impl Bar {
             } => {
                 let c = &self.rotational;
                 let sign = returned.flow.rotation.map(f64::signum);
-                let [first, second] = tangent_moment;
-                let carried = |k: usize| sign[k] * c[0][1] * self.flexibility_alone[k];
-                let m = match active {
-                    [true, true] => [first * sign[0], second * sign[1]],
-                    [true, false] => [first * sign[0], first * carried(0)],
-                    [false, true] => [second * carried(1), second * sign[1]],
+                let along = match active {
+                    [true, true] => [sign[0], sign[1]],
+                    [true, false] => [sign[0], sign[0] * c[0][1] * self.flexibility_alone[0]],
+                    [false, true] => [sign[1] * c[0][1] * self.flexibility_alone[1], sign[1]],
                     [false, false] => [0.0, 0.0],
                 };
-                let per_stiffness = 1.0 / stiffness;
+                let m = along.map(|along| tangent_moment * along);
                 let w = sign_axial * tangent_axial;
-                let scaled = m.map(|m| m * per_stiffness);
-                let mut tangent = self.frozen_tangent(active);
-                tangent.axial = w * w * per_stiffness;
-                tangent.mixed = scaled.map(|scaled| w * scaled);
-                for (row, m) in tangent.rotational.iter_mut().zip(m) {
-                    for (entry, scaled) in row.iter_mut().zip(scaled) {
-                        *entry += m * scaled;
-                    }
-                }
-                tangent
+                self.frozen_tangent(active).sliding(w, m, stiffness)
             }
         }
     }
@@ -513,12 +487,74 @@ impl Bar {
             [false, true] => [[rest(0), 0.0], [0.0, 0.0]],
             [false, false] => *c,
         };
-        BarTangent {
-            axial: 0.0,
-            mixed: [0.0; 2],
-            rotational,
+        BarTangent::held(rotational)
+    }
+}
+
+/// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
+/// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases. `flexibility` is the inverse of each
+/// stiffness on the diagonal of `c`, 0 for a hinge that bears no moment.
+#[inline]
+pub(crate) fn cap_moments(
+    c: &[[f64; 2]; 2],
+    flexibility: [f64; 2],
+    trial: [f64; 2],
+    caps: [f64; 2],
+) -> CappedMoments {
+    let excess = [trial[0].abs() - caps[0], trial[1].abs() - caps[1]];
+    let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
+    if excess[0] <= 0.0 && excess[1] <= 0.0 {
+        return CappedMoments {
+            rotation: [0.0; 2],
+            compliance: 0.0,
+        };
+    }
+    if c[0][1] == 0.0 {
+        let active = excess.map(|excess| excess > 0.0);
+        let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
+        return CappedMoments {
+            rotation: [pick(0, alone(0)), pick(1, alone(1))],
+            compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
+        };
+    }
+    for k in 0..2 {
+        let p = alone(k);
+        if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= caps[1 - k] {
+            let mut rotation = [0.0; 2];
+            rotation[k] = p;
+            return CappedMoments {
+                rotation,
+                compliance: flexibility[k],
+            };
         }
     }
+    cap_both(c, trial, caps)
+}
+
+/// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
+fn cap_both(c: &[[f64; 2]; 2], trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+    let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
+    let mut best = CappedMoments {
+        rotation: [0.0; 2],
+        compliance: 0.0,
+    };
+    let mut best_agreement = f64::NEG_INFINITY;
+    for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
+        let right = [trial[0] - signs[0] * caps[0], trial[1] - signs[1] * caps[1]];
+        let rotation = [
+            (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
+            (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
+        ];
+        let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
+        if agreement > best_agreement {
+            best_agreement = agreement;
+            best = CappedMoments {
+                rotation,
+                compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1]) / determinant,
+            };
+        }
+    }
+    best
 }
 
 /// Shares the bar's plastic elongation between its hinges as normality to a smooth surface does: in proportion to

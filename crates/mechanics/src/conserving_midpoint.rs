@@ -13,7 +13,7 @@ use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
-use super::rate::{self, Collocation, Factors};
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
 use super::strength::{BarStrength, BarStress};
 
@@ -163,8 +163,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// Of the resistances at its end.
-    factors: Factors,
+    /// Of the resistances over it.
+    prediction: Prediction,
     /// Contact force at its end \[N\]; negative where impactor and column would separate.
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
@@ -278,7 +278,7 @@ impl Part<'_> {
             motion: Motion::new(model, from, coupling, secs),
         };
         let guess = from.predictor.increment(&from.velocity, secs);
-        let (solved, factors) = self.solve(&system, guess, secs)?;
+        let (solved, prediction) = self.solve(&system, guess, secs)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
@@ -310,7 +310,7 @@ impl Part<'_> {
             velocity,
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            factors,
+            prediction,
             contact_force,
             gap,
         })
@@ -325,29 +325,26 @@ impl Part<'_> {
         system: &Conserving<'_>,
         guess: Displacement,
         secs: f64,
-    ) -> Result<(newton::Solved, Factors), Rejected> {
+    ) -> Result<(newton::Solved, Prediction), Rejected> {
         let (model, from) = (system.model, system.from);
         let Some(law) = &model.strength else {
             let solved = self.solve_with(system, guess, PerBar::default())?;
-            return Ok((solved, Factors::default()));
+            return Ok((solved, Prediction::default()));
         };
         let turns = model.frame.turns(&system.start, &guess);
-        let factors = law.predict(&from.strength, &turns, secs, Collocation::End);
-        let strengths = rate::bar_strengths(&model.frame, &factors);
-        let solved = self.solve_with(system, guess, strengths)?;
+        let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
+        let solved = self.solve_with(system, guess, prediction.strengths(&model.frame))?;
         if !self.gains_energy() {
-            return Ok((solved, factors));
+            return Ok((solved, prediction));
         }
-        let last = rate::last_factors(&from.strength);
-        let factors = rate::largest(&factors, &last);
-        let strengths = rate::bar_strengths(&model.frame, &factors);
-        let again = self.solve_with(system, guess, strengths)?;
+        let prediction = prediction.not_below(&from.strength);
+        let again = self.solve_with(system, guess, prediction.strengths(&model.frame))?;
         let iterations = solved.iterations + again.iterations;
         let solved = newton::Solved {
             iterations,
             ..again
         };
-        Ok((solved, factors))
+        Ok((solved, prediction))
     }
 
     fn solve_with(
@@ -396,7 +393,7 @@ impl Part<'_> {
                 above: &above.stress.returned.flow,
             };
             let strength = &mut state.strength;
-            law.advance(strength, &turns, trial.secs, &trial.factors, flow, 1.0);
+            law.advance(strength, &turns, trial.secs, &trial.prediction, flow, 1.0);
         }
         state.forces = PerBar {
             below: below.stress.returned.forces,

@@ -12,7 +12,7 @@ use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
-use super::rate::{self, Collocation, Factors};
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
 use super::statics;
 use super::strength::BarStress;
@@ -94,8 +94,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// Of the resistances at `n + 1/2`.
-    factors: Factors,
+    /// Of the resistances up to `n + 1/2`.
+    prediction: Prediction,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -161,14 +161,14 @@ impl Part<'_> {
             motion: Motion::new(model, from, coupling, self.secs),
         };
         let guess = first_guess(model, from, self.secs);
-        let mut factors = Factors::default();
+        let mut prediction = Prediction::default();
         let mut strengths = PerBar::default();
         if let Some(law) = &model.strength {
             let turns = model
                 .frame
                 .turns(&model.frame.chords(&from.displacement), &guess);
-            factors = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
-            strengths = rate::bar_strengths(&model.frame, &factors);
+            prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            strengths = prediction.strengths(&model.frame);
         }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below, strengths.below);
@@ -180,7 +180,7 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            factors,
+            prediction,
         })
     }
 
@@ -278,7 +278,7 @@ impl Part<'_> {
                 above: &above.flow,
             };
             let strength = &mut state.strength;
-            law.advance(strength, &turns, self.secs, &trial.factors, flow, 2.0);
+            law.advance(strength, &turns, self.secs, &trial.prediction, flow, 2.0);
         }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));

@@ -8,8 +8,9 @@
 //! Yielding that spreads along a bar of length `L` with a linear moment and the slope `b E` after yield lets the moment grow
 //! with the accumulated plastic rotation, `H = 1 + sqrt(4 b EI theta_p / (L M^p))`. `H` multiplies the moment alone.
 //!
-//! Both factors are predicted before the equations of a part are solved and held while they are; the filter and the
-//! accumulated rotations then advance with the true increments.
+//! `D` is predicted before the equations of a part are solved and held while they are; the filter then advances with the true
+//! increments. `H` grows within the part along its secant over the rotation that is expected, which settles in what
+//! proportion two hinges in series (1a and 1b) share a rotation.
 
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +84,15 @@ pub(crate) type Strengths = PerBar<[HingeStrength; 2]>;
 /// The factors of all hinges.
 pub(crate) type Factors = PerBar<[HingeFactors; 2]>;
 
+/// The strength of all hinges over one part of a step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Prediction {
+    /// The factors before any flow.
+    factors: Factors,
+    /// Growth of the hardening factor with the plastic rotation of the part \[1/rad\].
+    slopes: PerBar<[f64; 2]>,
+}
+
 /// At which instant of a part of a step the stress is returned to the yield surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Collocation {
@@ -138,16 +148,17 @@ impl StrengthLaw {
         turns: &PerBar<f64>,
         secs: f64,
         collocation: Collocation,
-    ) -> Factors {
+    ) -> Prediction {
         let share = match collocation {
             Collocation::Middle => 0.5,
             Collocation::End => 1.0,
         };
-        let hardening = |bar: f64, hinge: &HingeStrength| {
-            hardening_factor(
-                bar,
-                hinge.accumulated_rotation + share * secs * hinge.flow_rate,
-            )
+        // A hinge that is about to flow rotates by some part of the turn of its bar.
+        let slopes = |bar: f64, hinges: &[HingeStrength; 2], turn: f64| {
+            hinges.map(|hinge| {
+                let expected = share * (secs * hinge.flow_rate).max(0.5 * turn.abs());
+                hardening_slope(bar, hinge.accumulated_rotation, expected)
+            })
         };
         let [joint, base, top] = match &self.rate {
             None => [1.0; 3],
@@ -167,34 +178,53 @@ impl StrengthLaw {
         let factors = |dynamic: [f64; 2], bar: f64, hinges: &[HingeStrength; 2]| {
             [0, 1].map(|k| HingeFactors {
                 dynamic: dynamic[k],
-                hardening: hardening(bar, &hinges[k]),
+                hardening: hardening_factor(bar, hinges[k].accumulated_rotation),
             })
         };
-        PerBar {
-            below: factors([joint, base], self.hardening.below, &from.below),
-            above: factors([joint, top], self.hardening.above, &from.above),
+        Prediction {
+            factors: PerBar {
+                below: factors([joint, base], self.hardening.below, &from.below),
+                above: factors([joint, top], self.hardening.above, &from.above),
+            },
+            slopes: PerBar {
+                below: slopes(self.hardening.below, &from.below, turns.below),
+                above: slopes(self.hardening.above, &from.above, turns.above),
+            },
         }
     }
 
     /// Advances the filter over a part of `secs` \[s\] in which the chords turned by `turns` \[rad\], and records the factors
-    /// that held in it and `factor` times the flow of its bars.
+    /// with which it ended and `factor` times the flow of its bars.
     pub fn advance(
         &self,
         strengths: &mut Strengths,
         turns: &PerBar<f64>,
         secs: f64,
-        factors: &Factors,
+        prediction: &Prediction,
         flow: PerBar<&PlasticFlow>,
         factor: f64,
     ) {
         let per_sec = factor / secs;
-        for (hinges, factors, flow) in [
-            (&mut strengths.below, &factors.below, flow.below),
-            (&mut strengths.above, &factors.above, flow.above),
+        let Prediction { factors, slopes } = prediction;
+        for (hinges, factors, slopes, flow) in [
+            (
+                &mut strengths.below,
+                &factors.below,
+                &slopes.below,
+                flow.below,
+            ),
+            (
+                &mut strengths.above,
+                &factors.above,
+                &slopes.above,
+                flow.above,
+            ),
         ] {
             for k in 0..2 {
+                let rotation = flow.rotation[k].abs();
                 hinges[k].factors = factors[k];
-                hinges[k].flow_rate = per_sec * flow.rotation[k].abs();
+                hinges[k].factors.hardening += slopes[k] * rotation;
+                hinges[k].flow_rate = per_sec * rotation;
             }
         }
         let Some(rate) = &self.rate else { return };
@@ -228,6 +258,18 @@ impl StrengthLaw {
 /// `H = 1 + sqrt(4 b EI theta_p / (L M^p))`, with `bar = 4 b EI / (L M^p)` \[1/rad\].
 fn hardening_factor(bar: f64, accumulated_rotation: f64) -> f64 {
     1.0 + (bar * accumulated_rotation).sqrt()
+}
+
+/// Slope of the secant of the hardening factor over an expected plastic rotation \[1/rad\]; 0 where none is expected.
+fn hardening_slope(bar: f64, accumulated_rotation: f64, expected: f64) -> f64 {
+    // (sqrt(b (a + e)) - sqrt(b a)) / e without cancellation.
+    let sum =
+        (bar * (accumulated_rotation + expected)).sqrt() + (bar * accumulated_rotation).sqrt();
+    if sum > 0.0 && expected > 0.0 {
+        bar / sum
+    } else {
+        0.0
+    }
 }
 
 /// Strain rates of the outer fibres \[1/s\]; 1a and 1b share one.
@@ -295,36 +337,34 @@ impl RateLaw {
     }
 }
 
-/// The strengths of both bars for given factors of their hinges.
-pub(crate) fn bar_strengths(frame: &Frame, factors: &Factors) -> PerBar<BarStrength> {
-    let strength = |bar, factors: &[HingeFactors; 2]| {
-        let [first, second] = factors;
-        BarStrength::new(
-            bar,
-            [first.dynamic, second.dynamic],
-            [first.hardening, second.hardening],
-        )
-    };
-    PerBar {
-        below: strength(&frame.below, &factors.below),
-        above: strength(&frame.above, &factors.above),
+impl Prediction {
+    /// The strengths of both bars.
+    pub fn strengths(&self, frame: &Frame) -> PerBar<BarStrength> {
+        let strength = |bar, factors: &[HingeFactors; 2], slopes: &[f64; 2]| {
+            let [first, second] = factors;
+            BarStrength::new(
+                bar,
+                [first.dynamic, second.dynamic],
+                [first.hardening, second.hardening],
+                *slopes,
+            )
+        };
+        PerBar {
+            below: strength(&frame.below, &self.factors.below, &self.slopes.below),
+            above: strength(&frame.above, &self.factors.above, &self.slopes.above),
+        }
     }
-}
 
-/// The larger one of both factors of every hinge.
-pub(crate) fn largest(a: &Factors, b: &Factors) -> Factors {
-    let largest =
-        |a: &[HingeFactors; 2], b: &[HingeFactors; 2]| [a[0].largest(&b[0]), a[1].largest(&b[1])];
-    PerBar {
-        below: largest(&a.below, &b.below),
-        above: largest(&a.above, &b.above),
-    }
-}
-
-/// The factors with which the last stress was returned.
-pub(crate) fn last_factors(strengths: &Strengths) -> Factors {
-    PerBar {
-        below: [strengths.below[0].factors, strengths.below[1].factors],
-        above: [strengths.above[0].factors, strengths.above[1].factors],
+    /// With no factor below that with which the last stress was returned.
+    pub fn not_below(mut self, last: &Strengths) -> Self {
+        for (factors, last) in [
+            (&mut self.factors.below, &last.below),
+            (&mut self.factors.above, &last.above),
+        ] {
+            for k in 0..2 {
+                factors[k] = factors[k].largest(&last[k].factors);
+            }
+        }
+        self
     }
 }

@@ -10,7 +10,7 @@ use super::model::Model;
 use super::motion::collapse_of;
 use super::newton::{self, NonlinearSystem};
 use super::properties::Scheme;
-use super::rate;
+use super::rate::Collocation;
 use super::state::State;
 use super::strength::{self, BarStrength};
 
@@ -137,7 +137,14 @@ pub(crate) fn top_is_carried(model: &Model, state: &State, secs: f64) -> bool {
             2.0 * load - force_on_top(model, &state.displacement, &state.forces)
         }
     };
-    let strengths = rate::bar_strengths(&model.frame, &rate::last_factors(&state.strength));
+    let strengths = model.strength.as_ref().map_or_else(PerBar::default, |law| {
+        let moved = u.minus(state.displacement);
+        let turns = model
+            .frame
+            .turns(&model.frame.chords(&state.displacement), &moved);
+        let prediction = law.predict(&state.strength, &turns, secs, Collocation::End);
+        prediction.strengths(&model.frame)
+    });
     let unbalanced = |share: f64| {
         let u2 = state.displacement.u2 + share * reach;
         carried_by_top(model, Displacement { u2, ..u }, &state.plastic, &strengths) - target

@@ -9,10 +9,13 @@
 //! where `G`, the least complementary energy of moments within their caps, is convex and decreases with both of them. The
 //! caps are concave, so the problem stays convex in one scalar: its derivative changes its sign once. The coordinate is
 //! that of the quarter curve of the hinge that is weaker against normal forces.
+//!
+//! Over a part of a step `H_k` grows linearly with the plastic rotation `p` of its hinge, `H_k (1 + g_k |p|)`. That makes the
+//! hinges stiffer, `C + diag(m_k g_k)`, and replaces `|p|` in the derivative of `G` by its integral `P = |p| + g p^2 / 2`.
 
 use super::bar::{
     Bar, BarForces, BarStrain, BarTangent, CappedMoments, MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP,
-    Place, PlasticFlow, RETURN_TOLERANCE, Returned,
+    Place, PlasticFlow, RETURN_TOLERANCE, Returned, cap_moments,
 };
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
@@ -32,6 +35,8 @@ pub(crate) struct BarStrength {
     weakest: f64,
     /// By how much the other one is stronger.
     lead: AxialLead,
+    /// `g_k`: growth of `H_k`, relative to it, with the plastic rotation \[1/rad\].
+    growth: [f64; 2],
 }
 
 impl Default for BarStrength {
@@ -47,15 +52,16 @@ impl Default for BarStrength {
                 share: 1.0,
                 rest: 0.0,
             },
+            growth: [0.0; 2],
         }
     }
 }
 
 impl BarStrength {
     /// Of a bar whose hinges have the factors `dynamic` of the whole yield surface, and in addition `hardening` of the
-    /// moments; all >= 1.
-    pub(crate) fn new(bar: &Bar, dynamic: [f64; 2], hardening: [f64; 2]) -> Self {
-        if dynamic == [1.0; 2] && hardening == [1.0; 2] {
+    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0.
+    pub(crate) fn new(bar: &Bar, dynamic: [f64; 2], hardening: [f64; 2], slope: [f64; 2]) -> Self {
+        if dynamic == [1.0; 2] && hardening == [1.0; 2] && slope == [0.0; 2] {
             return Self::default();
         }
         let weaker = usize::from(dynamic[1] < dynamic[0]);
@@ -68,6 +74,7 @@ impl BarStrength {
             weaker,
             weakest: dynamic[weaker],
             lead: bar.surface.axial_lead(dynamic[weaker], dynamic[1 - weaker]),
+            growth: [slope[0] / hardening[0], slope[1] / hardening[1]],
         }
     }
 
@@ -181,8 +188,14 @@ struct PairSearch<'a> {
 }
 
 /// The problem at one point of the curves.
-#[derive(Clone, Copy)]
 struct PairedState {
+    caps: [Jet; 2],
+    /// Caps of the moments before the hinges harden \[N m\].
+    limits: [f64; 2],
+    capped: CappedMoments,
+    /// `C + diag(m_k g_k)` and the inverses on its diagonal, 0 for a hinge that bears no moment.
+    stiffness: [[f64; 2]; 2],
+    flexibility: [f64; 2],
     /// Derivative of the problem along the curves, divided by `N_w^2 / K`. Positive: the root lies at a smaller coordinate.
     value: f64,
     /// Its own derivative.
@@ -196,65 +209,62 @@ impl PairSearch<'_> {
             .paired_point(branch, t, &self.strength.lead)
     }
 
-    /// The caps of both hinges, relative to their resistances.
-    fn caps(&self, point: &PairedPoint) -> [Jet; 2] {
-        if self.strength.weaker == 0 {
+    #[inline(always)]
+    fn at(&self, point: &PairedPoint) -> PairedState {
+        let (bar, growth) = (self.bar, &self.strength.growth);
+        let caps = if self.strength.weaker == 0 {
             [point.weaker, point.stronger]
         } else {
             [point.stronger, point.weaker]
+        };
+        let limits = [0, 1].map(|k| caps[k].value * self.moment[k]);
+        let (mut stiffness, mut flexibility) = (bar.rotational, bar.flexibility_alone);
+        for k in 0..2 {
+            if growth[k] > 0.0 && flexibility[k] > 0.0 {
+                stiffness[k][k] += limits[k] * growth[k];
+                flexibility[k] = 1.0 / stiffness[k][k];
+            }
         }
-    }
-
-    fn limits(&self, caps: &[Jet; 2]) -> [f64; 2] {
-        [
-            caps[0].value * self.moment[0],
-            caps[1].value * self.moment[1],
-        ]
-    }
-
-    #[inline(always)]
-    fn state_at(&self, point: &PairedPoint) -> PairedState {
-        let caps = self.caps(point);
-        let capped = self.bar.cap_moments(self.trial.moment, self.limits(&caps));
-        self.state_of(point, &caps, &capped)
-    }
-
-    #[inline(always)]
-    fn state_of(
-        &self,
-        point: &PairedPoint,
-        caps: &[Jet; 2],
-        capped: &CappedMoments,
-    ) -> PairedState {
+        let capped = cap_moments(&stiffness, flexibility, self.trial.moment, limits);
+        let mut state = PairedState {
+            caps,
+            limits,
+            capped,
+            stiffness,
+            flexibility,
+            value: 0.0,
+            slope: 0.0,
+        };
         let n = &point.axial;
         let short = n.value - self.relative;
-        let weight = [0, 1].map(|k| self.scale[k] * capped.rotation[k].abs());
-        let tangent = [0, 1].map(|k| self.moment[k] * caps[k].first);
-        PairedState {
-            value: short * n.first - weight[0] * caps[0].first - weight[1] * caps[1].first,
-            slope: n.first * n.first + short * n.second
-                - weight[0] * caps[0].second
-                - weight[1] * caps[1].second
-                + self.per_energy * self.compliance(capped, tangent),
-        }
+        let weight = [0, 1].map(|k| self.scale[k] * self.integral(&state, k));
+        let carried = self.carried(&state);
+        state.value = short * n.first - weight[0] * caps[0].first - weight[1] * caps[1].first;
+        state.slope = n.first * n.first + short * n.second
+            - weight[0] * caps[0].second
+            - weight[1] * caps[1].second
+            + self.per_energy * compliance(&state, carried);
+        state
     }
 
-    /// Second derivative of the complementary energy where the caps change by `tangent` \[N m\]; \[J\].
-    fn compliance(&self, capped: &CappedMoments, tangent: [f64; 2]) -> f64 {
-        let [p, q] = capped.rotation;
-        let [first, second] = tangent;
-        match (p != 0.0, q != 0.0) {
-            (true, true) => {
-                let f = &self.bar.rotational_flexibility;
-                let same = if p * q > 0.0 { 1.0 } else { -1.0 };
-                f[0][0] * first * first
-                    + f[1][1] * second * second
-                    + 2.0 * same * f[0][1] * first * second
-            }
-            (true, false) => self.bar.flexibility_alone[0] * first * first,
-            (false, true) => self.bar.flexibility_alone[1] * second * second,
-            (false, false) => 0.0,
-        }
+    /// `P_k`: integral of the hardening over the rotation of hinge `k` \[rad\].
+    fn integral(&self, state: &PairedState, k: usize) -> f64 {
+        let p = state.capped.rotation[k].abs();
+        p * (1.0 + 0.5 * self.strength.growth[k] * p)
+    }
+
+    /// By how much hinge `k` has hardened over its rotation.
+    fn hardened(&self, state: &PairedState, k: usize) -> f64 {
+        1.0 + self.strength.growth[k] * state.capped.rotation[k].abs()
+    }
+
+    /// Changes of the moments of the hinges along the curves \[N m\], with the rotations held and with their signs; 0 for a
+    /// hinge that does not rotate.
+    fn carried(&self, state: &PairedState) -> [f64; 2] {
+        [0, 1].map(|k| match state.capped.rotation[k] {
+            0.0 => 0.0,
+            p => (self.moment[k] * state.caps[k].first * self.hardened(state, k)) * p.signum(),
+        })
     }
 
     fn run(&self, near: f64) -> Returned {
@@ -262,11 +272,11 @@ impl PairSearch<'_> {
         let split = surface.split();
         // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
         let at_split = || self.point(Branch::Axial, split);
-        if self.relative <= split || self.state_at(&at_split()).value >= 0.0 {
+        if self.relative <= split || self.at(&at_split()).value >= 0.0 {
             if surface.has_corner_at_zero_axial() {
-                let point = self.point(Branch::Axial, 0.0);
-                if self.state_at(&point).value >= 0.0 {
-                    return self.at_zero(&point);
+                let state = self.at(&self.point(Branch::Axial, 0.0));
+                if state.value >= 0.0 {
+                    return self.held(0.0, &state, self.shared(0.0, &state));
                 }
             }
             return self.bisect_newton(Branch::Axial, self.relative.min(split), near);
@@ -296,7 +306,7 @@ impl PairSearch<'_> {
         let mut last_step = high - low;
         for _ in 0..MAX_RETURN_ITERATIONS {
             let point = self.point(branch, t);
-            let PairedState { value, slope } = self.state_at(&point);
+            let PairedState { value, slope, .. } = self.at(&point);
             if value > 0.0 {
                 high = t;
             } else if value < 0.0 {
@@ -324,47 +334,46 @@ impl PairSearch<'_> {
         self.on_curves(&self.point(branch, t))
     }
 
-    /// The stress at a point where `n > 0` and both hinges that rotate do so normal to their curves.
+    /// The stress at a point of the curves to which the hinges that rotate do so in the normal direction.
     #[inline(always)]
     fn on_curves(&self, point: &PairedPoint) -> Returned {
-        let caps = self.caps(point);
-        let limits = self.limits(&caps);
-        let capped = self.bar.cap_moments(self.trial.moment, limits);
-        let state = self.state_of(point, &caps, &capped);
+        let state = self.at(point);
         let normal = self.sign * point.axial.value * self.axial;
-        let elongation = self.shared(normal, &caps, &capped);
-        let tangent_moment = [0, 1].map(|k| self.moment[k] * caps[k].first);
-        self.bar
-            .returned(self.trial, normal, limits, capped, elongation, |active| {
-                Place::Curve {
-                    active,
-                    sign_axial: self.sign,
-                    tangent_axial: point.axial.first * self.axial,
-                    tangent_moment,
-                    stiffness: state.slope / self.per_energy,
-                }
-            })
+        let place = Place::Curves {
+            frozen: self.frozen(&state),
+            axial: self.sign * point.axial.first * self.axial,
+            carried: times(&self.bar.rotational, solved(&state, self.carried(&state))),
+            stiffness: state.slope / self.per_energy,
+        };
+        self.returned(normal, &state, self.shared(normal, &state), place)
     }
 
-    /// The stress at the corners `N = 0` of both surfaces.
-    fn at_zero(&self, point: &PairedPoint) -> Returned {
-        let caps = self.caps(point);
-        let limits = self.limits(&caps);
-        let capped = self.bar.cap_moments(self.trial.moment, limits);
-        let elongation = self.shared(0.0, &caps, &capped);
-        let place = |active| Place::Vertex { active };
+    /// The stress at a vertex with the normal force `normal` \[N\].
+    fn held(&self, normal: f64, state: &PairedState, elongation: [f64; 2]) -> Returned {
+        let frozen = self.frozen(state);
+        self.returned(normal, state, elongation, Place::Held { frozen })
+    }
+
+    #[inline(always)]
+    fn returned(
+        &self,
+        normal: f64,
+        state: &PairedState,
+        elongation: [f64; 2],
+        place: Place,
+    ) -> Returned {
+        let limits = [0, 1].map(|k| state.limits[k] * self.hardened(state, k));
         self.bar
-            .returned(self.trial, 0.0, limits, capped, elongation, place)
+            .returned(self.trial, normal, limits, state.capped, elongation, |_| {
+                place
+            })
     }
 
     /// The stress at the tip of the weaker surface, if it is the optimum. Its hinge takes what is left of the elongation
     /// after each hinge has taken what normality to its curve asks of its rotation.
     fn at_tip(&self) -> Option<Returned> {
         let Self { bar, strength, .. } = self;
-        let point = self.point(Branch::Moment, 0.0);
-        let caps = self.caps(&point);
-        let limits = self.limits(&caps);
-        let capped = bar.cap_moments(self.trial.moment, limits);
+        let state = self.at(&self.point(Branch::Moment, 0.0));
         let both = strength.lead.rest == 0.0;
         // -dm_k/dn there, 0 where it is infinite.
         let slopes = [0, 1].map(|k| {
@@ -374,8 +383,9 @@ impl PairSearch<'_> {
                 bar.surface.slope_beyond_tip(&strength.lead)
             }
         });
-        let own = [0, 1].map(|k| capped.rotation[k].abs() * slopes[k]);
-        let held_back = (0..2).any(|k| capped.rotation[k] != 0.0 && slopes[k] == 0.0);
+        let rotation = &state.capped.rotation;
+        let own = [0, 1].map(|k| self.integral(&state, k) * slopes[k]);
+        let held_back = (0..2).any(|k| rotation[k] != 0.0 && slopes[k] == 0.0);
         let taken = self.scale[0] * own[0] + self.scale[1] * own[1];
         if held_back || 1.0 - self.relative + taken > 0.0 {
             return None;
@@ -389,15 +399,17 @@ impl PairSearch<'_> {
         } else {
             elongation[strength.weaker] += rest;
         }
-        let place = |active| Place::Vertex { active };
-        Some(bar.returned(self.trial, normal, limits, capped, elongation, place))
+        Some(self.held(normal, &state, elongation))
     }
 
     /// Shares the bar's plastic elongation at the normal force `normal` \[N\] between its hinges as normality does; evenly
     /// where no hinge rotates.
-    fn shared(&self, normal: f64, caps: &[Jet; 2], capped: &CappedMoments) -> [f64; 2] {
+    fn shared(&self, normal: f64, state: &PairedState) -> [f64; 2] {
         let total = (self.trial.normal - normal) * self.bar.axial_flexibility;
-        let weights = [0, 1].map(|k| (capped.rotation[k] * self.moment[k] * caps[k].first).abs());
+        let weights = [0, 1].map(|k| {
+            let slope = self.moment[k] * state.caps[k].first;
+            self.integral(state, k) * slope.abs()
+        });
         let sum = weights[0] + weights[1];
         if sum > 0.0 {
             let per_weight = total / sum;
@@ -406,4 +418,44 @@ impl PairSearch<'_> {
             [0.5 * total; 2]
         }
     }
+
+    /// Tangent of the moments with the normal force held, `C - C A^-1 C` over the hinges that rotate.
+    fn frozen(&self, state: &PairedState) -> [[f64; 2]; 2] {
+        let c = &self.bar.rotational;
+        let columns = [0, 1].map(|k| times(c, solved(state, restricted(state, c[k]))));
+        [0, 1].map(|row| [0, 1].map(|column| c[row][column] - columns[column][row]))
+    }
+}
+
+/// Second derivative of the complementary energy where the moments of the hinges change by `carried` \[N m\]; \[J\].
+fn compliance(state: &PairedState, carried: [f64; 2]) -> f64 {
+    let rotation = solved(state, carried);
+    carried[0] * rotation[0] + carried[1] * rotation[1]
+}
+
+/// `moments` without those of the hinges that do not rotate.
+fn restricted(state: &PairedState, moments: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| match state.capped.rotation[k] {
+        0.0 => 0.0,
+        _ => moments[k],
+    })
+}
+
+/// The rotations of the hinges that rotate \[rad\] under `moments` \[N m\], which are 0 at the others.
+fn solved(state: &PairedState, moments: [f64; 2]) -> [f64; 2] {
+    let [p, q] = state.capped.rotation;
+    let (a, f) = (&state.stiffness, &state.flexibility);
+    if p != 0.0 && q != 0.0 && a[0][1] != 0.0 {
+        let per_determinant = 1.0 / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
+        [
+            (a[1][1] * moments[0] - a[0][1] * moments[1]) * per_determinant,
+            (a[0][0] * moments[1] - a[1][0] * moments[0]) * per_determinant,
+        ]
+    } else {
+        [moments[0] * f[0], moments[1] * f[1]]
+    }
+}
+
+fn times(c: &[[f64; 2]; 2], rotation: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| c[k][0] * rotation[0] + c[k][1] * rotation[1])
 }

@@ -11,7 +11,7 @@ mod example;
 use column_mechanics::{
     BarForces, ColumnProperties, ElasticLaw, End, Impact, Model, ModelError, Outcome, PlasticFlow,
     Progress, RateLaw, RateProperties, Report, Response, Sample, Scheme, State, Support,
-    YieldExponents, residual_state, simulate, step,
+    YieldExponents, residual_state, simulate,
 };
 use example::example;
 use proptest::prelude::*;
@@ -178,7 +178,7 @@ fn responses_with_rate_and_hardening_converge_with_the_step() {
                     error
                 });
                 assert!(
-                    errors[0] <= 1.0,
+                    errors[0] <= 5e-4 && errors[1] <= 3e-5 && errors[2] <= 2e-6,
                     "{errors:?}"
                 );
             }
