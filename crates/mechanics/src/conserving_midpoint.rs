@@ -15,7 +15,7 @@ use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
 use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
-use super::strength::{BarStrength, BarStress};
+use super::strength::BarStress;
 
 /// Most closings and releases in one step; after them contact stays as it is to the end of the step.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
@@ -328,17 +328,16 @@ impl Part<'_> {
     ) -> Result<(newton::Solved, Prediction), Rejected> {
         let (model, from) = (system.model, system.from);
         let Some(law) = &model.strength else {
-            let solved = self.solve_with(system, guess, PerBar::default())?;
-            return Ok((solved, Prediction::default()));
+            return Ok((self.solve_with(system, guess, None)?, Prediction::default()));
         };
         let turns = model.frame.turns(&system.start, &guess);
         let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
-        let solved = self.solve_with(system, guess, prediction.strengths(&model.frame))?;
+        let solved = self.solve_with(system, guess, Some(&prediction))?;
         if !self.gains_energy() {
             return Ok((solved, prediction));
         }
         let prediction = prediction.not_below(&from.strength);
-        let again = self.solve_with(system, guess, prediction.strengths(&model.frame))?;
+        let again = self.solve_with(system, guess, Some(&prediction))?;
         let iterations = solved.iterations + again.iterations;
         let solved = newton::Solved {
             iterations,
@@ -351,12 +350,17 @@ impl Part<'_> {
         &mut self,
         system: &Conserving<'_>,
         guess: Displacement,
-        strengths: PerBar<BarStrength>,
+        prediction: Option<&Prediction>,
     ) -> Result<newton::Solved, Rejected> {
         let from = system.from;
+        if let Some(prediction) = prediction {
+            let strengths = prediction.strengths(&system.model.frame);
+            self.point.below.stress.set_strength(strengths.below);
+            self.point.above.stress.set_strength(strengths.above);
+        }
         let near = from.predictor.normal(&from.forces);
-        self.point.below.stress.expect(near.below, strengths.below);
-        self.point.above.stress.expect(near.above, strengths.above);
+        self.point.below.stress.expect(near.below);
+        self.point.above.stress.expect(near.above);
         newton::solve(system, guess, &mut self.point).ok_or(Rejected::TooLong)
     }
 

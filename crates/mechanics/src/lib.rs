@@ -16,6 +16,8 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod buckling;
+mod capacity;
 mod conserving_midpoint;
 mod contact;
 mod frame;
@@ -41,6 +43,13 @@ mod vehicle;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use buckling::{
+    BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
+};
+pub use capacity::{
+    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
+    PushDownPoint, capacity, push_down,
+};
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
 pub use frame::Frame;

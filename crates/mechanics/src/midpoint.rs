@@ -162,17 +162,18 @@ impl Part<'_> {
         };
         let guess = first_guess(model, from, self.secs);
         let mut prediction = Prediction::default();
-        let mut strengths = PerBar::default();
         if let Some(law) = &model.strength {
             let turns = model
                 .frame
                 .turns(&model.frame.chords(&from.displacement), &guess);
             prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
-            strengths = prediction.strengths(&model.frame);
+            let strengths = prediction.strengths(&model.frame);
+            self.point.below.set_strength(strengths.below);
+            self.point.above.set_strength(strengths.above);
         }
         let near = from.predictor.normal(&from.forces);
-        self.point.below.expect(near.below, strengths.below);
-        self.point.above.expect(near.above, strengths.above);
+        self.point.below.expect(near.below);
+        self.point.above.expect(near.above);
         let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
         let increment = solved.increment;
         Ok(Trial {

@@ -103,10 +103,14 @@ pub(crate) struct BarStress {
 }
 
 impl BarStress {
-    /// Begins an iteration in which the normal force `near` \[N\] is expected and the hinges have the strength `strength`.
-    pub(crate) fn expect(&mut self, near: f64, strength: BarStrength) {
+    /// Begins an iteration in which the normal force `near` \[N\] is expected.
+    pub(crate) fn expect(&mut self, near: f64) {
         self.near = near;
         self.tangent = BarTangent::default();
+    }
+
+    /// Sets the strength of the hinges, which is at first that of a virgin column at rest.
+    pub(crate) fn set_strength(&mut self, strength: BarStrength) {
         self.strength = strength;
     }
 
@@ -276,15 +280,19 @@ impl PairSearch<'_> {
             if surface.has_corner_at_zero_axial() {
                 let state = self.at(&self.point(Branch::Axial, 0.0));
                 if state.value >= 0.0 {
-                    return self.held(0.0, &state, self.shared(0.0, &state));
+                    return self.at_zero(&state);
                 }
+            }
+            if self.relative <= NEGLIGIBLE_STEP && surface.is_sharp_at_zero_axial() {
+                return self.at_zero(&self.at(&self.point(Branch::Axial, 0.0)));
             }
             return self.bisect_newton(Branch::Axial, self.relative.min(split), near);
         }
-        if self.relative >= 1.0
-            && let Some(returned) = self.at_tip()
-        {
-            return returned;
+        if self.relative >= 1.0 {
+            let state = self.at(&self.point(Branch::Moment, 0.0));
+            if self.is_at_tip(&state) {
+                return self.at_tip(&state);
+            }
         }
         let near = if near >= split && near < 1.0 {
             surface.cap_of(near)
@@ -304,6 +312,7 @@ impl PairSearch<'_> {
             0.5 * (low + high)
         };
         let mut last_step = high - low;
+        let mut vertex_excluded = false;
         for _ in 0..MAX_RETURN_ITERATIONS {
             let point = self.point(branch, t);
             let PairedState { value, slope, .. } = self.at(&point);
@@ -323,6 +332,12 @@ impl PairSearch<'_> {
                     return self.on_curves(&point.moved_by(-newton));
                 }
             } else {
+                if low == 0.0 && !vertex_excluded {
+                    vertex_excluded = true;
+                    if let Some(returned) = self.near_vertex(branch) {
+                        return returned;
+                    }
+                }
                 let middle = 0.5 * (low + high);
                 last_step = (middle - t).abs();
                 t = middle;
@@ -369,37 +384,60 @@ impl PairSearch<'_> {
             })
     }
 
-    /// The stress at the tip of the weaker surface, if it is the optimum. Its hinge takes what is left of the elongation
-    /// after each hinge has taken what normality to its curve asks of its rotation.
-    fn at_tip(&self) -> Option<Returned> {
-        let Self { bar, strength, .. } = self;
-        let state = self.at(&self.point(Branch::Moment, 0.0));
-        let both = strength.lead.rest == 0.0;
-        // -dm_k/dn there, 0 where it is infinite.
-        let slopes = [0, 1].map(|k| {
-            if both || k == strength.weaker {
-                bar.tip_slope()
-            } else {
-                bar.surface.slope_beyond_tip(&strength.lead)
-            }
-        });
-        let rotation = &state.capped.rotation;
-        let own = [0, 1].map(|k| self.integral(&state, k) * slopes[k]);
-        let held_back = (0..2).any(|k| rotation[k] != 0.0 && slopes[k] == 0.0);
-        let taken = self.scale[0] * own[0] + self.scale[1] * own[1];
-        if held_back || 1.0 - self.relative + taken > 0.0 {
+    /// The stress at the vertex at which a branch begins, if the root lies closer to it than any stress is resolved.
+    #[cold]
+    fn near_vertex(&self, branch: Branch) -> Option<Returned> {
+        let beyond = self.at(&self.point(branch, NEGLIGIBLE_STEP)).value;
+        if beyond.is_nan() || beyond < 0.0 {
             return None;
         }
+        let state = self.at(&self.point(branch, 0.0));
+        Some(match branch {
+            Branch::Axial => self.at_zero(&state),
+            Branch::Moment => self.at_tip(&state),
+        })
+    }
+
+    /// The stress at `N = 0`.
+    fn at_zero(&self, state: &PairedState) -> Returned {
+        self.held(0.0, state, self.shared(0.0, state))
+    }
+
+    /// `-dm_k/dn` of both hinges at the tip of the weaker surface, 0 where it is infinite.
+    fn tip_slopes(&self) -> [f64; 2] {
+        let (surface, strength) = (&self.bar.surface, self.strength);
+        [0, 1].map(|k| {
+            if strength.lead.rest == 0.0 || k == strength.weaker {
+                self.bar.tip_slope()
+            } else {
+                surface.slope_beyond_tip(&strength.lead)
+            }
+        })
+    }
+
+    /// Whether the optimum is the tip of the weaker surface.
+    fn is_at_tip(&self, state: &PairedState) -> bool {
+        let slopes = self.tip_slopes();
+        let is_free = |k: usize| slopes[k] > 0.0 || state.capped.rotation[k] == 0.0;
+        let taken = |k: usize| self.scale[k] * self.integral(state, k) * slopes[k];
+        is_free(0) && is_free(1) && 1.0 - self.relative + taken(0) + taken(1) <= 0.0
+    }
+
+    /// The stress at the tip of the weaker surface. Its hinge takes what is left of the elongation after each hinge has taken
+    /// what normality to its curve asks of its rotation.
+    fn at_tip(&self, state: &PairedState) -> Returned {
+        let (slopes, strength) = (self.tip_slopes(), self.strength);
         let normal = self.sign * self.axial;
-        let total = (self.trial.normal - normal) * bar.axial_flexibility;
-        let mut elongation = [0, 1].map(|k| self.sign * own[k] * self.moment[k] / self.axial);
+        let total = (self.trial.normal - normal) * self.bar.axial_flexibility;
+        let mut elongation = [0, 1]
+            .map(|k| self.sign * self.integral(state, k) * slopes[k] * self.moment[k] / self.axial);
         let rest = total - elongation[0] - elongation[1];
-        if both {
+        if strength.lead.rest == 0.0 {
             elongation = elongation.map(|own| own + 0.5 * rest);
         } else {
             elongation[strength.weaker] += rest;
         }
-        Some(self.held(normal, &state, elongation))
+        self.held(normal, state, elongation)
     }
 
     /// Shares the bar's plastic elongation at the normal force `normal` \[N\] between its hinges as normality does; evenly

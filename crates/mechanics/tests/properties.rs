@@ -6,10 +6,12 @@
 )]
 
 use column_mechanics::{
-    ColumnProperties, ElasticLaw, Impact, Model, Phase, Progress, Response, Scheme, State,
-    StepError, Support, YieldExponents,
+    Capacity, ColumnProperties, ElasticLaw, Impact, MAX_PUSH_DOWN_INCREMENTS, Model, Phase,
+    Progress, PushDown, Response, Scheme, State, StepError, Support, YieldExponents,
+    residual_state,
 };
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRng, TestRunner};
 
 /// Random columns per scheme; both schemes together must reach at least 10 000.
@@ -17,6 +19,9 @@ const CASES: u32 = 6_000;
 
 /// Steps for which one random response is followed.
 const STEPS: u32 = 300;
+
+/// Push-downs of random columns, virgin and after an impact.
+const PUSH_DOWNS: u32 = 1_000;
 
 /// Minimum length of a bar in the parameter table \[m\].
 const MIN_BAR: f64 = 0.02;
@@ -227,4 +232,61 @@ fn conserving_midpoint_holds_on_random_columns() {
 #[test]
 fn midpoint_holds_on_random_columns() {
     run(Scheme::Midpoint);
+}
+
+/// The push-down of a column at rest, in slices; it must end, and its numbers must make sense.
+fn push_down(model: &Model, state: &State, imperfection: f64) -> Result<Capacity, TestCaseError> {
+    let mut push_down = PushDown::new(model, state, imperfection)
+        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let mut slices = 0;
+    let capacity = loop {
+        slices += 1;
+        if let Some(capacity) = push_down.advance(100) {
+            break capacity;
+        }
+        prop_assert!(slices <= MAX_PUSH_DOWN_INCREMENTS / 100, "it does not end");
+    };
+    prop_assert!(capacity.force.is_finite() && capacity.force >= 0.0);
+    prop_assert!(capacity.v1.is_finite() && capacity.shortening.is_finite());
+    Ok(capacity)
+}
+
+#[test]
+fn every_push_down_ends_with_a_capacity() {
+    let seed = TestRng::deterministic_rng(Config::default().rng_algorithm);
+    let mut runner = TestRunner::new_with_rng(Config::default(), seed);
+    let strategy = (
+        column(Scheme::ConservingMidpoint),
+        impact(),
+        log_uniform(1e-4, 0.02),
+    );
+    let mut done = 0;
+    let mut found = 0;
+    while done < PUSH_DOWNS {
+        let (properties, impact, bow) = strategy.new_tree(&mut runner).expect("a case").current();
+        let Ok(model) = Model::new(&properties) else {
+            continue;
+        };
+        let imperfection = bow * (properties.length_below + properties.length_above);
+        let mut state = State::at_rest(&model);
+        let virgin = push_down(&model, &state, imperfection);
+        let mut response = Response::begin(&model, &mut state, impact, 1e3).expect("a response");
+        for _ in 0..STEPS {
+            match response.advance(&model, &mut state, u64::MAX) {
+                Ok(Progress::Over(_)) | Err(_) => break,
+                Ok(_) => (),
+            }
+        }
+        let now = residual_state(&model, &state).map(|rest| push_down(&model, &rest, imperfection));
+        for capacity in [Some(virgin), now].into_iter().flatten() {
+            let capacity = capacity.unwrap_or_else(|failure| {
+                let case =
+                    serde_json::json!({ "column": properties, "impact": impact, "bow": bow });
+                panic!("{failure}\n{case}")
+            });
+            done += 1;
+            found += u32::from(!capacity.is_lower_bound());
+        }
+    }
+    println!("{found} of {done} push-downs found N_u");
 }
