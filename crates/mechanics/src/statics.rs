@@ -117,7 +117,10 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     };
     let solved = newton::solve(&system, state.displacement, &mut Point::default())?;
     let displacement = solved.increment;
-    collapse_of(model, &displacement)
-        .is_none()
-        .then(|| State::settled(model, displacement, state.plastic))
+    if collapse_of(model, &displacement).is_some() {
+        return None;
+    }
+    let mut residual = State::settled(model, displacement, state.plastic);
+    residual.set_accumulated_rotation(model, &state.accumulated_rotation());
+    Some(residual)
 }
