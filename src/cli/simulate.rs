@@ -13,9 +13,10 @@ use clap::Args;
 use super::failure::{Exit, Failure, unless_closed};
 use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
-use super::summary::Summary;
+use super::summary::{Accuracy, Summary};
 use column_twin::column::{
-    ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate,
+    ColumnProperties, Impact, Model, Report, Sample, SimulationError, error_estimate, respond,
+    simulate, with_half_the_step,
 };
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
@@ -147,6 +148,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let report =
         respond(&case.properties, &case.impact, case.max_duration).map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
+    let accuracy = case.accuracy(&report)?;
 
     let mut files = String::new();
     if history_to_output {
@@ -172,6 +174,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let summary = Summary {
         title: &case.title,
         report: &report,
+        accuracy,
         solve_time,
     };
     let text = match arguments.json {
@@ -238,6 +241,20 @@ impl Case {
             self.max_duration,
             observe,
         )?)
+    }
+
+    /// The step of `report`, and the error estimated from a second run with half of it.
+    fn accuracy(&self, report: &Report) -> Result<Accuracy, SimulateError> {
+        let model = Model::new(&self.properties).map_err(SimulationError::from)?;
+        let half = with_half_the_step(&model.properties)
+            .and_then(|half| respond(&half, &self.impact, self.max_duration).ok())
+            .filter(|half| half.outcome == report.outcome);
+        Ok(Accuracy {
+            dt: model.step_secs,
+            error_estimate: half
+                .map(|half| error_estimate(report.max_v1, half.max_v1))
+                .filter(|error| error.is_finite()),
+        })
     }
 
     fn write_history_file(&self, path: &Path) -> Result<(), SimulateError> {

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use column_twin::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
+use column_twin::column::{
+    End, HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
+};
 use column_twin::figures::units::{Unit, significant};
 use column_twin::shape::HINGE_PLACES;
 
@@ -17,8 +19,20 @@ pub struct Summary<'a> {
     pub title: &'a str,
     /// The outcome.
     pub report: &'a Report,
+    /// How exact it is.
+    pub accuracy: Accuracy,
     /// Computing time of the solver, without histories and figures.
     pub solve_time: Duration,
+}
+
+/// How exact a response is.
+#[derive(Debug, Clone, Copy)]
+pub struct Accuracy {
+    /// Length of a step \[s\].
+    pub dt: f64,
+    /// Relative error of the largest `v1`, estimated from a second run with half the step; `None` if the two runs have
+    /// different outcomes.
+    pub error_estimate: Option<f64>,
 }
 
 /// The summary for programs; the names are a stable interface. A value that does not exist is null.
@@ -51,6 +65,9 @@ struct SummaryFields {
     elastic_energy_change_j: f64,
     ledger_residual: f64,
     steps: u64,
+    dt_s: f64,
+    /// Relative, of `max_v1_m`.
+    error_estimate: Option<f64>,
     solve_time_s: f64,
     hinges: BTreeMap<&'static str, HingeFields>,
 }
@@ -98,6 +115,8 @@ impl Summary<'_> {
             elastic_energy_change_j: report.elastic_energy_change,
             ledger_residual: report.ledger_residual,
             steps: report.steps,
+            dt_s: self.accuracy.dt,
+            error_estimate: self.accuracy.error_estimate,
             solve_time_s: self.solve_time.as_secs_f64(),
             hinges: HINGE_NAMES
                 .into_iter()
@@ -123,6 +142,7 @@ impl Summary<'_> {
             End::DurationReached => "stopped at response.duration, not at rest",
             End::Collapsed => "collapsed",
             End::Severed => "severed",
+            End::NotConverged => "stopped where the equations did not converge",
         };
         writeln!(f, "Outcome    {verdict}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
@@ -310,10 +330,28 @@ impl Display for Summary<'_> {
         self.energy(f)?;
         writeln!(
             f,
-            "\nSolved in {} ({} steps)",
+            "\nSolved in {} ({} steps of {})",
             Unit::time(self.solve_time.as_secs_f64()).show(self.solve_time.as_secs_f64()),
             self.report.steps,
-        )
+            Unit::time(self.accuracy.dt).show(self.accuracy.dt),
+        )?;
+        match self.accuracy.error_estimate {
+            Some(error) => writeln!(
+                f,
+                "Accuracy   largest v1 within {error:.1e}, estimated with half the step"
+            ),
+            None => writeln!(
+                f,
+                "Accuracy   unknown: half the step has another outcome; reduce solver.dt"
+            ),
+        }?;
+        if self.report.restitution_ended_early() {
+            writeln!(
+                f,
+                "Rattling   from percussion {MAX_ELASTIC_PERCUSSIONS} on the restitution was 0"
+            )?;
+        }
+        Ok(())
     }
 }
 
@@ -333,11 +371,17 @@ mod tests {
     use super::*;
     use crate::cli::reference::Reference;
 
+    const ACCURACY: Accuracy = Accuracy {
+        dt: 5e-7,
+        error_estimate: Some(5e-8),
+    };
+
     fn text(report: &Report) -> String {
         let title = "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base";
         Summary {
             title,
             report,
+            accuracy: ACCURACY,
             solve_time: Duration::from_micros(5300),
         }
         .to_string()
@@ -378,6 +422,7 @@ mod tests {
         let summary = Summary {
             title: "",
             report: &report,
+            accuracy: ACCURACY,
             solve_time: Duration::from_millis(5),
         };
         let json: serde_json::Value = serde_json::from_str(&summary.json().unwrap()).unwrap();

@@ -168,6 +168,7 @@ fn end_code(end: End) -> u8 {
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
         End::Severed => 3, // END_SEVERED
+        End::NotConverged => 4, // END_NOT_CONVERGED
     }
 }
 

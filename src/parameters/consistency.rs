@@ -156,6 +156,7 @@ fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistenc
 }
 
 fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    // The longest step that the mechanics chooses is shorter than the shortest period of publishing.
     let per_step = settings.publish_rate * settings.solver.dt;
     if per_step > 1.0 + 1e-9 {
         found.push(Inconsistency {

@@ -62,7 +62,9 @@ pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value};
 
-use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
+use crate::column::{
+    ColumnProperties, Impact, MAX_RECOMMENDED_STEP_NANOS, Model, Support, YieldExponents,
+};
 use draft::Draft;
 use given::Assignment;
 
@@ -287,7 +289,7 @@ impl Parameters {
         }
     }
 
-    /// The column as the mechanics needs it.
+    /// The column as the mechanics needs it; a step of 0 ns is still to be chosen, by [`Model::new`].
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
         let Settings {
@@ -334,6 +336,19 @@ impl Parameters {
             ultimate_rotation: 0.0,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
+        }
+    }
+
+    /// Length of a step \[ns\], as given or as the mechanics chooses it for the hinges where the parameters have them; the
+    /// longest that it would choose where they do not make a column.
+    #[must_use]
+    pub fn step_nanos(&self) -> u64 {
+        let properties = self.column_properties();
+        match properties.step_nanos {
+            0 => Model::new(&properties).map_or(MAX_RECOMMENDED_STEP_NANOS, |model| {
+                model.properties.step_nanos
+            }),
+            given => given,
         }
     }
 
