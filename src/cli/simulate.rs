@@ -26,9 +26,10 @@ use column_twin::parameters::{
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
+use column_twin::report::{Origin, ReportDocument, ReportedImpact};
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
-use column_twin::whole_file::WholeFile;
+use column_twin::whole_file::{self, WholeFile};
 
 /// Arguments of `column-twin simulate`.
 #[derive(Debug, Args)]
@@ -52,6 +53,9 @@ pub struct SimulateArgs {
     /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Write a report for people: one HTML file with verdict, figures and provenance, which prints on A4
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
     #[arg(long, value_name = "DIR")]
@@ -91,6 +95,9 @@ enum SimulateError {
     #[error("cannot write the history to {}: {reason}", path.display())]
     #[diagnostic(help("name a file in an existing, writable folder"))]
     History { path: PathBuf, reason: io::Error },
+    #[error("cannot write the report to {}: {reason}", path.display())]
+    #[diagnostic(help("name a file in an existing, writable folder"))]
+    Report { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
     #[cfg(feature = "record")]
@@ -126,7 +133,6 @@ impl From<SimulateError> for Failure {
 /// An impact on a column.
 struct Case {
     title: String,
-    #[cfg(any(feature = "record", feature = "viewer"))]
     parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
@@ -163,6 +169,10 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     if let Some(folder) = &arguments.plots {
         let count = case.draw(&report, folder)?.len();
         files += &format!("Figures    {count} files in {}\n", folder.display());
+    }
+    if let Some(path) = &arguments.report {
+        case.write_report(&report, path)?;
+        files += &format!("Report     {}\n", path.display());
     }
     #[cfg(feature = "viewer")]
     if let Some(path) = &arguments.rrd {
@@ -223,7 +233,6 @@ impl Case {
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,
-            #[cfg(any(feature = "record", feature = "viewer"))]
             parameters,
             properties,
             impact,
@@ -296,18 +305,32 @@ impl Case {
     }
 
     fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
+        let impact = self.reported(report)?;
+        Ok(figures::draw_all(folder, &impact.history())?)
+    }
+
+    fn write_report(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
+        let document = ReportDocument {
+            origin: Origin::Simulation,
+            impacts: vec![self.reported(report)?.with_error_estimate()?],
+        };
+        let html = document.html()?;
+        whole_file::write(path, html.as_bytes()).map_err(|reason| SimulateError::Report {
+            path: path.to_path_buf(),
+            reason,
+        })
+    }
+
+    /// The impact with a history that is thinned to what figures need.
+    fn reported(&self, report: &Report) -> Result<ReportedImpact, SimulateError> {
         let mut thinning = HistoryThinning::new(report.steps, report.end_time);
         self.simulate(&mut |sample| thinning.push(sample))?;
-        let samples = thinning.finish();
-        let response = figures::ResponseHistory {
-            title: &self.title,
-            samples: &samples,
-            report,
-            yield_surface: self.properties.yield_surface,
-            resistance_moment: self.properties.resistance_moment,
-            resistance_axial: self.properties.resistance_axial,
-        };
-        Ok(figures::draw_all(folder, &response)?)
+        Ok(ReportedImpact::simulated(
+            &self.title,
+            &self.parameters,
+            thinning.finish(),
+            *report,
+        ))
     }
 }
 
