@@ -24,7 +24,9 @@ const MAX_RETURN_ITERATIONS: usize = 120;
 /// energy balance holds whatever the error is.) A bisection step gives no such bound and goes on to the last bit.
 const RETURN_TOLERANCE: f64 = 1e-9;
 
-/// A step of the root search below this is nothing beside any stress.
+/// A step of the root search below this is nothing beside any stress. A root below it lies at the vertex: with an exponent
+/// just above 1 the slope of the curve falls to zero so close to its end that no double resolves it (`n^0.001` is still
+/// one half at `n = 1e-301`), and the vertex is a corner as it is with the exponent 1.
 const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
@@ -587,6 +589,22 @@ enum Root {
     },
 }
 
+impl Root {
+    /// The vertex at which a branch begins.
+    fn vertex(branch: Branch) -> Self {
+        match branch {
+            Branch::Axial => Self::Vertex {
+                axial: 0.0,
+                cap: 1.0,
+            },
+            Branch::Moment => Self::Vertex {
+                axial: 1.0,
+                cap: 0.0,
+            },
+        }
+    }
+}
+
 impl Search<'_> {
     /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative, at the point `point` with
     /// coordinate `t`. Positive: the root lies at a smaller coordinate.
@@ -625,18 +643,15 @@ impl Search<'_> {
         // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
         if self.trial <= split || derivative_at(Branch::Axial, split) >= 0.0 {
             if surface.has_corner_at_zero_axial() && derivative_at(Branch::Axial, 0.0) >= 0.0 {
-                return Root::Vertex {
-                    axial: 0.0,
-                    cap: 1.0,
-                };
+                return Root::vertex(Branch::Axial);
+            }
+            if self.trial <= NEGLIGIBLE_STEP && surface.is_sharp_at_zero_axial() {
+                return Root::vertex(Branch::Axial);
             }
             return self.bisect_newton(Branch::Axial, self.trial.min(split), near);
         }
         if self.trial >= 1.0 && derivative_at(Branch::Moment, 0.0) >= 0.0 {
-            return Root::Vertex {
-                axial: 1.0,
-                cap: 0.0,
-            };
+            return Root::vertex(Branch::Moment);
         }
         let near = if near >= split && near < 1.0 {
             surface.cap_of(near)
@@ -644,6 +659,13 @@ impl Search<'_> {
             surface.point(Branch::Axial, split).other
         };
         self.bisect_newton(Branch::Moment, split, near)
+    }
+
+    /// Whether the root lies closer to the vertex at which the branch begins than any stress is resolved.
+    #[cold]
+    fn root_is_at_vertex(&self, branch: Branch) -> bool {
+        let point = self.bar.surface.point(branch, NEGLIGIBLE_STEP);
+        self.derivative(branch, NEGLIGIBLE_STEP, &point).0 >= 0.0
     }
 
     /// Newton's method on the monotone derivative, kept within a shrinking bracket that begins as `0..high`.
@@ -657,6 +679,7 @@ impl Search<'_> {
             0.5 * (low + high)
         };
         let mut last_step = high - low;
+        let mut vertex_excluded = false;
         for _ in 0..MAX_RETURN_ITERATIONS {
             let point = surface.point(branch, t);
             let (value, slope) = self.derivative(branch, t, &point);
@@ -677,6 +700,12 @@ impl Search<'_> {
                     return Root::Curve { branch, t, point };
                 }
             } else {
+                if low == 0.0 && !vertex_excluded {
+                    vertex_excluded = true;
+                    if self.root_is_at_vertex(branch) {
+                        return Root::vertex(branch);
+                    }
+                }
                 let middle = 0.5 * (low + high);
                 last_step = (middle - t).abs();
                 t = middle;
@@ -687,5 +716,45 @@ impl Search<'_> {
         }
         let point = surface.point(branch, t);
         Root::Curve { branch, t, point }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::properties::YieldExponents;
+
+    /// With `beta` just above 1 the root search once followed `n` down to the smallest doubles, where the curvature of the
+    /// surface is infinite, and returned a cap that was not a number.
+    #[test]
+    fn a_normal_force_of_zero_with_beta_just_above_one_is_a_corner() {
+        for beta in [1.001, 1.003, 1.0068315815888638, 1.02, 1.1] {
+            let exponents = YieldExponents {
+                alpha: 1.0,
+                beta,
+                gamma: 1.0,
+            };
+            let surface = YieldSurface::new(87_497.0, 1_979_908.0, exponents);
+            let bar = Bar::new(0.05, 1e10, [[5e7, 0.0], [0.0, 5e7]], surface);
+            for normal in [0.0, 1e-9, -0.267, 700.0, -4e4] {
+                let trial = BarForces {
+                    normal,
+                    moment: [2e5, 1.1e5],
+                };
+                let found = bar.return_stress(trial, 0.0);
+                let utilisation = surface.sum(found.forces.moment[0], found.forces.normal);
+                assert!(
+                    (utilisation - 1.0).abs() < 1e-12,
+                    "{beta} {normal}: {found:?}"
+                );
+                if beta <= 1.02 && normal.abs() < 1e3 {
+                    assert!(
+                        found.forces.normal.abs() < 1e-9,
+                        "{beta} {normal}: {found:?}"
+                    );
+                    assert!(bar.tangent(&found).axial < 1e-3 * bar.axial);
+                }
+            }
+        }
     }
 }

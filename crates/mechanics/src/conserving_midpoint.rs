@@ -8,6 +8,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::chain::{ChainEnd, ChainPoint};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -57,6 +58,14 @@ struct BarPoint {
     mean: BarForces,
 }
 
+/// What was evaluated at `n + 1`.
+#[derive(Default)]
+struct Point {
+    below: BarPoint,
+    above: BarPoint,
+    contact: ChainPoint,
+}
+
 impl BarPoint {
     /// `turn` is the rotation of the hinge at the impact point in addition to the chord.
     fn update(
@@ -78,7 +87,7 @@ impl BarPoint {
 }
 
 impl NonlinearSystem for Conserving<'_> {
-    type Point = PerBar<BarPoint>;
+    type Point = Point;
 
     fn evaluate(&self, increment: &Displacement, point: &mut Self::Point) -> Vector4<f64> {
         let (frame, from) = (&self.model.frame, self.from);
@@ -107,12 +116,17 @@ impl NonlinearSystem for Conserving<'_> {
             above: point.above.gradient,
         };
         let spring_u2 = from.displacement.u2 + 0.5 * increment.u2;
-        self.motion.residual(increment) + frame.internal_forces(&gradients, &mean, spring_u2)
+        self.motion.residual(increment, &mut point.contact)
+            + frame.internal_forces(&gradients, &mean, spring_u2)
     }
 
     fn jacobian(&self, point: &mut Self::Point) -> Matrix4<f64> {
         let frame = &self.model.frame;
-        let PerBar { below, above } = point;
+        let Point {
+            below,
+            above,
+            contact,
+        } = point;
         let tangents = PerBar {
             below: below.stress.linearise(&frame.below),
             above: above.stress.linearise(&frame.above),
@@ -131,7 +145,7 @@ impl NonlinearSystem for Conserving<'_> {
         };
         // The derivative of the discrete gradient is half the curvature of the chord, except for O(dt).
         let mut jacobian = frame.stiffness(&gradients, &chords, &mean, &tangents) * 0.5;
-        self.motion.add_jacobian(&mut jacobian);
+        self.motion.add_jacobian(&mut jacobian, contact);
         jacobian
     }
 
@@ -162,6 +176,8 @@ struct Trial {
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
     gap: f64,
+    /// The compliant vehicle at its end.
+    chain: Option<ChainEnd>,
 }
 
 /// Makes one part of a step, `offset_secs` into it and at most `secs` long: to its end, or to the first contact event.
@@ -180,10 +196,11 @@ pub(crate) fn part(
         model,
         offset_secs,
         events,
-        point: PerBar::default(),
+        point: Point::default(),
     };
-    match state.impactor {
+    match &state.impactor {
         None => solver.whole(state, secs),
+        Some(impactor) if impactor.is_compliant() => solver.whole(state, secs),
         Some(impactor) if impactor.closed => solver.closed(state, secs),
         Some(impactor)
             if state.gap() <= GAP_TOLERANCE && impactor.closing_speed(state.velocity.v1) > 0.0 =>
@@ -201,11 +218,11 @@ struct Part<'a> {
     offset_secs: f64,
     events: &'a mut Events,
     /// The last evaluation of the last trial.
-    point: PerBar<BarPoint>,
+    point: Point,
 }
 
 impl Part<'_> {
-    /// Without an impactor.
+    /// Without a rigid impactor, in one go.
     fn whole(&mut self, state: &mut State, secs: f64) -> Result<f64, Rejected> {
         let trial = self.attempt(state, secs)?;
         self.accept(state, &trial)
@@ -261,14 +278,16 @@ impl Part<'_> {
     /// Solves a part without looking for events.
     fn attempt(&mut self, from: &State, secs: f64) -> Result<Trial, Rejected> {
         let model = self.model;
-        let coupling = from.impactor.map(|i| i.coupling()).unwrap_or_default();
+        let impactor = from.impactor.as_ref();
+        let coupling = impactor.map(|i| i.coupling()).unwrap_or_default();
+        let chain = impactor.and_then(|i| i.chain_part(secs));
         let start = model.frame.chords(&from.displacement);
         let system = Conserving {
             model,
             from,
             start_angles: frame::angles(&start),
             start,
-            motion: Motion::new(model, from, coupling, secs),
+            motion: Motion::new(model, from, coupling, chain.as_ref(), secs),
         };
         let near = from.predictor.normal(&from.forces);
         self.point.below.stress.expect(near.below);
@@ -279,7 +298,7 @@ impl Part<'_> {
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
         let (mut contact_force, mut gap) = (0.0, 0.0);
-        if let Some(impactor) = &from.impactor {
+        if let Some(impactor) = impactor.filter(|it| !it.is_compliant()) {
             if impactor.closed {
                 let resistance = resistance(
                     model,
@@ -308,13 +327,14 @@ impl Part<'_> {
             newton_iterations: solved.iterations,
             contact_force,
             gap,
+            chain: chain.map(|part| part.end(&self.point.contact)),
         })
     }
 
     /// Moves the state to the end of the last trial and returns its length \[s\].
     fn accept(&self, state: &mut State, trial: &Trial) -> Result<f64, Rejected> {
         check_part(self.model, &state.displacement, &trial.end)?;
-        let PerBar { below, above } = &self.point;
+        let Point { below, above, .. } = &self.point;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(
             self.model,
@@ -335,7 +355,9 @@ impl Part<'_> {
             .predictor
             .learn(&trial.increment, trial.secs, trial.end, &state.forces);
         state.contact_force = trial.contact_force;
-        if let Some(impactor) = &mut state.impactor {
+        if let Some(end) = &trial.chain {
+            state.follow(self.model, (self.offset_secs, trial.secs), end);
+        } else if let Some(impactor) = &mut state.impactor {
             if impactor.closed {
                 impactor.position = trial.end.v1;
                 state.impulse += impactor.slow_down(trial.velocity.v1);

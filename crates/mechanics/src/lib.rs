@@ -15,8 +15,12 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod buckling;
+mod capacity;
+mod chain;
 mod conserving_midpoint;
 mod contact;
+mod crush;
 mod frame;
 mod geometry;
 mod impact;
@@ -38,8 +42,17 @@ mod vehicle;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use buckling::{
+    BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
+};
+pub use capacity::{
+    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
+    PushDownPoint, capacity, push_down,
+};
+pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};

@@ -150,7 +150,10 @@ impl Response {
 
     fn progress(&mut self, model: &Model, state: &State) -> Progress {
         let now = model.time_of_step(state.step);
-        let approaches = state.impactor.is_some_and(|it| it.touched_at.is_none());
+        let approaches = state
+            .impactor
+            .as_ref()
+            .is_some_and(|it| it.touched_at.is_none());
         if approaches && now <= self.approach_until {
             self.counted_from = now;
         }
@@ -165,7 +168,10 @@ impl Response {
 
     /// Whether the impactor has left for good or rests, and no hinge has flowed for long enough.
     fn is_settled(&mut self, model: &Model, state: &State, now: f64) -> bool {
-        let touched = state.impactor.is_none_or(|i| i.touched_at.is_some());
+        let touched = state
+            .impactor
+            .as_ref()
+            .is_none_or(|i| i.touched_at.is_some());
         // The period of the virgin column is known; that of the deformed column is computed only after it has passed.
         if !touched || now - self.last_flow < QUIET_PERIODS * model.slowest_period {
             return false;
@@ -180,21 +186,24 @@ impl Response {
         });
         let quiet = |since: f64| now - since >= QUIET_PERIODS * period;
         quiet(self.last_flow)
-            && state.impactor.is_none_or(|impactor| {
-                if impactor.closed {
+            && state.impactor.as_ref().is_none_or(|impactor| {
+                if impactor.closed && impactor.is_compliant() {
+                    // Its front pushes itself away.
+                    false
+                } else if impactor.closed {
                     let energies = state.energies(model);
                     energies.column_kinetic + energies.impactor_kinetic
                         <= REST_FRACTION * impactor.impact.energy()
                 } else {
                     // Once it recedes and the column has not reached it for a whole period, it never will.
-                    impactor.velocity <= 0.0 && quiet(self.last_contact)
+                    impactor.recedes_for_good() && quiet(self.last_contact)
                 }
             })
     }
 
     fn record(&mut self, model: &Model, before: &StepStart, state: &State) {
         let now = model.time_of_step(state.step);
-        let touching = state.impactor.is_some_and(|i| i.closed);
+        let touching = state.impactor.as_ref().is_some_and(|i| i.closed);
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
@@ -278,10 +287,9 @@ impl Response {
             .flatten();
         let yielded = self.first_yield.iter().any(Option::is_some);
         let end_time = model.time_of_step(state.step);
-        let touched = state.impactor.and_then(|i| i.touched_at);
-        let released = state
-            .impactor
-            .and_then(|i| if i.closed { None } else { i.released_at });
+        let impactor = state.impactor.as_ref();
+        let touched = impactor.and_then(|i| i.touched_at);
+        let released = impactor.and_then(|i| if i.closed { None } else { i.released_at });
         let ledger = &state.ledger;
         let PerBar { below, above } = &state.plastic;
         let (lower, upper) = (&model.frame.below.surface, &model.frame.above.surface);
@@ -314,7 +322,7 @@ impl Response {
             first_contact_time: touched,
             release_time: released,
             contact_duration: touched.map_or(0.0, |from| released.unwrap_or(end_time) - from),
-            impactor_velocity: state.impactor.map_or(0.0, |i| i.velocity),
+            impactor_velocity: impactor.map_or(0.0, |i| i.velocity),
             peak_contact_force: self.peak_force,
             peak_contact_force_time: self.peak_force_time,
             percussions: state.percussions,
@@ -331,8 +339,24 @@ impl Response {
             ledger_residual: self.worst_residual / ledger.input,
             steps: state.step,
             hinges,
-            vehicle: VehicleReport::default(),
+            vehicle: vehicle_report(state),
         }
+    }
+}
+
+/// What has become of a compliant vehicle.
+fn vehicle_report(state: &State) -> VehicleReport {
+    let impactor = state.impactor.as_ref();
+    let Some((vehicle, chain)) = impactor.and_then(|i| i.vehicle()) else {
+        return VehicleReport::default();
+    };
+    VehicleReport {
+        masses: vehicle.masses().len(),
+        max_crush: chain.springs.map(|spring| spring.largest),
+        permanent_crush: chain.springs.map(|spring| spring.permanent),
+        dissipated: state.ledger.vehicle_dissipated,
+        velocity: chain.velocity,
+        elastic_energy: chain.elastic_energy(vehicle),
     }
 }
 

@@ -3,12 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::chain::{Chain, ChainEnd};
 use super::contact::Impactor;
 use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
 use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
+use super::vehicle::MAX_MASSES;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -198,6 +200,7 @@ impl State {
     /// midpoint rule the penetration of the step in which contact closed remains.
     pub fn gap(&self) -> f64 {
         self.impactor
+            .as_ref()
             .map_or(0.0, |impactor| impactor.gap(self.displacement.v1))
     }
 
@@ -205,15 +208,16 @@ impl State {
     pub fn energies(&self, model: &Model) -> Energies {
         let square = |x: f64| x * x;
         let (velocity, u2, frame) = (&self.velocity, self.displacement.u2, &model.frame);
+        let impactor = self.impactor.as_ref();
         Energies {
             column_kinetic: 0.5
                 * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
                     + model.properties.top_mass * square(velocity.u2)),
-            impactor_kinetic: self.impactor.map_or(0.0, |i| i.kinetic_energy()),
+            impactor_kinetic: impactor.map_or(0.0, |i| i.kinetic_energy()),
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
-            vehicle_elastic: 0.0,
+            vehicle_elastic: impactor.map_or(0.0, |i| i.elastic_energy()),
             load_work: model.properties.top_load * u2,
         }
     }
@@ -239,6 +243,24 @@ impl State {
         }
     }
 
+    /// Moves a compliant vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
+    pub(crate) fn follow(
+        &mut self,
+        model: &Model,
+        (offset_secs, secs): (f64, f64),
+        end: &ChainEnd,
+    ) {
+        self.impulse += end.impulse;
+        let dissipated = &mut self.ledger.vehicle_dissipated;
+        for (total, part) in dissipated.iter_mut().zip(end.dissipated) {
+            *total += part;
+        }
+        if let Some(impactor) = &mut self.impactor {
+            let part = (self.step, offset_secs, secs);
+            self.contact_force = impactor.follow(model, part, self.displacement.v1, end);
+        }
+    }
+
     /// Records a percussion with this impulse \[N s\].
     pub(crate) fn count_percussion(&mut self, impulse: f64) {
         self.percussion += impulse;
@@ -249,7 +271,7 @@ impl State {
     /// Number of whole steps for which an impactor still approaches a column at rest; `None` if the column moves or has
     /// been touched.
     pub fn steps_to_contact(&self, model: &Model) -> Option<u64> {
-        let impactor = self.impactor?;
+        let impactor = self.impactor.as_ref()?;
         if impactor.touched_at.is_some() || self.velocity != Velocity::default() {
             return None;
         }
@@ -263,7 +285,7 @@ impl State {
         self.step += steps;
         self.percussion = 0.0;
         if let Some(impactor) = &mut self.impactor {
-            impactor.position = impactor.position_in_flight(model, self.step, 0.0);
+            impactor.coast(model, self.step, self.displacement.v1);
         }
     }
 
@@ -292,16 +314,19 @@ impl State {
                 f.moment[1],
             ]
         };
-        let impactor = self.impactor.map_or([0.0; 2], |i| [i.position, i.velocity]);
+        let impactor = self.impactor.as_ref();
+        let struck_by = impactor.map_or([0.0; 2], |i| [i.position, i.velocity]);
+        let chain = impactor.and_then(|i| i.vehicle()).map(|(_, chain)| chain);
         let ledger = &self.ledger;
         let numbers = [v1, u1, beta1, u2]
             .into_iter()
             .chain([self.velocity.v1, self.velocity.u1, self.velocity.u2])
             .chain(bar(&self.plastic.below, &self.forces.below))
             .chain(bar(&self.plastic.above, &self.forces.above))
-            .chain(impactor)
+            .chain(struck_by)
             .chain([self.contact_force, self.impulse, self.percussion_impulse])
-            .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work]);
+            .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work])
+            .chain(chain.into_iter().flat_map(Chain::numbers));
         std::iter::once(self.step)
             .chain(numbers.map(f64::to_bits))
             .flat_map(u64::to_le_bytes)
@@ -313,7 +338,7 @@ impl State {
     /// Everything that can be observed in this state.
     pub fn sample(&self, model: &Model) -> Sample {
         let energies = self.energies(model);
-        let impactor = self.impactor;
+        let impactor = self.impactor.as_ref();
         Sample {
             time: model.time_of_step(self.step),
             phase: self.phase(),
@@ -337,13 +362,38 @@ impl State {
             damping_work: self.ledger.damping_work,
             load_work: energies.load_work,
             ledger_residual: self.ledger.residual(&energies),
-            vehicle: VehicleSample::default(),
+            vehicle: self.vehicle(),
             hinges: self.hinges(model),
         }
     }
 
+    fn vehicle(&self) -> VehicleSample {
+        let impactor = self.impactor.as_ref();
+        impactor.and_then(|i| i.vehicle()).map_or_else(
+            VehicleSample::default,
+            |(vehicle, chain)| {
+                let mut force = [0.0; MAX_MASSES];
+                for (force, (spring, state)) in force
+                    .iter_mut()
+                    .zip(vehicle.springs().iter().zip(&chain.springs))
+                {
+                    *force = state.force(spring);
+                }
+                VehicleSample {
+                    masses: vehicle.masses().len(),
+                    velocity: chain.velocity,
+                    crush: chain.springs.map(|spring| spring.crush),
+                    permanent_crush: chain.springs.map(|spring| spring.permanent),
+                    force,
+                    dissipated: self.ledger.vehicle_dissipated,
+                    elastic_energy: chain.elastic_energy(vehicle),
+                }
+            },
+        )
+    }
+
     fn phase(&self) -> Phase {
-        match self.impactor {
+        match &self.impactor {
             None => Phase::Idle,
             Some(impactor) if impactor.closed => Phase::Contact,
             Some(impactor) if impactor.touched_at.is_some() => Phase::Free,

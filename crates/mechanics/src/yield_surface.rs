@@ -125,6 +125,11 @@ impl YieldSurface {
         self.beta == Power::One
     }
 
+    /// Whether the curvature of the surface is infinite at `N = 0`, where it holds the normal force of a bar that flows.
+    pub(crate) fn is_sharp_at_zero_axial(&self) -> bool {
+        matches!(self.beta, Power::Other(p) if p < 2.0)
+    }
+
     /// `m` on the quarter curve above `n`, `0 <= n <= 1`.
     pub(crate) fn cap_of(&self, n: f64) -> f64 {
         self.alpha.root(1.0 - self.beta.of(n))
