@@ -19,14 +19,15 @@ use column_twin::column::{
 };
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
-use column_twin::figures::units::significant;
-use column_twin::figures::{self, FigureError, HistoryThinning};
+#[cfg(feature = "viewer")]
+use column_twin::figures::HistoryThinning;
+use column_twin::figures::{self, FigureError};
 use column_twin::parameters::{
     Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
-use column_twin::report::{Origin, ReportDocument, ReportedImpact};
+use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
 use column_twin::whole_file::{self, WholeFile};
@@ -167,11 +168,11 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         files += &format!("Recording  {}\n", directory.display());
     }
     if let Some(folder) = &arguments.plots {
-        let count = case.draw(&report, folder)?.len();
+        let count = case.draw(folder)?.len();
         files += &format!("Figures    {count} files in {}\n", folder.display());
     }
     if let Some(path) = &arguments.report {
-        case.write_report(&report, path)?;
+        case.write_report(path)?;
         files += &format!("Report     {}\n", path.display());
     }
     #[cfg(feature = "viewer")]
@@ -222,14 +223,7 @@ impl Case {
         }
         let properties = parameters.column_properties();
         let impact = parameters.impact();
-        let title = format!(
-            "{}: {} kg at {} m/s ({} km/h), {} m above the base",
-            column_name(&parameters),
-            short(impact.mass),
-            short(impact.velocity),
-            short(3.6 * impact.velocity),
-            short(properties.length_below),
-        );
+        let title = title(&parameters, &impact, properties.length_below);
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,
@@ -304,15 +298,15 @@ impl Case {
         )?)
     }
 
-    fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
-        let impact = self.reported(report)?;
+    fn draw(&self, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
+        let impact = ReportedImpact::simulated(&self.parameters)?;
         Ok(figures::draw_all(folder, &impact.history())?)
     }
 
-    fn write_report(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
+    fn write_report(&self, path: &Path) -> Result<(), SimulateError> {
         let document = ReportDocument {
             origin: Origin::Simulation,
-            impacts: vec![self.reported(report)?.with_error_estimate()?],
+            impacts: vec![ReportedImpact::simulated(&self.parameters)?],
         };
         let html = document.html()?;
         whole_file::write(path, html.as_bytes()).map_err(|reason| SimulateError::Report {
@@ -320,25 +314,6 @@ impl Case {
             reason,
         })
     }
-
-    /// The impact with a history that is thinned to what figures need.
-    fn reported(&self, report: &Report) -> Result<ReportedImpact, SimulateError> {
-        let mut thinning = HistoryThinning::new(report.steps, report.end_time);
-        self.simulate(&mut |sample| thinning.push(sample))?;
-        Ok(ReportedImpact::simulated(
-            &self.title,
-            &self.parameters,
-            thinning.finish(),
-            *report,
-        ))
-    }
-}
-
-/// A number for a title: four significant digits without trailing zeros.
-fn short(value: f64) -> String {
-    let text = significant(value, 4);
-    text.parse::<f64>()
-        .map_or(text, |rounded| rounded.to_string())
 }
 
 /// Loads the parameters of the files with the overrides.
@@ -352,12 +327,4 @@ fn load(
         .iter()
         .map(|text| Source::Override(parse_override(text)));
     Parameters::load_in_order(&NodeName::default(), files.chain(overrides))
-}
-
-/// The name of the section, or the `column_id` if the section has none.
-fn column_name(parameters: &Parameters) -> &str {
-    parameters
-        .section()
-        .name
-        .unwrap_or(&parameters.settings().column_id)
 }

@@ -5,15 +5,22 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::impact_section;
 use super::limits::LIMITS;
 use super::provenance;
+#[cfg(feature = "record")]
+use super::recorded::ReportedRecording;
+#[cfg(feature = "record")]
+use super::recording_section;
 use super::reported_impact::ReportedImpact;
 use crate::figures::FigureError;
 use crate::parameters::{Parameters, Value};
 
 /// Where the impacts of a report come from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Origin {
     /// They were simulated on a virgin column.
     Simulation,
+    /// They were recorded.
+    #[cfg(feature = "record")]
+    Recording(Box<ReportedRecording>),
 }
 
 /// A report about one or several impacts.
@@ -23,6 +30,35 @@ pub struct ReportDocument {
     pub origin: Origin,
     /// The impacts, in their order.
     pub impacts: Vec<ReportedImpact>,
+}
+
+impl Origin {
+    fn overview(&self, impacts: &[ReportedImpact]) -> Markup {
+        match self {
+            Self::Simulation => html! {},
+            #[cfg(feature = "record")]
+            Self::Recording(recorded) => recording_section::overview(recorded, impacts),
+        }
+    }
+
+    fn facts(&self) -> Markup {
+        match self {
+            Self::Simulation => fact(
+                "Origin",
+                "simulation of an impact on a virgin column; nothing was measured",
+            ),
+            #[cfg(feature = "record")]
+            Self::Recording(recorded) => recording_section::facts(recorded),
+        }
+    }
+
+    fn verification(&self) -> Markup {
+        match self {
+            Self::Simulation => html! {},
+            #[cfg(feature = "record")]
+            Self::Recording(recorded) => recording_section::verification(recorded),
+        }
+    }
 }
 
 const STYLE: &str = include_str!("style.css");
@@ -59,6 +95,7 @@ impl ReportDocument {
                 }
                 body {
                     main {
+                        (self.origin.overview(&self.impacts))
                         @for section in &sections { (section) }
                         (limits())
                         (self.provenance())
@@ -80,13 +117,10 @@ impl ReportDocument {
                         @if let Some(build) = provenance::build() {
                             tr { th scope="row" { "Build" } td { code { (build) } } }
                         }
-                        @match self.origin {
-                            Origin::Simulation => {
-                                (fact("Origin", "simulation of an impact on a virgin column; nothing was measured"))
-                            }
-                        }
+                        (self.origin.facts())
                     }
                 }
+                (self.origin.verification())
                 @for (number, parameters) in self.parameter_sets() {
                     h3 { "Parameters that differ from the defaults" (of_impacts(number)) }
                     (changed_parameters(parameters))

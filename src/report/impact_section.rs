@@ -11,6 +11,7 @@ use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, draw_svg};
 use crate::shape::HINGE_PLACES;
+use crate::twin::Nanos;
 
 /// The section; `number` among several impacts.
 pub(super) fn markup(
@@ -36,6 +37,7 @@ pub(super) fn markup(
                 @if let Some(number) = number { "Impact " (number) ": " } @else { "Impact report: " }
                 (impact.title)
             }
+            @for remark in &impact.remarks { p.note { (remark) } }
             (what_hit_what(impact))
             (capacity(impact))
             (response(impact))
@@ -95,13 +97,17 @@ fn what_hit_what(impact: &ReportedImpact) -> Markup {
     let settings = parameters.settings();
     let section = parameters.section();
     let steel = parameters.steel();
-    let properties = &impact.properties;
+    let properties = &impact.model.properties;
     let given = |name: Option<&str>| name.unwrap_or("given by numbers").to_owned();
     let force = |si: f64| Unit::force(si).show(si);
     html! {
         h2 { "What hit what" }
         table.facts {
             tbody {
+                @if let Some((event_id, stamp)) = &impact.event {
+                    (fact("Event", event_id))
+                    (fact("Time of the event", when_in_words(*stamp)))
+                }
                 (fact("Column", &settings.column_id))
                 (fact("Section, steel", format!("{}, {} (f_y = {} MPa)", given(section.name), given(steel.grade),
                     significant(steel.yield_strength * 1e-6, 4))))
@@ -117,6 +123,16 @@ fn what_hit_what(impact: &ReportedImpact) -> Markup {
             }
         }
     }
+}
+
+#[cfg(feature = "record")]
+fn when_in_words(stamp: Nanos) -> String {
+    crate::recording::instant(stamp)
+}
+
+#[cfg(not(feature = "record"))]
+fn when_in_words(stamp: Nanos) -> String {
+    format!("{stamp} ns after 1970")
 }
 
 fn support(support: &Support) -> String {
@@ -283,7 +299,7 @@ fn uncertainty(impact: &ReportedImpact) -> Markup {
         h3 { "Uncertainty" }
         table.facts {
             tbody {
-                @match impact.error_estimate {
+                @match impact.error_estimate() {
                     Some(error) => {
                         (fact("Error of the time step", format!("{:.1e} of the largest v1, estimated by a second run with half the step", error)))
                     }

@@ -7,7 +7,9 @@ use super::refusal::{Refusal, RefusalCode};
 use super::registry::check_column_id;
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
-use crate::column::{ColumnProperties, Impact, ImpactSpecification, Report};
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State,
+};
 use crate::parameters::{Parameter, Parameters, Value};
 
 /// The column at one instant with its parameters: all that a what-if needs.
@@ -28,6 +30,12 @@ pub struct Prediction {
 }
 
 impl ColumnSnapshot {
+    /// The parameters that hold.
+    #[must_use]
+    pub fn parameters(&self) -> &Arc<Parameters> {
+        &self.parameters
+    }
+
     /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column;
     /// `stopwatch` gives monotonic nanoseconds.
     ///
@@ -55,6 +63,23 @@ impl ColumnSnapshot {
                 Err(Refusal::new(RefusalCode::NotComputed, reason))
             }
         }
+    }
+
+    /// The column with an impact on its way, for a caller who follows the response in every step.
+    ///
+    /// # Errors
+    /// The impact would be refused.
+    pub fn struck(
+        &self,
+        specification: &ImpactSpecification,
+    ) -> Result<(Model, State, Response), Refusal> {
+        let impact = self.complete(specification)?;
+        let Struck {
+            model,
+            state,
+            response,
+        } = self.strike(impact, specification.height)?;
+        Ok((model, state, response))
     }
 
     /// The impact with what its specification leaves open taken from the parameters, every number checked against the
