@@ -338,7 +338,12 @@ mod tests {
         report.hinges[0].plastic_rotation = -1.234_567;
         report.residual_v1 = None;
         report.first_contact_time = None;
-        for outcome in [Outcome::Elastic, Outcome::Plastic, Outcome::Collapsed] {
+        for outcome in [
+            Outcome::Elastic,
+            Outcome::Plastic,
+            Outcome::Collapsed,
+            Outcome::Severed,
+        ] {
             for line in text(&Report { outcome, ..report }).lines() {
                 assert!(line.chars().count() <= 80, "{line:?}");
             }

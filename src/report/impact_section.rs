@@ -5,6 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use super::document::fact;
 use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
+use super::uncertainty;
 use super::verdict::Verdict;
 use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
@@ -50,7 +51,7 @@ pub(super) fn markup(
             (figures.markup("contact_force", "Force between vehicle and column over time."))
             (vehicle(impact, &mut figures))
             (energy(impact, &mut figures))
-            (uncertainty(impact))
+            (uncertainty::markup(impact))
             h3 { "Axial response" }
             (figures.markup("fig6_vertical_displacement", "Vertical displacement of the impact point and of the top over time."))
             (figures.markup("fig7_normal_forces", "Normal forces of both bars over time."))
@@ -207,11 +208,13 @@ fn response(impact: &ReportedImpact) -> Markup {
 fn hinges(impact: &ReportedImpact) -> Markup {
     let report = &impact.report;
     let time = Unit::time(report.end_time);
+    let dynamic = impact.model.properties.rate.is_some();
     html! {
         h3 { "Hinges" }
         table {
             thead {
-                tr { th { "hinge" } th.number { "first yield" } th.number { "plastic rotation" } th.number { "utilisation" } }
+                tr { th { "hinge" } th.number { "first yield" } th.number { "plastic rotation" } th.number { "utilisation" }
+                    @if dynamic { th.number { "strength by strain rate" } } }
             }
             tbody {
                 @for index in 0..HINGES {
@@ -223,6 +226,7 @@ fn hinges(impact: &ReportedImpact) -> Markup {
                             (significant(hinge.plastic_rotation, 3)) " rad (" (format!("{:.2}", hinge.plastic_rotation.to_degrees())) "°)"
                         }
                         td.number { (format!("{:.3}", hinge.max_utilisation)) }
+                        @if dynamic { td.number { "× " (format!("{:.3}", report.max_dynamic_factor[index])) } }
                     }
                 }
             }
@@ -286,27 +290,6 @@ fn energy(impact: &ReportedImpact, figures: &mut Figures) -> Markup {
                 tr.sum { (row("supplied in total", supplied)) }
             }
         }
-        p.note {
-            "Largest residual of the energy balance after any step: " (format!("{:.1e}", impact.report.ledger_residual))
-            " of the energy of the vehicle."
-        }
         (figures.markup("energy_ledger", "Energy over time: the stack of all entries reaches the energy supplied until then."))
-    }
-}
-
-fn uncertainty(impact: &ReportedImpact) -> Markup {
-    html! {
-        h3 { "Uncertainty" }
-        table.facts {
-            tbody {
-                @match impact.error_estimate() {
-                    Some(error) => {
-                        (fact("Error of the time step", format!("{:.1e} of the largest v1, estimated by a second run with half the step", error)))
-                    }
-                    None => { (fact("Error of the time step", "not estimated")) }
-                }
-                (fact("Error of the model", "see \"What this report cannot know\""))
-            }
-        }
     }
 }

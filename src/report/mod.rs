@@ -17,6 +17,7 @@ mod recorded;
 #[cfg(feature = "record")]
 mod recording_section;
 mod reported_impact;
+mod uncertainty;
 mod verdict;
 mod words;
 

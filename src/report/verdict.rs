@@ -93,6 +93,20 @@ impl Verdict {
                     Unit::time(report.end_time).show(report.end_time),
                 ),
             ),
+            Outcome::Severed => {
+                let rotation = report.hinges[hinge].plastic_rotation;
+                (
+                    Tone::Alarm,
+                    "The column is severed".to_owned(),
+                    format!(
+                        "{} tears {} after the event, at a plastic rotation of {} rad ({:.1}°); a torn hinge carries nothing.",
+                        capitalised(&named),
+                        Unit::time(report.end_time).show(report.end_time),
+                        significant(rotation, 3),
+                        rotation.to_degrees(),
+                    ),
+                )
+            }
         };
         Self {
             tone,

@@ -9,8 +9,9 @@ use crate::parameters::Parameters;
 pub fn outcome_in_words(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Elastic => "elastic: no hinge has yielded",
-        Outcome::Plastic => "plastic: hinges have yielded and the column remains standing",
+        Outcome::Plastic => "plastic: hinges have yielded",
         Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
+        Outcome::Severed => "SEVERED: a hinge has passed its ultimate rotation and is torn",
     }
 }
 
@@ -21,6 +22,7 @@ pub fn end_in_words(end: End) -> &'static str {
         End::AtRest => "at rest",
         End::DurationReached => "stopped at response.duration, not at rest",
         End::Collapsed => "collapsed",
+        End::Severed => "severed",
     }
 }
 
