@@ -84,14 +84,15 @@ impl ReportDocument {
     /// The recording cannot be read, or contains no such impact.
     pub fn of_recording(path: &Path, event_id: Option<&str>) -> Result<Self, RecordedReportError> {
         let reader = Reader::open(path)?;
-        let (events, _) = recording::summarise_events(&reader)?;
-        check_events(path, &reader, &events, event_id)?;
         let mut gathered = Gathered {
             wanted: event_id.map(str::to_owned),
             ..Gathered::default()
         };
         let verification =
             evidence::verify_observed(&reader, &mut |observed| gathered.take(observed));
+        let (mut events, _) = recording::summarise_events(&reader)?;
+        add_commands(&mut events, &gathered.commands);
+        check_events(path, &reader, &events, event_id)?;
         let whole = reader.wholeness();
         let reports = gathered.finished.len();
         let impacts: Vec<_> = gathered
@@ -118,6 +119,30 @@ impl ReportDocument {
             origin: Origin::Recording(Box::new(recorded)),
             impacts,
         })
+    }
+}
+
+/// Adds what only the journal contains: events whose message was not recorded, and what the messages leave open.
+fn add_commands(events: &mut Vec<EventSummary>, commands: &[(ImpactCommand, Option<String>)]) {
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for (place, event) in events.iter().enumerate() {
+        places.insert(event.event_id.clone(), place);
+    }
+    for (command, refusal) in commands {
+        let place = *places.entry(command.event_id.clone()).or_insert_with(|| {
+            events.push(EventSummary {
+                event_id: command.event_id.clone(),
+                column_id: command.column_id.clone(),
+                refused: refusal.clone(),
+                ..EventSummary::default()
+            });
+            events.len() - 1
+        });
+        let event = &mut events[place];
+        event.stamp.get_or_insert(command.stamp);
+        let given = |number: f64| number.is_finite().then_some(number);
+        event.mass = event.mass.or(given(command.impact.mass));
+        event.velocity = event.velocity.or(given(command.impact.velocity));
     }
 }
 
@@ -196,6 +221,8 @@ struct Gathered {
     /// The twin at the last checkpoint, with the changes of parameters since then.
     at_rest: Option<Twin>,
     announced: HashMap<String, Announced>,
+    /// Every impact in the journal, with the reason if it was rejected.
+    commands: Vec<(ImpactCommand, Option<String>)>,
     /// The states of the response that runs, by their event.
     running: Option<(Arc<str>, Vec<Sample>, Option<Lengths>)>,
     finished: VecDeque<Finished>,
@@ -219,6 +246,10 @@ impl Gathered {
     }
 
     fn command(&mut self, record: &CommandRecord) {
+        if let Command::Impact(command) = &record.command {
+            let refusal = record.refusal.as_ref().map(ToString::to_string);
+            self.commands.push((command.clone(), refusal));
+        }
         if record.refusal.is_some() {
             return;
         }

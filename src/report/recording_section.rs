@@ -12,6 +12,9 @@ use crate::figures::units::Unit;
 use crate::outgoing::Topic;
 use crate::recording::{EventSummary, instant};
 
+/// Maximum number of events in the overview; of more events, the last ones are listed.
+const MAX_ROWS: usize = 500;
+
 /// The head of the document: faults of the recording and, where it contains several impacts, the last verdict and a table
 /// of all of them.
 pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
@@ -94,7 +97,9 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
     };
     let millimetres =
         |value: Option<f64>| value.map_or("-".to_owned(), |it| Unit::length(it).show(it));
+    let hidden = recorded.events.len().saturating_sub(MAX_ROWS);
     html! {
+        @if hidden > 0 { p.note { "The first " (hidden) " events are not listed; column-twin info lists all of them." } }
         table {
             thead {
                 tr {
@@ -103,7 +108,7 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
                 }
             }
             tbody {
-                @for event in &recorded.events {
+                @for event in &recorded.events[hidden..] {
                     tr {
                         th scope="row" {
                             @match section_of(event) {
