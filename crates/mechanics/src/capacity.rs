@@ -511,6 +511,26 @@ pub fn push_down(
     }
 }
 
+/// `N_Ed`: the compressive force that the column of a state carries at its top, without the share of the spring \[N\].
+#[must_use]
+pub fn carried_load(model: &Model, state: &State) -> f64 {
+    force_on_top(model, &state.displacement, &state.forces)
+}
+
+/// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
+/// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
+/// share away.
+#[must_use]
+pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
+    [&model.frame.below, &model.frame.above]
+        .into_iter()
+        .map(|bar| {
+            let hinges = if bar.rotational[1][1] > 0.0 { 2.0 } else { 1.0 };
+            hinges * bar.surface.moment_resistance(normal_force) / bar.length
+        })
+        .sum()
+}
+
 /// `E(U0) - E(0)` with `U0 = (bow, 0, 0, 0)`.
 fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
     let of_bar = |length: f64| {

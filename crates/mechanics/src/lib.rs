@@ -45,7 +45,7 @@ pub use buckling::{
 };
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
-    PushDownPoint, capacity, push_down,
+    PushDownPoint, capacity, carried_load, plastic_plateau, push_down,
 };
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
 pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
