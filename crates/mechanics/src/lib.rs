@@ -29,6 +29,7 @@ mod modes;
 mod motion;
 mod newton;
 mod properties;
+mod push_down_equations;
 mod report;
 mod response;
 mod sample;
