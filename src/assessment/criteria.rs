@@ -67,7 +67,17 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         severity: Severity::Evacuate,
         value: HINGE,
         consequence: "the section is torn and the column carries nothing",
-        evaluate: |input| Ok((input.largest_rotation(), input.ultimate_rotation)),
+        evaluate: |input| {
+            // A torn hinge lies beyond its limit, whatever remains of its rotation.
+            let beyond = if input.severed {
+                input.ultimate_rotation * (1.0 + f64::EPSILON)
+            } else {
+                0.0
+            };
+            let rotation = input.largest_rotation();
+            let value = if rotation < beyond { beyond } else { rotation };
+            Ok((value, input.ultimate_rotation))
+        },
     },
     Definition {
         name: "capacity_reserve_1",

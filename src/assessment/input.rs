@@ -25,6 +25,8 @@ pub struct AssessedImpact {
 pub struct AssessmentInput {
     /// Whether the column has lost its shape or its equilibrium.
     pub collapsed: bool,
+    /// Whether a hinge has torn in the response.
+    pub severed: bool,
     /// Plastic rotations of the hinges 1a, 1b, 2, 3 since the column was new \[rad\].
     pub plastic_rotation: [f64; HINGES],
     /// Plastic rotation at which a section tears \[rad\].
@@ -78,6 +80,7 @@ impl AssessmentInput {
     ) -> Self {
         Self {
             collapsed: report.outcome == Outcome::Collapsed,
+            severed: report.outcome == Outcome::Severed,
             plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
             max_v1: report.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
@@ -110,8 +113,13 @@ impl AssessmentInput {
         let p = &model.properties;
         Self {
             collapsed: false,
+            severed: false,
             plastic_rotation: [0.0; HINGES],
-            ultimate_rotation: ULTIMATE_ROTATION,
+            ultimate_rotation: if p.ultimate_rotation > 0.0 {
+                p.ultimate_rotation
+            } else {
+                ULTIMATE_ROTATION
+            },
             max_v1: 0.0,
             length_below: p.length_below,
             length_above: p.length_above,

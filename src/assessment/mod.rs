@@ -257,7 +257,7 @@ fn reason(
     if !missing.is_empty() {
         text.push_str(&format!(" Not evaluated: {}.", missing.join(", ")));
     }
-    if !input.collapsed {
+    if !(input.collapsed || input.severed) {
         text.push_str(&axes(input));
     }
     text

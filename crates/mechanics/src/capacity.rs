@@ -285,6 +285,9 @@ impl PushDown {
             u = solved.displacement;
             if share >= 1.0 {
                 self.begin(&solved, offset);
+                if self.is_severed() {
+                    self.finish(CapacityEnd::Severed);
+                }
                 return;
             }
         }
@@ -390,6 +393,9 @@ impl PushDown {
                 .above
                 .plus(1.0, &solved.stress.above.returned.flow),
         };
+        if self.is_severed() {
+            return self.finish(CapacityEnd::Severed);
+        }
         if self.force > self.capacity.force {
             self.capacity.force = self.force;
             self.capacity.shortening = self.displacement.u2 - self.unloaded.u2;
@@ -425,6 +431,20 @@ impl PushDown {
         } else {
             self.increment *= 0.5;
         }
+    }
+
+    /// Whether the plastic rotation of a hinge exceeds the ultimate rotation.
+    fn is_severed(&self) -> bool {
+        let ultimate = self.model.properties.ultimate_rotation;
+        let exceeded = |offset: &PlasticFlow, bow: &PlasticFlow| {
+            let rotations = offset.rotation.into_iter().zip(bow.rotation);
+            rotations
+                .map(|(all, bow)| (all - bow).abs())
+                .any(|plastic| plastic > ultimate)
+        };
+        ultimate > 0.0
+            && (exceeded(&self.offset.below, &self.bow.below)
+                || exceeded(&self.offset.above, &self.bow.above))
     }
 
     /// Whether the solution belongs to the path: one that is much further away has leapt to another equilibrium.

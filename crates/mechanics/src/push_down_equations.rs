@@ -5,11 +5,12 @@ use std::cell::Cell;
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::newton::zero_near;
+use super::strength::BarStress;
 
 /// Bound of the Newton iterations of one increment; two to four are usual.
 const MAX_ITERATIONS: u32 = 30;
