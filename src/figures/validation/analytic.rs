@@ -45,13 +45,28 @@ fn rigid_plastic(load: f64) -> ColumnProperties {
     }
 }
 
-/// The speed above which the rigid-plastic column under `load` \[N\] collapses \[m/s\]: the kinetic energy after the
-/// percussion is the work up to `w = 2 M / P`, where the mechanism no longer resists.
-fn critical_speed(column: &ColumnProperties, mass: f64) -> f64 {
+/// Moment of the hinges under the load \[N m\], `1/L_a + 1/L_b` \[1/m\], and the mass that moves with the impactor \[kg\].
+fn mechanism(column: &ColumnProperties) -> (f64, f64, f64) {
     let axial = column.top_load / column.resistance_axial;
     let moment = column.resistance_moment * (1.0 - axial.powf(1.3));
     let slope = 1.0 / column.length_below + 1.0 / column.length_above;
     let moved = column.mass_per_length * (column.length_below + column.length_above) / 3.0;
+    (moment, slope, moved)
+}
+
+/// `w` of `2 M g w - P g w^2 / 2 = (m + m_e) v+^2 / 2`, for small rotations \[m\].
+fn largest_displacement(column: &ColumnProperties, impact: &Impact) -> f64 {
+    let (moment, slope, moved) = mechanism(column);
+    let after = impact.mass * impact.velocity / (impact.mass + moved);
+    let energy = 0.5 * (impact.mass + moved) * after * after;
+    let (linear, square) = (2.0 * moment * slope, 0.5 * column.top_load * slope);
+    2.0 * energy / (linear + (linear * linear - 4.0 * square * energy).sqrt())
+}
+
+/// The speed above which the rigid-plastic column under `load` \[N\] collapses \[m/s\]: the kinetic energy after the
+/// percussion is the work up to `w = 2 M / P`, where the mechanism no longer resists.
+fn critical_speed(column: &ColumnProperties, mass: f64) -> f64 {
+    let (moment, slope, moved) = mechanism(column);
     let work = 2.0 * moment * moment * slope / column.top_load;
     let after = (2.0 * work / (mass + moved)).sqrt();
     after * (mass + moved) / mass
@@ -73,17 +88,26 @@ pub(super) fn chapter() -> String {
         );
     };
     let car = Impact::rigid(1500.0, 10.0);
-    for (load, expected) in [(0.0, 90.07), (0.5e6, 103.84), (1.0e6, 134.94)] {
-        let report = respond(&rigid_plastic(load), &car, 1.0).expect("a response");
+    // At 10 m/s the lower bar turns by up to 0.13 rad, which is no longer a small rotation under a high load.
+    for (load, velocity, tolerance) in [
+        (0.0, 10.0, TOLERANCE),
+        (0.5e6, 10.0, TOLERANCE),
+        (1.0e6, 10.0, 2.0 * TOLERANCE),
+        (1.0e6, 5.0, TOLERANCE),
+        (2.0e6, 3.0, TOLERANCE),
+    ] {
+        let column = rigid_plastic(load);
+        let impact = Impact { velocity, ..car };
+        let report = respond(&column, &impact, 1.0).expect("a response");
         row(
             &format!(
-                "rigid-plastic column, 1500 kg at 10 m/s, P = {} MN: max v1",
+                "rigid-plastic column, 1500 kg at {velocity} m/s, P = {} MN: max v1",
                 1e-6 * load
             ),
             "mm",
-            expected,
+            1e3 * largest_displacement(&column, &impact),
             1e3 * report.max_v1,
-            TOLERANCE,
+            tolerance,
         );
     }
     for (load, expected) in [(0.5e6, 23.28), (1.0e6, 14.13), (2.0e6, 5.93)] {
@@ -242,7 +266,7 @@ const CHAPTER: &str = "
 ## Analytic solutions
 
 Columns whose elastic stiffness is raised a thousandfold come close to rigid-plastic ones, for which the displacement follows from an energy balance.
-The speeds of collapse are those of small rotations; the simulated columns rotate far, which explains the deviation at a small load.
+The solutions hold for small rotations, which explains the deviations where the simulated columns rotate far: at 10 m/s under 1 MN, and for the speeds of collapse.
 
 | quantity | analytic | two bars | deviation |
 |---|---|---|---|
