@@ -24,19 +24,6 @@ fn permanent_share(spring: &CrushSpring, piece: &Piece) -> f64 {
     1.0 - piece.slope / spring.unloading_stiffness
 }
 
-/// The permanent crush after a largest crush \[m\].
-fn permanent_crush(spring: &CrushSpring, largest: f64) -> f64 {
-    let mut permanent = 0.0;
-    for piece in spring.envelope.pieces() {
-        let end = piece.end.min(largest);
-        permanent += (end - piece.begin[0]) * permanent_share(spring, &piece);
-        if largest <= piece.end {
-            break;
-        }
-    }
-    permanent.min(largest)
-}
-
 impl SpringState {
     /// A new spring with this distance before it acts \[m\].
     pub(crate) fn open_by(distance: f64) -> Self {
@@ -69,20 +56,25 @@ impl SpringState {
         if crush <= self.largest {
             return (Self { crush, ..*self }, 0.0);
         }
-        let mut dissipated = 0.0;
+        let stiffness = spring.unloading_stiffness;
+        let (mut dissipated, mut permanent) = (0.0, self.permanent);
         let mut from = self.largest;
         for piece in spring.envelope.pieces_beyond(from) {
             let to = piece.end.min(crush);
-            dissipated += piece.work(from, to) * permanent_share(spring, &piece);
-            from = to;
+            let share = permanent_share(spring, &piece);
+            dissipated += piece.work(from, to) * share;
             if crush <= piece.end {
+                let [begin, force] = piece.begin;
+                permanent = (begin - force / stiffness) + (crush - begin) * share;
                 break;
             }
+            from = to;
         }
         let state = Self {
             crush,
             largest: crush,
-            permanent: permanent_crush(spring, crush),
+            // Growing in spite of round-off.
+            permanent: permanent.max(self.permanent).min(crush),
         };
         (state, dissipated)
     }
@@ -122,6 +114,31 @@ impl<'a> Stretch<'a> {
     /// Force at the start of the part \[N\].
     pub(crate) fn force_at_start(&self) -> f64 {
         self.from.force(self.spring)
+    }
+
+    /// \[N/m\]
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.spring.unloading_stiffness
+    }
+
+    /// The mean force if the spring stayed on the straight piece on which it starts.
+    pub(crate) fn tangent(&self, increment: f64) -> MeanForce {
+        let is_open = if increment > 0.0 {
+            self.from.crush < self.from.permanent
+        } else {
+            self.from.is_open()
+        };
+        let slope = if is_open {
+            0.0
+        } else if self.from.crush == self.from.largest && increment > 0.0 {
+            self.ahead.slope
+        } else {
+            self.stiffness()
+        };
+        MeanForce {
+            force: self.force_at_start() + 0.5 * slope * increment,
+            slope: 0.5 * slope,
+        }
     }
 
     /// The mean force while the crush grows by `increment` \[m\].
@@ -188,11 +205,6 @@ impl<'a> Stretch<'a> {
             force,
             slope: slope.min(0.5 * stiffness),
         }
-    }
-
-    /// The state and the energy dissipated \[J\] at the end of the part.
-    pub(crate) fn end(&self, increment: f64) -> (SpringState, f64) {
-        self.from.crushed_by(self.spring, increment)
     }
 }
 

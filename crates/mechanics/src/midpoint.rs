@@ -6,7 +6,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, BarStress, PerBar};
-use super::chain::{ChainEnd, ChainPoint};
+use super::chain::ChainPoint;
 use super::contact::Coupling;
 use super::frame;
 use super::geometry::{Chord, Displacement};
@@ -94,8 +94,6 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// The compliant vehicle at its end.
-    chain: Option<ChainEnd>,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -175,7 +173,6 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            chain: chain.map(|part| part.end(&self.point.contact)),
         })
     }
 
@@ -189,9 +186,12 @@ impl Part<'_> {
     fn fly(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
         self.accept(state, trial)?;
         state.contact_force = 0.0;
-        if let Some(end) = &trial.chain {
-            state.follow(self.model, (self.offset_secs, self.secs), end);
-        } else if let Some(impactor) = &mut state.impactor {
+        if let Some(impactor) = &mut state.impactor {
+            if impactor.is_compliant() {
+                let part = (self.offset_secs, self.secs);
+                state.follow(self.model, part, &self.point.contact);
+                return Ok(());
+            }
             if impactor.closed {
                 impactor.release(self.model, state.step, self.offset_secs);
             }
