@@ -16,13 +16,14 @@ use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bar::{BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
 use super::newton::zero_near;
 use super::state::State;
+use super::strength::BarStress;
 
 /// Largest bow that is accepted, relative to the height.
 pub const MAX_IMPERFECTION: f64 = 0.1;

@@ -7,14 +7,18 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bracketing;
 use super::chain::ChainPoint;
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
+use super::strength::BarStress;
 
 /// Most closings and releases in one step; after them contact stays as it is to the end of the step.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
@@ -56,6 +60,8 @@ struct BarPoint {
     gradient: ChordGradient,
     stress: BarStress,
     mean: BarForces,
+    /// Angle by which the chord has turned \[rad\].
+    turn: f64,
 }
 
 /// What was evaluated at `n + 1`.
@@ -83,6 +89,7 @@ impl BarPoint {
         self.mean = forces.mean(&self.stress.returned.forces);
         self.chord = chord;
         self.gradient = gradient;
+        self.turn = chord_turn;
     }
 }
 
@@ -172,6 +179,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// Of the resistances over it.
+    prediction: Prediction,
     /// Contact force at its end \[N\]; negative where impactor and column would separate.
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
@@ -287,11 +296,8 @@ impl Part<'_> {
             start,
             motion: Motion::new(model, from, coupling, chain.as_ref(), secs),
         };
-        let near = from.predictor.normal(&from.forces);
-        self.point.below.stress.expect(near.below);
-        self.point.above.stress.expect(near.above);
         let guess = from.predictor.increment(&from.velocity, secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let (solved, prediction) = self.solve(&system, guess, secs)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
@@ -323,9 +329,70 @@ impl Part<'_> {
             velocity,
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            prediction,
             contact_force,
             gap,
         })
+    }
+
+    /// Solves the equations with the resistances that are expected at the end of the part.
+    ///
+    /// A stress of the start that lies outside of a surface that has shrunk could do negative work on a flow that reverses
+    /// it. Such a part is solved again with the surface of its start, on which that work cannot be negative.
+    fn solve(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        secs: f64,
+    ) -> Result<(newton::Solved, Prediction), Rejected> {
+        let (model, from) = (system.model, system.from);
+        let Some(law) = &model.strength else {
+            return Ok((self.solve_with(system, guess, None)?, Prediction::default()));
+        };
+        let turns = model.frame.turns(&system.start, &guess);
+        let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
+        let solved = self.solve_with(system, guess, Some(&prediction))?;
+        if !self.gains_energy() {
+            return Ok((solved, prediction));
+        }
+        let prediction = prediction.not_below(&from.strength);
+        let again = self.solve_with(system, guess, Some(&prediction))?;
+        let iterations = solved.iterations + again.iterations;
+        let solved = newton::Solved {
+            iterations,
+            ..again
+        };
+        Ok((solved, prediction))
+    }
+
+    fn solve_with(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        prediction: Option<&Prediction>,
+    ) -> Result<newton::Solved, Rejected> {
+        let from = system.from;
+        if let Some(prediction) = prediction {
+            let strengths = prediction.strengths(&system.model.frame);
+            self.point.below.stress.set_strength(strengths.below);
+            self.point.above.stress.set_strength(strengths.above);
+        }
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.stress.expect(near.below);
+        self.point.above.stress.expect(near.above);
+        bracketing::solve_with_fallback(system, guess, &mut self.point)
+    }
+
+    /// Whether the mean stress does negative work on the flow of any hinge.
+    fn gains_energy(&self) -> bool {
+        let gains = |point: &BarPoint| {
+            let flow = &point.stress.returned.flow;
+            (0..2).any(|k| {
+                point.mean.normal * flow.elongation[k] + point.mean.moment[k] * flow.rotation[k]
+                    < 0.0
+            })
+        };
+        gains(&self.point.below) || gains(&self.point.above)
     }
 
     /// Moves the state to the end of the last trial and returns its length \[s\].
@@ -339,6 +406,18 @@ impl Part<'_> {
             &above.stress.returned.flow,
             1.0,
         );
+        if let Some(law) = &self.model.strength {
+            let turns = PerBar {
+                below: below.turn,
+                above: above.turn,
+            };
+            let flow = PerBar {
+                below: &below.stress.returned.flow,
+                above: &above.stress.returned.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, trial.secs, &trial.prediction, flow, 1.0);
+        }
         state.forces = PerBar {
             below: below.stress.returned.forces,
             above: above.stress.returned.forces,
@@ -422,7 +501,8 @@ impl Part<'_> {
 }
 
 /// Newton's impact law on an impactor that touches and closes, `offset_secs` into the step, and the contact force that it
-/// leaves behind. The last event that a step may have is perfectly inelastic.
+/// leaves behind. The last event that a step may have is perfectly inelastic, and so are percussions beyond
+/// [`MAX_ELASTIC_PERCUSSIONS`].
 pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events: &mut Events) {
     events.count += 1;
     let Some(mut impactor) = state.impactor else {
@@ -433,7 +513,7 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     impactor.position = state.displacement.v1;
     let mut restitution = 0.0;
     if speed > 0.0 {
-        if !events.exhausted() {
+        if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {
             restitution = impactor.effective_restitution(speed);
         }
         let percussion = impactor.percussion(model, speed, restitution);

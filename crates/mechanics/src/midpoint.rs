@@ -5,16 +5,19 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{BarForces, BarStress, PerBar};
+use super::bar::{BarForces, PerBar};
+use super::bracketing;
 use super::chain::ChainPoint;
 use super::contact::Coupling;
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
-use super::newton::{self, NonlinearSystem};
+use super::newton::NonlinearSystem;
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
 use super::statics;
+use super::strength::BarStress;
 
 /// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
 /// persistent contact.
@@ -94,6 +97,8 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// Of the resistances up to `n + 1/2`.
+    prediction: Prediction,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -162,17 +167,28 @@ impl Part<'_> {
             from,
             motion: Motion::new(model, from, coupling, chain.as_ref(), self.secs),
         };
+        let guess = first_guess(model, from, self.secs);
+        let mut prediction = Prediction::default();
+        if let Some(law) = &model.strength {
+            let turns = model
+                .frame
+                .turns(&model.frame.chords(&from.displacement), &guess);
+            prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            let strengths = prediction.strengths(&model.frame);
+            self.point.below.set_strength(strengths.below);
+            self.point.above.set_strength(strengths.above);
+        }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
-        let guess = first_guess(model, from, self.secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            prediction,
         })
     }
 
@@ -249,6 +265,20 @@ impl Part<'_> {
         check_part(self.model, &state.displacement, &end)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
+        if let Some(law) = &self.model.strength {
+            let frame = &self.model.frame;
+            let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
+            let turns = PerBar {
+                below: from.below.discrete_gradient(&to.below).1,
+                above: from.above.discrete_gradient(&to.above).1,
+            };
+            let flow = PerBar {
+                below: &below.flow,
+                above: &above.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, self.secs, &trial.prediction, flow, 2.0);
+        }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
         state.ledger.damping_work += trial.damping_work;

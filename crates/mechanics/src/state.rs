@@ -9,6 +9,7 @@ use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
+use super::rate::{HingeStrength, Strengths};
 use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
 use super::vehicle::MAX_MASSES;
 
@@ -35,6 +36,9 @@ pub struct State {
     pub velocity: Velocity,
     /// Plastic deformation of the hinges, since the column was new.
     pub plastic: PerBar<PlasticFlow>,
+    /// Strain rate and hardening of the hinges.
+    #[serde(default)]
+    pub strength: PerBar<[HingeStrength; 2]>,
     /// Forces of the bars at the end of the step.
     pub forces: PerBar<BarForces>,
     /// Which hinges flowed in the last step, per bar.
@@ -165,6 +169,7 @@ impl State {
             displacement,
             velocity: Velocity::default(),
             plastic,
+            strength: Strengths::default(),
             forces: model.frame.elastic_forces(&chords, &displacement, &plastic),
             flowing: PerBar::default(),
             impactor: None,
@@ -178,11 +183,44 @@ impl State {
             predictor: Predictor::default(),
         };
         state.ledger = Ledger::open(&state.energies(model), 0.0);
+        state.set_accumulated_rotation(
+            model,
+            &PerBar {
+                below: plastic.below.rotation.map(f64::abs),
+                above: plastic.above.rotation.map(f64::abs),
+            },
+        );
         state
     }
 
-    /// Receives an impactor: the column keeps its motion and its plastic deformation, the clock and the ledger restart,
-    /// and an earlier impactor is gone.
+    /// Sets the accumulated plastic rotations \[rad\] of a column at rest, per bar: at the impact point, at the other end.
+    /// [`State::settled`] takes the absolute plastic rotations, which is right unless a hinge has turned back.
+    pub fn set_accumulated_rotation(&mut self, model: &Model, accumulated: &PerBar<[f64; 2]>) {
+        for (hinges, accumulated) in [
+            (&mut self.strength.below, accumulated.below),
+            (&mut self.strength.above, accumulated.above),
+        ] {
+            *hinges = accumulated.map(|accumulated_rotation| HingeStrength {
+                accumulated_rotation,
+                ..HingeStrength::default()
+            });
+        }
+        if let Some(law) = &model.strength {
+            law.settle(&mut self.strength);
+        }
+    }
+
+    /// Accumulated plastic rotations \[rad\], per bar.
+    pub fn accumulated_rotation(&self) -> PerBar<[f64; 2]> {
+        let of = |hinges: &[HingeStrength; 2]| hinges.map(|hinge| hinge.accumulated_rotation);
+        PerBar {
+            below: of(&self.strength.below),
+            above: of(&self.strength.above),
+        }
+    }
+
+    /// Receives an impactor: the column keeps its motion and its plastic deformation, the clock, the ledger and the filter of
+    /// the strain rate restart, and an earlier impactor is gone.
     pub(crate) fn receive(&mut self, model: &Model, impactor: Impactor) {
         self.step = 0;
         self.flowing = PerBar::default();
@@ -192,6 +230,14 @@ impl State {
         self.percussions = 0;
         self.impulse = 0.0;
         self.newton_iterations = 0;
+        for hinge in self
+            .strength
+            .below
+            .iter_mut()
+            .chain(&mut self.strength.above)
+        {
+            hinge.begin();
+        }
         self.impactor = Some(impactor);
         self.ledger = Ledger::open(&self.energies(model), impactor.kinetic_energy());
     }
@@ -240,6 +286,8 @@ impl State {
         for k in 0..2 {
             self.flowing.below[k] |= model.frame.below.flows(below, k);
             self.flowing.above[k] |= model.frame.above.flows(above, k);
+            self.strength.below[k].accumulate(factor * below.rotation[k]);
+            self.strength.above[k].accumulate(factor * above.rotation[k]);
         }
     }
 
@@ -411,20 +459,27 @@ impl State {
                      plastic: &PlasticFlow,
                      total: &BarStrain,
                      flowing: &[bool; 2],
-                     k: usize| HingeSample {
-            moment: forces.moment[k],
-            normal_force: forces.normal,
-            rotation: total.rotation[k],
-            elongation: 0.5 * total.minus(plastic).elongation + plastic.elongation[k],
-            plastic_rotation: plastic.rotation[k],
-            plastic_elongation: plastic.elongation[k],
-            utilisation: bar.surface.utilisation(forces.moment[k], forces.normal),
-            state: hinge_state(flowing[k], bar.flows(plastic, k)),
+                     strength: &[HingeStrength; 2],
+                     k: usize| {
+            let factors = &strength[k].factors;
+            let (moment, normal_force) = factors.reduced(forces.moment[k], forces.normal);
+            HingeSample {
+                moment: forces.moment[k],
+                normal_force: forces.normal,
+                rotation: total.rotation[k],
+                elongation: 0.5 * total.minus(plastic).elongation + plastic.elongation[k],
+                plastic_rotation: plastic.rotation[k],
+                plastic_elongation: plastic.elongation[k],
+                utilisation: bar.surface.utilisation(moment, normal_force),
+                dynamic_factor: factors.dynamic,
+                state: hinge_state(flowing[k], bar.flows(plastic, k)),
+            }
         };
         let Self {
             forces: f,
             plastic: p,
             flowing: w,
+            strength: s,
             ..
         } = self;
         let below = |k| {
@@ -434,6 +489,7 @@ impl State {
                 &p.below,
                 &total.below,
                 &w.below,
+                &s.below,
                 k,
             )
         };
@@ -444,6 +500,7 @@ impl State {
                 &p.above,
                 &total.above,
                 &w.above,
+                &s.above,
                 k,
             )
         };

@@ -93,6 +93,9 @@ prop_compose! {
             top_mass: mass,
             top_load: load * resistance_axial,
             damping_ratio: damping,
+            rate: None,
+            hardening_ratio: 0.0,
+            ultimate_rotation: 0.0,
             scheme,
             step_nanos: step_nanos as u64,
         }
