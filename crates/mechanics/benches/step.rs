@@ -7,8 +7,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use column_mechanics::{
-    ColumnProperties, Impact, Model, Progress, Response, State, begin_impact, respond, simulate,
-    step,
+    ColumnProperties, Impact, Model, Progress, RateLaw, RateProperties, Response, State,
+    begin_impact, respond, simulate, step,
 };
 use example::example;
 
@@ -44,6 +44,28 @@ const EXPONENTS: [(&str, [&str; 3]); 3] = [
         ],
     ),
 ];
+
+/// The strength of the hinges: constant, with strain rate, with strain rate and hardening.
+const STRENGTHS: [&str; 3] = ["constant", "rate", "rate and hardening"];
+
+/// The properties with a strength of [`STRENGTHS`].
+fn strengthened(properties: &ColumnProperties, strength: &str) -> ColumnProperties {
+    let rate = RateProperties {
+        law: RateLaw::Logarithmic {
+            c: 6.0 / 355.0,
+            reference: 5e-5,
+        },
+        time_constant: 1e-3,
+        max_factor: 1.25,
+        hinge_length: 0.22,
+        section_height: 0.22,
+    };
+    ColumnProperties {
+        rate: (strength != STRENGTHS[0]).then_some(rate),
+        hardening_ratio: if strength == STRENGTHS[2] { 0.01 } else { 0.0 },
+        ..*properties
+    }
+}
 
 const SCHEMES: [&str; 2] = ["midpoint", "conserving_midpoint"];
 
@@ -135,6 +157,27 @@ fn main() {
                 cost.sampled,
                 cost.sampled / cost.response,
                 cost.newton_iterations
+            );
+        }
+    }
+    println!(
+        "\nns per step of the same with strain rate and hardening, and its ratio to that with constant strength"
+    );
+    println!(
+        "{:<20}{:<15}{:>21}{:>8}{:>22}{:>8}",
+        "scheme", "exponents", "rate", "ratio", "rate and hardening", "ratio"
+    );
+    for scheme in SCHEMES {
+        for (name, exponents) in EXPONENTS {
+            let chosen = format!("solver.scheme:={scheme}");
+            let (properties, impact) =
+                example(&[&[chosen.as_str(), "solver.dt:=1.0e-5"], &exponents[..]].concat());
+            let [constant, rate, both] =
+                STRENGTHS.map(|strength| cost(&strengthened(&properties, strength), &impact).step);
+            println!(
+                "{scheme:<20}{name:<15}{rate:>21.0}{:>8.2}{both:>22.0}{:>8.2}",
+                rate / constant,
+                both / constant
             );
         }
     }
