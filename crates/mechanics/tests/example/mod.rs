@@ -1,6 +1,8 @@
 //! The paper's example (Table 1).
 
-use column_mechanics::{ColumnProperties, ElasticLaw, Impact, Scheme, Support, YieldExponents};
+use column_mechanics::{
+    ColumnProperties, ElasticLaw, Impact, RateLaw, RateProperties, Scheme, Support, YieldExponents,
+};
 
 /// The paper's column and impact, with the conserving midpoint rule and steps of 20 microseconds.
 pub fn paper() -> (ColumnProperties, Impact) {
@@ -42,6 +44,26 @@ pub fn paper() -> (ColumnProperties, Impact) {
     (properties, impact)
 }
 
+/// Strain rate of a section of 220 mm by a law.
+fn rate(law: RateLaw) -> RateProperties {
+    RateProperties {
+        law,
+        time_constant: 1e-3,
+        max_factor: 1.25,
+        hinge_length: 0.22,
+        section_height: 0.22,
+    }
+}
+
+/// Strain rate after the CEB for S355, `f_y + 6 MPa ln(e / 5e-5)`.
+#[allow(dead_code, reason = "not every test needs it")]
+pub fn ceb() -> RateProperties {
+    rate(RateLaw::Logarithmic {
+        c: 6.0 / 355.0,
+        reference: 5e-5,
+    })
+}
+
 /// The paper's example with some values changed, `name:=value` each, by the names of the program's parameters.
 #[allow(dead_code, reason = "not every test changes values by name")]
 pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
@@ -62,6 +84,11 @@ pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
             "top.mass" => p.top_mass = number(),
             "top.load" => p.top_load = number(),
             "damping.ratio" => p.damping_ratio = number(),
+            "rate.law" if value == "logarithmic" => p.rate = Some(ceb()),
+            "rate.law" if value == "cowper_symonds" => {
+                p.rate = Some(rate(RateLaw::CowperSymonds { d: 3200.0, q: 5.0 }));
+            }
+            "hardening.ratio" => p.hardening_ratio = number(),
             "impact.mass" => impact.mass = number(),
             "impact.velocity" => impact.velocity = number(),
             "impact.gap" => impact.gap = number(),
