@@ -19,6 +19,7 @@ mod bar;
 mod bracketing;
 mod buckling;
 mod capacity;
+mod capped_moments;
 mod chain;
 mod conserving_midpoint;
 mod contact;
