@@ -6,6 +6,7 @@ use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
     Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
+    vehicle_names,
 };
 use proptest::prelude::*;
 
@@ -181,7 +182,7 @@ const WRONG_LISTED: &str = r#"17 faults in the parameters
   wrong.yaml:14:13: top.load: `.nan` is not a finite number; allowed: 0 to 1e9 N
   wrong.yaml:15:7: top.load is given a second time; the first is in line 14; remove one of the two
   wrong.yaml:17:7: impact.velocty is not a parameter (did you mean impact.velocity?)
-  wrong.yaml:18:13: impact.mass: `1500 kg` is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg
+  wrong.yaml:18:13: impact.mass: `1500 kg` is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg, or 0 or NaN (the vehicle's own mass; not for a rigid one)
   wrong.yaml:19:7: impact.gap has no value; allowed: 0 to 100 m
   wrong.yaml:20:16: solver.dt: `1.00005e-5` is not a whole number of nanoseconds; the nearest is 1.0001e-5
   wrong.yaml:21:5: colour is not a parameter; docs/parameters.md lists all parameters
@@ -394,7 +395,7 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
             Just(Value::Double(max))
         ]
         .boxed(),
-        Admissible::RealOrZero { min, max, .. } => {
+        Admissible::RealOrZero { min, max, .. } | Admissible::RealOrOpen { min, max, .. } => {
             prop_oneof![real(min, max), Just(Value::Double(0.0))].boxed()
         }
         Admissible::WholeNanoseconds { min, max } => ((min * 1e9) as u64..=(max * 1e9) as u64)
@@ -421,6 +422,9 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
                 .collect();
             prop::sample::select(names).prop_map(Value::from).boxed()
         }
+        Admissible::VehicleName => prop::sample::select(vehicle_names().collect::<Vec<_>>())
+            .prop_map(Value::from)
+            .boxed(),
         Admissible::SteelGrade => prop::sample::select(STEEL_GRADES)
             .prop_map(|grade| Value::from(grade.name))
             .boxed(),

@@ -38,6 +38,7 @@ mod spelling;
 mod steel;
 mod table;
 mod value;
+mod vehicles;
 mod yaml;
 
 use std::path::{Path, PathBuf};
@@ -53,16 +54,24 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, DampingSettings, EventSettings, GeometrySettings, HingeSettings, RealTimeSettings,
-    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
-    SolverSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AssessmentSettings, Compression, DampingSettings, EventSettings, GeometrySettings,
+    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
+    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
+    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
+    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value};
+pub use vehicles::{
+    CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID, Sourced,
+    SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, vehicle_catalogue,
+    vehicle_names,
+};
 
-use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, Support, Vehicle, YieldExponents,
+};
 use draft::Draft;
 use given::Assignment;
 
@@ -93,6 +102,8 @@ pub struct ColumnSection {
     pub second_moment: f64,
     /// `m_l` \[kg/m\].
     pub mass_per_length: f64,
+    /// `h` \[m\] in the plane of bending; 0 if it is not known.
+    pub height: f64,
     /// `W_pl` \[m³\] of a named section.
     pub plastic_modulus: Option<f64>,
 }
@@ -220,17 +231,21 @@ impl Parameters {
         &self.settings
     }
 
-    /// The default impact, for what an impact event leaves open.
+    /// The default impact with its vehicle, for what an impact event leaves open.
     #[must_use]
     pub fn impact(&self) -> Impact {
-        let given = &self.settings.impact;
-        Impact {
-            mass: given.mass,
-            velocity: given.velocity,
-            gap: given.gap,
-            restitution: given.restitution,
-            vehicle: None,
-        }
+        impact_of(&self.settings).expect("the vehicle was checked with the other parameters")
+    }
+
+    /// The vehicle that an event names, as far as the mechanics knows it; `None` is a rigid mass. An empty name is the
+    /// vehicle of the parameters.
+    ///
+    /// [`ImpactSpecification::complete`] gives it the mass of the event.
+    ///
+    /// # Errors
+    /// An unknown name, with the nearest known one.
+    pub fn vehicle_named(&self, name: &str) -> Result<Option<Vehicle>, VehicleFault> {
+        self.settings.vehicle.vehicle_named(name)
     }
 
     /// Maximum duration of a response \[s\].
@@ -253,6 +268,7 @@ impl Parameters {
                 given.mass_per_length,
                 computed.map(|it| it.mass_per_length),
             ),
+            height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
             plastic_modulus: computed.map(|it| it.plastic_modulus),
         }
     }
@@ -375,6 +391,24 @@ impl From<Parameters> for Settings {
     fn from(parameters: Parameters) -> Self {
         parameters.settings
     }
+}
+
+/// The default impact of parameters that need not be consistent.
+///
+/// # Errors
+/// A vehicle that is none, or a total mass that is not above that of its front masses.
+fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
+    let given = &settings.impact;
+    let specification = ImpactSpecification {
+        mass: given.mass,
+        velocity: given.velocity,
+        gap: Some(given.gap),
+        restitution: Some(given.restitution),
+        height: None,
+    };
+    let vehicle = settings.vehicle.vehicle()?;
+    let rigid = Impact::rigid(given.mass, given.velocity);
+    Ok(specification.complete(&rigid, vehicle)?)
 }
 
 /// The given number, or else that of the named section or grade.
