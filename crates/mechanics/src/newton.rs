@@ -255,7 +255,7 @@ fn balance_massless<S: NonlinearSystem>(
 /// Where a force that does not decrease with `x` vanishes, searched from 0 with a first step for its elastic stiffness, up
 /// to `reach`; 0 if it does not vanish there. Bisection, because next to a corner of the yield surface the force is a
 /// staircase.
-fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
+pub(crate) fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
     let start = force(0.0);
     let (mut near, mut far) = (0.0, -start / stiffness);
     if far == 0.0 || !far.is_finite() {

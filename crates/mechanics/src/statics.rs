@@ -10,7 +10,9 @@ use super::model::Model;
 use super::motion::collapse_of;
 use super::newton::{self, NonlinearSystem};
 use super::properties::Scheme;
+use super::rate::Collocation;
 use super::state::State;
+use super::strength::{self, BarStrength};
 
 /// Bound of the iterations for a massless top.
 const MAX_MASSLESS_ITERATIONS: u32 = 30;
@@ -135,9 +137,17 @@ pub(crate) fn top_is_carried(model: &Model, state: &State, secs: f64) -> bool {
             2.0 * load - force_on_top(model, &state.displacement, &state.forces)
         }
     };
+    let strengths = model.strength.as_ref().map_or_else(PerBar::default, |law| {
+        let moved = u.minus(state.displacement);
+        let turns = model
+            .frame
+            .turns(&model.frame.chords(&state.displacement), &moved);
+        let prediction = law.predict(&state.strength, &turns, secs, Collocation::End);
+        prediction.strengths(&model.frame)
+    });
     let unbalanced = |share: f64| {
         let u2 = state.displacement.u2 + share * reach;
-        carried_by_top(model, Displacement { u2, ..u }, &state.plastic) - target
+        carried_by_top(model, Displacement { u2, ..u }, &state.plastic, &strengths) - target
     };
     let mut before = unbalanced(-1.0);
     for sample in 1..=SUPPORT_SAMPLES {
@@ -158,20 +168,26 @@ fn force_on_top(model: &Model, u: &Displacement, forces: &PerBar<BarForces>) -> 
 }
 
 /// `f_int(4)` \[N\] at given `v1`, `u1`, `u2`, with `beta1` in equilibrium and the stress on or within the yield surface.
-fn carried_by_top(model: &Model, mut u: Displacement, plastic: &PerBar<PlasticFlow>) -> f64 {
+fn carried_by_top(
+    model: &Model,
+    mut u: Displacement,
+    plastic: &PerBar<PlasticFlow>,
+    strengths: &PerBar<BarStrength>,
+) -> f64 {
     let frame = &model.frame;
     let chords = frame.chords(&u);
     let gradients = frame::gradients(&chords);
     let angles = frame::angles(&chords);
     let internal = |u: &Displacement| {
         let total = frame::strains(&chords, &angles, u.beta1);
-        let returned = |bar: &Bar, total: &BarStrain, plastic| {
-            bar.return_stress(bar.elastic(&total.minus(plastic)), 0.0)
-                .forces
+        let returned = |bar: &Bar, strength, total: &BarStrain, plastic| {
+            let trial = bar.elastic(&total.minus(plastic));
+            strength::return_stress(bar, strength, trial, 0.0).forces
         };
+        let (below, above) = (&plastic.below, &plastic.above);
         let forces = PerBar {
-            below: returned(&frame.below, &total.below, &plastic.below),
-            above: returned(&frame.above, &total.above, &plastic.above),
+            below: returned(&frame.below, &strengths.below, &total.below, below),
+            above: returned(&frame.above, &strengths.above, &total.above, above),
         };
         frame.internal_forces(&gradients, &forces, u.u2)
     };
@@ -196,7 +212,10 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     };
     let solved = newton::solve(&system, state.displacement, &mut Point::default())?;
     let displacement = solved.increment;
-    collapse_of(model, &displacement)
-        .is_none()
-        .then(|| State::settled(model, displacement, state.plastic))
+    if collapse_of(model, &displacement).is_some() {
+        return None;
+    }
+    let mut residual = State::settled(model, displacement, state.plastic);
+    residual.set_accumulated_rotation(model, &state.accumulated_rotation());
+    Some(residual)
 }

@@ -26,7 +26,8 @@ pub const MAX_PARTS: u32 = 8192;
 pub fn begin_impact(model: &Model, state: &mut State, impact: Impact) -> Result<(), ImpactError> {
     impact.check()?;
     state.receive(model, Impactor::new(impact, state.displacement.v1));
-    if model.scheme() == Scheme::ConservingMidpoint && impact.gap == 0.0 {
+    let is_rigid = impact.vehicle.is_none();
+    if model.scheme() == Scheme::ConservingMidpoint && impact.gap == 0.0 && is_rigid {
         // On a bent column contact begins with a force.
         conserving_midpoint::strike(model, state, 0.0, &mut Default::default());
     }
