@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
+use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
     Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
@@ -77,11 +77,35 @@ fn the_paper_as_printed() {
 fn the_same_column_computed_is_the_default() {
     let parameters = Parameters::load(&[in_repository("config/heb220_s355.yaml")], &[])
         .expect("the shipped file");
+    // Without the strain rate and with the rigid mass it is the default.
+    let idealised = [
+        ("rate.law", Value::from("none")),
+        ("vehicle.name", "rigid".into()),
+        ("impact.mass", 1500.0.into()),
+    ];
+    let idealised = parameters.with_changes(idealised).expect("right");
     assert_eq!(
-        parameters.column_properties(),
+        idealised.column_properties(),
         Parameters::default().column_properties()
     );
-    assert_eq!(parameters.impact(), Parameters::default().impact());
+    assert_eq!(idealised.impact(), Parameters::default().impact());
+    let rate = parameters.column_properties().rate.expect("on");
+    let RateLaw::Logarithmic { c, reference } = rate.law else {
+        panic!("{rate:?}")
+    };
+    assert!((c * 355e6 - 6e6).abs() < 1e-3);
+    assert_eq!((reference, rate.time_constant), (5e-5, 1e-3));
+    assert_eq!(
+        (rate.max_factor, rate.section_height, rate.hinge_length),
+        (1.25, 0.22, 0.22)
+    );
+    let car = parameters.impact();
+    assert_eq!((car.mass, car.velocity), (1719.0, 10.0));
+    assert_eq!(
+        car.vehicle,
+        parameters.vehicle_named("mid_car").expect("known")
+    );
+    assert!(parameters.settings().vehicle.narrow_object);
     let (section, steel) = (parameters.section(), parameters.steel());
     assert_eq!((section.name, steel.grade), (Some("HEB220"), Some("S355")));
     assert_eq!(format!("{:.2}", section.area * 1e4), "91.04");
@@ -436,8 +460,8 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
             min_len,
             max_len,
         } => prop::collection::vec(admissible(of), min_len..=max_len)
-            .prop_map(|elements| match elements.first() {
-                Some(Value::Double(_)) => {
+            .prop_map(move |elements| match of {
+                Admissible::Real { .. } => {
                     Value::DoubleArray(elements.iter().filter_map(number).collect())
                 }
                 _ => Value::StringArray(elements.iter().map(Value::plain).collect()),

@@ -70,10 +70,13 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    ColumnProperties, Impact, ImpactSpecification, Support, Vehicle, YieldExponents,
+    ColumnProperties, Impact, ImpactSpecification, RateLaw, RateProperties, Support, Vehicle,
+    YieldExponents,
 };
 use draft::Draft;
 use given::Assignment;
+use steel::{CEB_STRENGTH_PER_LOG_RATE, rate_factor_cap};
+use table::MAX_RATE_FACTOR;
 
 /// A complete and consistent set of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -303,6 +306,37 @@ impl Parameters {
         }
     }
 
+    /// Increase of the resistances with the strain rate, with its open numbers filled in; `None` without.
+    fn rate(&self) -> Option<RateProperties> {
+        let given = &self.settings.rate;
+        let yield_strength = self.steel().yield_strength;
+        let (law, max_factor) = match given.law {
+            RateLawKind::None => return None,
+            RateLawKind::CowperSymonds => {
+                let law = RateLaw::CowperSymonds {
+                    d: given.d,
+                    q: given.q,
+                };
+                (law, MAX_RATE_FACTOR)
+            }
+            RateLawKind::Logarithmic => {
+                let law = RateLaw::Logarithmic {
+                    c: or_else(given.c, CEB_STRENGTH_PER_LOG_RATE / yield_strength),
+                    reference: given.reference,
+                };
+                (law, rate_factor_cap(yield_strength))
+            }
+        };
+        let section_height = self.section().height;
+        Some(RateProperties {
+            law,
+            time_constant: given.time_constant,
+            max_factor: or_else(given.max_factor, max_factor),
+            hinge_length: or_else(given.hinge_length, section_height),
+            section_height,
+        })
+    }
+
     /// The column as the mechanics needs it.
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
@@ -314,6 +348,8 @@ impl Parameters {
             top,
             solver,
             damping,
+            hardening,
+            assessment,
             ..
         } = &self.settings;
         let (section, steel) = (self.section(), self.steel());
@@ -345,9 +381,9 @@ impl Parameters {
             top_mass: top.mass,
             top_load: top.load,
             damping_ratio: damping.ratio,
-            rate: None,
-            hardening_ratio: 0.0,
-            ultimate_rotation: 0.0,
+            rate: self.rate(),
+            hardening_ratio: hardening.ratio,
+            ultimate_rotation: assessment.ultimate_rotation,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
         }
@@ -416,11 +452,12 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
 
 /// The given number, or else that of the named section or grade.
 fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
-    if number > 0.0 {
-        number
-    } else {
-        of_name.unwrap_or(0.0)
-    }
+    or_else(number, of_name.unwrap_or(0.0))
+}
+
+/// The given number, or else the one that takes the place of 0.
+fn or_else(number: f64, otherwise: f64) -> f64 {
+    if number > 0.0 { number } else { otherwise }
 }
 
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {
