@@ -8,7 +8,9 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bracketing;
 use super::chain::{ChainEnd, ChainPoint};
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
@@ -381,7 +383,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.stress.expect(near.below);
         self.point.above.stress.expect(near.above);
-        newton::solve(system, guess, &mut self.point).ok_or(Rejected::TooLong)
+        bracketing::solve_with_fallback(system, guess, &mut self.point)
     }
 
     /// Whether the mean stress does negative work on the flow of any hinge.
@@ -499,7 +501,8 @@ impl Part<'_> {
 }
 
 /// Newton's impact law on an impactor that touches and closes, `offset_secs` into the step, and the contact force that it
-/// leaves behind. The last event that a step may have is perfectly inelastic.
+/// leaves behind. The last event that a step may have is perfectly inelastic, and so are percussions beyond
+/// [`MAX_ELASTIC_PERCUSSIONS`].
 pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events: &mut Events) {
     events.count += 1;
     let Some(mut impactor) = state.impactor else {
@@ -510,7 +513,7 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     impactor.position = state.displacement.v1;
     let mut restitution = 0.0;
     if speed > 0.0 {
-        if !events.exhausted() {
+        if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {
             restitution = impactor.effective_restitution(speed);
         }
         let percussion = impactor.percussion(model, speed, restitution);

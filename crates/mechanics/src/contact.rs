@@ -19,6 +19,12 @@ use super::vehicle::Vehicle;
 /// taken as persistent from there on, because rebounds with restitution accumulate, infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
+/// Percussions of one response that follow Newton's law with the restitution given; those after them are perfectly
+/// inelastic. A restitution near 1 lets the light impact point rattle before a heavy impactor, tens of times per step and
+/// without end, which is persistent contact in all but name. With a restitution of 0.9 one closing of contact makes 90
+/// percussions.
+pub const MAX_ELASTIC_PERCUSSIONS: u32 = 2_000;
+
 /// What strikes the column, on its way: a rigid mass or a compliant vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {

@@ -16,6 +16,7 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod bracketing;
 mod buckling;
 mod capacity;
 mod chain;
@@ -54,7 +55,7 @@ pub use capacity::{
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
-pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
 pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;

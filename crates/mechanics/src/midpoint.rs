@@ -6,13 +6,14 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, PerBar};
+use super::bracketing;
 use super::chain::{ChainEnd, ChainPoint};
 use super::contact::Coupling;
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
-use super::newton::{self, NonlinearSystem};
+use super::newton::NonlinearSystem;
 use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
 use super::statics;
@@ -182,7 +183,7 @@ impl Part<'_> {
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::sample::HINGES;
 use super::vehicle::MAX_MASSES;
 
@@ -114,6 +115,14 @@ pub struct VehicleReport {
     pub velocity: [f64; MAX_MASSES],
     /// Elastic energy stored in all springs at the end \[J\], >= 0.
     pub elastic_energy: f64,
+}
+
+impl Report {
+    /// Whether the response had more percussions than follow the restitution given (only with the conserving scheme): from
+    /// number [`MAX_ELASTIC_PERCUSSIONS`] on they were perfectly inelastic, and what they lost is part of `impact_loss`.
+    pub fn restitution_ended_early(&self) -> bool {
+        self.percussions > MAX_ELASTIC_PERCUSSIONS
+    }
 }
 
 /// The history of one hinge in a response.

@@ -10,7 +10,6 @@ use super::model::Model;
 use super::motion::{Collapse, NEGLIGIBLE_PART, Rejected, StepError};
 use super::properties::Scheme;
 use super::state::State;
-use super::statics;
 
 /// How often a part of a step may be halved.
 pub const MAX_HALVINGS: u32 = 12;
@@ -78,7 +77,7 @@ fn in_parts(
                 // shows whether it really goes there.
                 secs *= 0.5;
                 if secs < min_secs {
-                    return Err(failure(model, state, collapse, 2.0 * secs));
+                    return Err(failure(state, collapse, 2.0 * secs));
                 }
                 continue;
             }
@@ -106,15 +105,7 @@ fn in_parts(
 }
 
 /// Why a step failed whose smallest part, of `part_secs`, was rejected; a collapse completes the step.
-fn failure(
-    model: &Model,
-    state: &mut State,
-    collapse: Option<Collapse>,
-    part_secs: f64,
-) -> StepError {
-    let load_is_lost =
-        || model.top_is_massless() && !statics::top_is_carried(model, state, part_secs);
-    let collapse = collapse.or_else(|| load_is_lost().then_some(Collapse::LoadNotCarried));
+fn failure(state: &mut State, collapse: Option<Collapse>, part_secs: f64) -> StepError {
     match collapse {
         Some(collapse) => {
             state.step += 1;
