@@ -5,7 +5,9 @@
 use super::settings::{RateLawKind, Settings, SpringSettings, SupportKind};
 use super::value::readable;
 use super::vehicles::VehicleFault;
-use crate::column::{CrushCurve, CrushSpring, ElasticLaw, Vehicle, VehicleError};
+use crate::column::{
+    CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError,
+};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +27,7 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     rate_suits_the_step(settings, &mut found);
     vehicle_is_complete(settings, &mut found);
     strain_rate_has_a_height(settings, &mut found);
+    imperfection_suits_the_height(settings, &mut found);
     found
 }
 
@@ -167,6 +170,24 @@ fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
                 "exceeds one sample per step of {} s; give at most {} Hz, or a shorter solver.dt",
                 readable(settings.solver.dt),
                 readable((1.0 / settings.solver.dt).floor())
+            ),
+        });
+    }
+}
+
+fn imperfection_suits_the_height(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let geometry = &settings.geometry;
+    let largest = MAX_IMPERFECTION * (geometry.length_below + geometry.length_above);
+    if settings.capacity.imperfection > largest {
+        found.push(Inconsistency {
+            names: vec![
+                "capacity.imperfection",
+                "geometry.length_below",
+                "geometry.length_above",
+            ],
+            message: format!(
+                "exceeds a tenth of the column's height; give at most {} m, or 0 for the value of the buckling curve",
+                readable(largest)
             ),
         });
     }
@@ -694,6 +715,15 @@ mod tests {
         assert_eq!(faults(&by_numbers), ["section.height"]);
         let height = ("section.height", Value::from(0.22));
         assert!(faults(&[by_numbers.as_slice(), &[height]].concat()).is_empty());
+    }
+
+    #[test]
+    fn an_imperfection_is_at_most_a_tenth_of_the_height() {
+        assert!(faults(&[("capacity.imperfection", 0.4.into())]).is_empty());
+        assert_eq!(
+            faults(&[("capacity.imperfection", 0.41.into())]),
+            ["capacity.imperfection"]
+        );
     }
 
     /// A wrong value is a single fault, without an inconsistency of the default that is used in its place.

@@ -24,6 +24,7 @@
 mod catalogue;
 mod check;
 mod consistency;
+mod criterion_names;
 mod draft;
 mod fault;
 mod file;
@@ -46,6 +47,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use catalogue::{CatalogueSection, catalogue};
+pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
@@ -54,7 +56,7 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    AssessmentSettings, Compression, DampingSettings, EventSettings, GeometrySettings,
+    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings, GeometrySettings,
     HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
     RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
     SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,

@@ -30,18 +30,17 @@ pub struct Settings {
     pub event: EventSettings,
     pub rate: RateSettings,
     pub hardening: HardeningSettings,
-    pub assessment: AssessmentSettings,
     pub solver: SolverSettings,
     pub damping: DampingSettings,
     pub response: ResponseSettings,
+    pub capacity: CapacitySettings,
+    pub assessment: AssessmentSettings,
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
-    #[cfg(test)]
-    pub example: ExampleSettings,
 }
 
 macro_rules! groups {
@@ -99,8 +98,6 @@ groups! {
     }
     /// Hardening of the steel.
     HardeningSettings { ratio: f64 }
-    /// Limits of the assessment.
-    AssessmentSettings { ultimate_rotation: f64 }
     /// Admissible stamps of impact events.
     EventSettings { max_age: f64, max_ahead: f64 }
     /// Time stepping.
@@ -109,6 +106,10 @@ groups! {
     DampingSettings { ratio: f64 }
     /// Duration of a response.
     ResponseSettings { duration: f64 }
+    /// Remaining axial capacity.
+    CapacitySettings { imperfection: f64 }
+    /// Assessment of an impact.
+    AssessmentSettings { ultimate_rotation: f64, criteria: Vec<String> }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.
@@ -134,12 +135,6 @@ groups! {
         memory_limit: u64,
         magnification: f64,
     }
-    /// An array of strings, in unit tests only.
-    #[cfg(test)]
-    ExampleSettings { nested: NestedExampleSettings }
-    /// A group within a group, in unit tests only.
-    #[cfg(test)]
-    NestedExampleSettings { words: Vec<String> }
 }
 
 macro_rules! words {

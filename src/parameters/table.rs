@@ -1,5 +1,6 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::spelling::may_be_misspelt;
 use crate::column::MAX_MASSES;
@@ -722,18 +723,6 @@ pub const PARAMETERS: &[Parameter] = &[
                   unsafe side for forces; about 0.01 is realistic",
     },
     Parameter {
-        name: "assessment.ultimate_rotation",
-        unit: "rad",
-        default: DefaultValue::Double(0.15),
-        admissible: Admissible::RealOrZero {
-            min: 1e-3,
-            max: 3.0,
-            zero: "no limit",
-        },
-        applies: Applies::AfterResponse,
-        meaning: "theta_u: plastic rotation at which a hinge is torn: the response ends there, and the column is severed (Lignos 2019)",
-    },
-    Parameter {
         name: "solver.scheme",
         unit: "",
         default: DefaultValue::Text("conserving_midpoint"),
@@ -770,6 +759,42 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "maximum duration of a computed response, which ends earlier if the column comes to rest",
+    },
+    Parameter {
+        name: "capacity.imperfection",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-6,
+            max: 1.0,
+            zero: "by the buckling curve of the section (EN 1993-1-1, table 5.1)",
+        },
+        applies: Applies::AtOnce,
+        meaning: "e0: bow of the column for its axial capacity, at most a tenth of its height",
+    },
+    Parameter {
+        name: "assessment.ultimate_rotation",
+        unit: "rad",
+        default: DefaultValue::Double(0.15),
+        admissible: Admissible::RealOrZero {
+            min: 1e-3,
+            max: 3.0,
+            zero: "no limit",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "theta_u: plastic rotation at which a hinge is torn: the response ends there, and the column is severed (Lignos 2019)",
+    },
+    Parameter {
+        name: "assessment.criteria",
+        unit: "",
+        default: DefaultValue::Texts(DEFAULT_CRITERIA),
+        admissible: Admissible::List {
+            of: &Admissible::Choice(CRITERION_NAMES),
+            min_len: 1,
+            max_len: 26,
+        },
+        applies: Applies::AtOnce,
+        meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",
     },
     Parameter {
         name: "state.directory",
@@ -955,20 +980,6 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "magnification factor of the displacements in the pictures; 1: true to scale",
-    },
-    // No parameter is an array of strings yet. This one takes the same way as all others, in unit tests only.
-    #[cfg(test)]
-    Parameter {
-        name: "example.nested.words",
-        unit: "",
-        default: DefaultValue::Texts(&[]),
-        admissible: Admissible::List {
-            of: &Admissible::Choice(&["red", "green", "blue"]),
-            min_len: 0,
-            max_len: 4,
-        },
-        applies: Applies::AtOnce,
-        meaning: "an array of strings, in a group within a group",
     },
 ];
 
