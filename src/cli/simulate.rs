@@ -22,7 +22,7 @@ use column_twin::evidence::SimulatedRecordingError;
 use column_twin::figures::units::significant;
 use column_twin::figures::{self, FigureError, HistoryThinning};
 use column_twin::parameters::{
-    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
+    Fault, NodeName, ParameterFaults, Parameters, RIGID, Source, parse_override,
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
@@ -67,10 +67,12 @@ pub struct SimulateArgs {
 }
 
 const EXAMPLE: &str = "\
-Without --mass or --velocity, the parameters impact.mass and impact.velocity apply.
+Without an option, the parameter of its name applies: vehicle.name, impact.mass, impact.velocity.
 
-Example: a car of 1.5 t hits the paper's column at 36 km/h; with figures
+Example: the paper's rigid mass of 1.5 t hits the paper's column at 36 km/h; with figures
   column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
+Example: a real car hits a real column at the same speed
+  column-twin simulate --config config/heb220_s355.yaml --vehicle mid_car --velocity 10
 Example: record an impact, and verify the recording by recomputation
   column-twin simulate --mass 1500 --velocity 10 --record impact && column-twin verify impact
 
@@ -194,7 +196,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
-        let mut overrides = arguments.parameter.clone();
+        let mut overrides: Vec<_> = arguments.impact.implied_override().into_iter().collect();
+        overrides.extend(arguments.parameter.iter().cloned());
         overrides.extend(arguments.impact.overrides());
         let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
         for warning in &warnings {
@@ -213,8 +216,9 @@ impl Case {
         let properties = parameters.column_properties();
         let impact = parameters.impact();
         let title = format!(
-            "{}: {} kg at {} m/s ({} km/h), {} m above the base",
+            "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
             column_name(&parameters),
+            vehicle_name(&parameters),
             short(impact.mass),
             short(impact.velocity),
             short(3.6 * impact.velocity),
@@ -329,6 +333,15 @@ fn load(
         .iter()
         .map(|text| Source::Override(parse_override(text)));
     Parameters::load_in_order(&NodeName::default(), files.chain(overrides))
+}
+
+/// The vehicle in words.
+fn vehicle_name(parameters: &Parameters) -> &str {
+    match parameters.settings().vehicle.name.as_str() {
+        "" => "vehicle by numbers",
+        RIGID => "rigid mass",
+        name => name,
+    }
 }
 
 /// The name of the section, or the `column_id` if the section has none.

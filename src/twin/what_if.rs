@@ -67,8 +67,13 @@ impl ColumnSnapshot {
         let impact = specification
             .complete(&defaults, defaults.vehicle)
             .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error.to_string()))?;
+        // A mass that is left open is that of a compliant vehicle, which is complete by now.
+        let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
+            let mass = impact.mass;
+            format!("mass = {mass}: is required, because a rigid vehicle has no mass of its own")
+        });
         let faults: Vec<_> = [
-            fault_of("mass", "impact.mass", impact.mass),
+            open.or_else(|| fault_of("mass", "impact.mass", impact.mass)),
             fault_of("velocity", "impact.velocity", impact.velocity),
             fault_of("gap", "impact.gap", impact.gap),
             fault_of("restitution", "impact.restitution", impact.restitution),
