@@ -116,11 +116,13 @@ impl Summary<'_> {
             Outcome::Elastic => "elastic: no hinge has yielded",
             Outcome::Plastic => "plastic: hinges have yielded and the column remains standing",
             Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
+            Outcome::Severed => "SEVERED: a hinge has passed its ultimate rotation and is torn",
         };
         let end = match report.end {
             End::AtRest => "at rest",
             End::DurationReached => "stopped at response.duration, not at rest",
             End::Collapsed => "collapsed",
+            End::Severed => "severed",
         };
         writeln!(f, "Outcome    {verdict}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
@@ -355,7 +357,12 @@ mod tests {
         report.hinges[0].plastic_rotation = -1.234_567;
         report.residual_v1 = None;
         report.first_contact_time = None;
-        for outcome in [Outcome::Elastic, Outcome::Plastic, Outcome::Collapsed] {
+        for outcome in [
+            Outcome::Elastic,
+            Outcome::Plastic,
+            Outcome::Collapsed,
+            Outcome::Severed,
+        ] {
             for line in text(&Report { outcome, ..report }).lines() {
                 assert!(line.chars().count() <= 80, "{line:?}");
             }

@@ -170,6 +170,7 @@ fn report(samples: &[Sample], summary: &serde_json::Value) -> Report {
         damping_work: 0.0,
         load_work: last.load_work - first.load_work,
         ledger_residual: 5e-9,
+        max_dynamic_factor: [1.0; HINGES],
         steps: 100_000,
         hinges,
         vehicle: Default::default(),

@@ -44,14 +44,15 @@ impl ResponseHistory<'_> {
             .fold(0.0, f64::max)
     }
 
-    /// First contact, last separation and collapse, as far as they have happened.
+    /// First contact, last separation, collapse and the severing of a hinge, as far as they have happened.
     pub(super) fn events(&self) -> Vec<(f64, &'static str)> {
         let report = self.report;
-        let collapse = (report.outcome == Outcome::Collapsed).then_some(report.end_time);
+        let at_end = |outcome| (report.outcome == outcome).then_some(report.end_time);
         [
             (report.first_contact_time, "contact"),
             (report.release_time, "separation"),
-            (collapse, "collapse"),
+            (at_end(Outcome::Collapsed), "collapse"),
+            (at_end(Outcome::Severed), "severed"),
         ]
         .into_iter()
         .filter_map(|(time, name)| Some((time?, name)))
@@ -64,6 +65,7 @@ impl ResponseHistory<'_> {
             Outcome::Elastic => "stays elastic",
             Outcome::Plastic => "deforms plastically and remains standing",
             Outcome::Collapsed => "collapses",
+            Outcome::Severed => "is severed",
         }
     }
 

@@ -233,6 +233,7 @@ fn nothing_happened() -> Report {
         damping_work: 0.0,
         load_work: 0.0,
         ledger_residual: 0.0,
+        max_dynamic_factor: [1.0; HINGES],
         steps: 0,
         hinges: [HingeReport::default(); HINGES],
         vehicle: Default::default(),

@@ -193,6 +193,7 @@ fn outcome_code(outcome: Outcome) -> u8 {
         Outcome::Elastic => ImpactReport::ELASTIC,
         Outcome::Plastic => ImpactReport::PLASTIC,
         Outcome::Collapsed => ImpactReport::COLLAPSED,
+        Outcome::Severed => 3, // SEVERED
     }
 }
 
@@ -201,6 +202,7 @@ fn end_code(end: End) -> u8 {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
+        End::Severed => 3, // END_SEVERED
     }
 }
 

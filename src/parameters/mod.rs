@@ -329,6 +329,9 @@ impl Parameters {
             top_mass: top.mass,
             top_load: top.load,
             damping_ratio: damping.ratio,
+            rate: None,
+            hardening_ratio: 0.0,
+            ultimate_rotation: 0.0,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
         }

@@ -19,7 +19,7 @@ pub const HEIGHT_TOLERANCE: f64 = 1e-3;
 pub enum Condition {
     /// It is in equilibrium, or responding to an impact.
     Standing,
-    /// It has collapsed.
+    /// It has collapsed, or a hinge of it is severed.
     Collapsed,
     /// It cannot be computed any further, for this reason.
     Faulted(Arc<str>),
@@ -251,7 +251,7 @@ impl Struck {
 /// The condition of a column whose response has ended.
 pub(super) fn condition_after(end: End, residual: Option<&State>) -> Condition {
     match (end, residual) {
-        (End::Collapsed, _) => Condition::Collapsed,
+        (End::Collapsed | End::Severed, _) => Condition::Collapsed,
         (_, Some(_)) => Condition::Standing,
         (_, None) => no_equilibrium(),
     }

@@ -144,6 +144,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         plastic_rotation: forces.plastic_rotation[index],
         plastic_elongation: forces.plastic_elongation[index],
         utilisation: forces.utilisation[index],
+        dynamic_factor: 1.0,
         state: match forces.state[index] {
             HingeForces::PLASTIC => HingeState::Plastic,
             HingeForces::UNLOADED => HingeState::Unloaded,

@@ -180,6 +180,7 @@ fn report() -> Report {
         damping_work: 21.0,
         load_work: 22.0,
         ledger_residual: 23.0,
+        max_dynamic_factor: [1.0; HINGES],
         steps: 24,
         hinges: std::array::from_fn::<_, HINGES, _>(|index| HingeReport {
             first_yield: (index != 2).then_some(30.0 + index as f64),

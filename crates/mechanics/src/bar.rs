@@ -17,15 +17,17 @@ use serde::{Deserialize, Serialize};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
-const MAX_RETURN_ITERATIONS: usize = 120;
+pub(crate) const MAX_RETURN_ITERATIONS: usize = 120;
 
 /// The root search stops at a Newton step of this size, relative to the coordinate: the error after it is of the order of
 /// its square, even where the curvature of the surface is infinite at `N = 0`. (The stress lies on the surface and the
 /// energy balance holds whatever the error is.) A bisection step gives no such bound and goes on to the last bit.
-const RETURN_TOLERANCE: f64 = 1e-9;
+pub(crate) const RETURN_TOLERANCE: f64 = 1e-9;
 
-/// A step of the root search below this is nothing beside any stress.
-const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
+/// A step of the root search below this is nothing beside any stress. A root below it lies at the vertex: with an exponent
+/// just above 1 the slope of the curve falls to zero so close to its end that no double resolves it (`n^0.001` is still
+/// one half at `n = 1e-301`), and the vertex is a corner as it is with the exponent 1.
+pub(crate) const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -133,6 +135,31 @@ pub(crate) struct BarTangent {
     pub rotational: [[f64; 2]; 2],
 }
 
+impl BarTangent {
+    /// With the normal force held.
+    fn held(rotational: [[f64; 2]; 2]) -> Self {
+        Self {
+            axial: 0.0,
+            mixed: [0.0; 2],
+            rotational,
+        }
+    }
+
+    /// With the stress free to move by `dN = axial dt`, `dM = moment dt` against the stiffness `stiffness`.
+    fn sliding(mut self, axial: f64, moment: [f64; 2], stiffness: f64) -> Self {
+        let per_stiffness = 1.0 / stiffness;
+        let scaled = moment.map(|m| m * per_stiffness);
+        self.axial = axial * axial * per_stiffness;
+        self.mixed = scaled.map(|scaled| axial * scaled);
+        for (row, m) in self.rotational.iter_mut().zip(moment) {
+            for (entry, scaled) in row.iter_mut().zip(scaled) {
+                *entry += m * scaled;
+            }
+        }
+        self
+    }
+}
+
 /// What is constant about one bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bar {
@@ -145,11 +172,11 @@ pub struct Bar {
     /// Yield surface of both hinges.
     pub surface: YieldSurface,
     /// `1/K` \[m/N\].
-    axial_flexibility: f64,
+    pub(crate) axial_flexibility: f64,
     /// Inverse of the rotational stiffness, 0 for a hinge that bears no moment \[rad/(N m)\].
-    rotational_flexibility: [[f64; 2]; 2],
+    pub(crate) rotational_flexibility: [[f64; 2]; 2],
     /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
-    flexibility_alone: [f64; 2],
+    pub(crate) flexibility_alone: [f64; 2],
     /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
     return_scale: f64,
 }
@@ -159,17 +186,28 @@ pub struct Bar {
 pub(crate) struct Returned {
     pub forces: BarForces,
     pub flow: PlasticFlow,
-    place: Place,
+    pub place: Place,
 }
 
 /// Where the returned stress lies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Place {
+pub(crate) enum Place {
     /// Inside: no flow.
     #[default]
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
+    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`,
+    /// `dM = carried dt`, `stiffness` the second derivative of the convex problem in `t`; `frozen` is the tangent of the
+    /// moments with `t` held.
+    Curves {
+        frozen: [[f64; 2]; 2],
+        axial: f64,
+        carried: [f64; 2],
+        stiffness: f64,
+    },
+    /// On a vertex of surfaces of hinges of different strength: `N` is held.
+    Held { frozen: [[f64; 2]; 2] },
     /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
@@ -181,50 +219,12 @@ enum Place {
     },
 }
 
-/// The stress of a bar in the course of an iteration.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct BarStress {
-    /// The last stress, and the flow that it took.
-    pub returned: Returned,
-    /// Deformation less the plastic deformation before the flow.
-    strain: BarStrain,
-    tangent: BarTangent,
-    /// Expected normal force \[N\].
-    near: f64,
-}
-
-impl BarStress {
-    /// Begins an iteration in which the normal force `near` \[N\] is expected.
-    pub(crate) fn expect(&mut self, near: f64) {
-        self.near = near;
-        self.tangent = BarTangent::default();
-    }
-
-    /// Returns the stress of a deformation to the yield surface. The last tangent predicts its normal force, which saves
-    /// iterations of the return.
-    pub(crate) fn update(&mut self, bar: &Bar, strain: BarStrain) {
-        let [first, second] = self.tangent.mixed;
-        self.near += self.tangent.axial * (strain.elongation - self.strain.elongation)
-            + first * (strain.rotation[0] - self.strain.rotation[0])
-            + second * (strain.rotation[1] - self.strain.rotation[1]);
-        self.returned = bar.return_stress(bar.elastic(&strain), self.near);
-        self.near = self.returned.forces.normal;
-        self.strain = strain;
-    }
-
-    /// Consistent tangent of the last stress.
-    pub(crate) fn linearise(&mut self, bar: &Bar) -> BarTangent {
-        self.tangent = bar.tangent(&self.returned);
-        self.tangent
-    }
-}
-
-/// Rotations that bring trial moments within a cap, and how much of them a smaller cap would add.
+/// Rotations that bring trial moments within their caps, and how much of them smaller caps would add.
 #[derive(Debug, Clone, Copy)]
-struct CappedMoments {
+pub(crate) struct CappedMoments {
     /// Plastic rotations \[rad\].
-    rotation: [f64; 2],
-    /// `-d(|p_0| + |p_1|)/dm` \[rad/(N m)\].
+    pub rotation: [f64; 2],
+    /// `-d(|p_0| + |p_1|)/dm` where both caps change alike \[rad/(N m)\].
     compliance: f64,
 }
 
@@ -332,7 +332,8 @@ impl Bar {
 
     fn at_vertex(&self, trial: BarForces, sign: f64, axial: f64, cap: f64) -> Returned {
         let surface = &self.surface;
-        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let limits = [cap * surface.resistance_moment; 2];
+        let capped = self.cap_moments(trial.moment, limits);
         let normal = sign * axial * surface.resistance_axial;
         let total = (trial.normal - normal) * self.axial_flexibility;
         let elongation = if axial == 0.0 {
@@ -345,7 +346,7 @@ impl Bar {
             let rest = 0.5 * (total - own[0] - own[1]);
             [own[0] + rest, own[1] + rest]
         };
-        self.returned(trial, normal, cap, capped, elongation, |active| {
+        self.returned(trial, normal, limits, capped, elongation, |active| {
             Place::Vertex { active }
         })
     }
@@ -365,7 +366,8 @@ impl Bar {
             Branch::Axial => (t, point.other),
             Branch::Moment => (point.other, t),
         };
-        let capped = self.cap_moments(trial.moment, cap * surface.resistance_moment);
+        let limits = [cap * surface.resistance_moment; 2];
+        let capped = self.cap_moments(trial.moment, limits);
         let normal = sign * axial * surface.resistance_axial;
         let total = (trial.normal - normal) * self.axial_flexibility;
         let (tangent_axial, tangent_moment, curvature) = match branch {
@@ -384,7 +386,7 @@ impl Bar {
             + tangent_moment * tangent_moment * capped.compliance
             + curvature;
         let elongation = shared(total, &capped);
-        self.returned(trial, normal, cap, capped, elongation, |active| {
+        self.returned(trial, normal, limits, capped, elongation, |active| {
             Place::Curve {
                 active,
                 sign_axial: sign,
@@ -395,18 +397,18 @@ impl Bar {
         })
     }
 
-    /// Puts the parts together. Active hinges get the cap itself rather than the trial moment less the flow, so that they
+    /// Puts the parts together. Active hinges get their caps \[N m\] themselves rather than the trial moment less the flow, so that they
     /// lie on the surface to the last bit.
-    fn returned(
+    #[inline(always)]
+    pub(crate) fn returned(
         &self,
         trial: BarForces,
         normal: f64,
-        cap: f64,
+        limits: [f64; 2],
         capped: CappedMoments,
         elongation: [f64; 2],
         place: impl Fn([bool; 2]) -> Place,
     ) -> Returned {
-        let limit = cap * self.surface.resistance_moment;
         let [p, q] = capped.rotation;
         let c = &self.rotational;
         let elastic = [
@@ -416,9 +418,9 @@ impl Bar {
         let active = [p != 0.0, q != 0.0];
         let moment = [0, 1].map(|k| {
             if active[k] {
-                limit.copysign(capped.rotation[k])
+                limits[k].copysign(capped.rotation[k])
             } else {
-                elastic[k].clamp(-limit, limit)
+                elastic[k].clamp(-limits[k], limits[k])
             }
         });
         Returned {
@@ -431,81 +433,30 @@ impl Bar {
         }
     }
 
-    /// The plastic rotations that bring `trial` moments within `[-cap, cap]` with the least complementary energy:
-    /// `min 1/2 p' C p - trial' p + cap (|p_0| + |p_1|)`, solved by cases.
+    /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]`.
     #[inline]
-    fn cap_moments(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
-        let c = &self.rotational;
-        let flexibility = self.flexibility_alone;
-        let excess = trial.map(|m| m.abs() - cap);
-        let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
-        if excess[0] <= 0.0 && excess[1] <= 0.0 {
-            return CappedMoments {
-                rotation: [0.0; 2],
-                compliance: 0.0,
-            };
-        }
-        if c[0][1] == 0.0 {
-            let active = excess.map(|excess| excess > 0.0);
-            let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
-            return CappedMoments {
-                rotation: [pick(0, alone(0)), pick(1, alone(1))],
-                compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
-            };
-        }
-        for k in 0..2 {
-            let p = alone(k);
-            if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= cap {
-                let mut rotation = [0.0; 2];
-                rotation[k] = p;
-                return CappedMoments {
-                    rotation,
-                    compliance: flexibility[k],
-                };
-            }
-        }
-        self.cap_both(trial, cap)
-    }
-
-    /// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
-    fn cap_both(&self, trial: [f64; 2], cap: f64) -> CappedMoments {
-        let c = &self.rotational;
-        let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
-        let mut best = CappedMoments {
-            rotation: [0.0; 2],
-            compliance: 0.0,
-        };
-        let mut best_agreement = f64::NEG_INFINITY;
-        for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
-            let right = [trial[0] - signs[0] * cap, trial[1] - signs[1] * cap];
-            let rotation = [
-                (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
-                (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
-            ];
-            let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
-            if agreement > best_agreement {
-                best_agreement = agreement;
-                best = CappedMoments {
-                    rotation,
-                    compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1])
-                        / determinant,
-                };
-            }
-        }
-        best
+    fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+        cap_moments(&self.rotational, self.flexibility_alone, trial, caps)
     }
 
     /// `-dm/dn` of the quarter curve at its tip `n = 1`, where that is finite; elsewhere no hinge rotates there.
-    fn tip_slope(&self) -> f64 {
+    pub(crate) fn tip_slope(&self) -> f64 {
         let inverse = self.surface.point(Branch::Moment, 0.0).slope;
         if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
     }
 
     /// Consistent tangent of the returned stress.
-    fn tangent(&self, returned: &Returned) -> BarTangent {
+    pub(crate) fn tangent(&self, returned: &Returned) -> BarTangent {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
+            Place::Held { frozen } => BarTangent::held(frozen),
+            Place::Curves {
+                frozen,
+                axial,
+                carried,
+                stiffness,
+            } => BarTangent::held(frozen).sliding(axial, carried, stiffness),
             Place::Curve {
                 active,
                 sign_axial,
@@ -521,19 +472,9 @@ impl Bar {
                     [false, true] => [sign[1] * c[0][1] * self.flexibility_alone[1], sign[1]],
                     [false, false] => [0.0, 0.0],
                 };
-                let per_stiffness = 1.0 / stiffness;
-                let w = sign_axial * tangent_axial;
                 let m = along.map(|along| tangent_moment * along);
-                let scaled = m.map(|m| m * per_stiffness);
-                let mut tangent = self.frozen_tangent(active);
-                tangent.axial = w * w * per_stiffness;
-                tangent.mixed = scaled.map(|scaled| w * scaled);
-                for (row, m) in tangent.rotational.iter_mut().zip(m) {
-                    for (entry, scaled) in row.iter_mut().zip(scaled) {
-                        *entry += m * scaled;
-                    }
-                }
-                tangent
+                let w = sign_axial * tangent_axial;
+                self.frozen_tangent(active).sliding(w, m, stiffness)
             }
         }
     }
@@ -548,12 +489,74 @@ impl Bar {
             [false, true] => [[rest(0), 0.0], [0.0, 0.0]],
             [false, false] => *c,
         };
-        BarTangent {
-            axial: 0.0,
-            mixed: [0.0; 2],
-            rotational,
+        BarTangent::held(rotational)
+    }
+}
+
+/// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
+/// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases. `flexibility` is the inverse of each
+/// stiffness on the diagonal of `c`, 0 for a hinge that bears no moment.
+#[inline]
+pub(crate) fn cap_moments(
+    c: &[[f64; 2]; 2],
+    flexibility: [f64; 2],
+    trial: [f64; 2],
+    caps: [f64; 2],
+) -> CappedMoments {
+    let excess = [trial[0].abs() - caps[0], trial[1].abs() - caps[1]];
+    let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
+    if excess[0] <= 0.0 && excess[1] <= 0.0 {
+        return CappedMoments {
+            rotation: [0.0; 2],
+            compliance: 0.0,
+        };
+    }
+    if c[0][1] == 0.0 {
+        let active = excess.map(|excess| excess > 0.0);
+        let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
+        return CappedMoments {
+            rotation: [pick(0, alone(0)), pick(1, alone(1))],
+            compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
+        };
+    }
+    for k in 0..2 {
+        let p = alone(k);
+        if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= caps[1 - k] {
+            let mut rotation = [0.0; 2];
+            rotation[k] = p;
+            return CappedMoments {
+                rotation,
+                compliance: flexibility[k],
+            };
         }
     }
+    cap_both(c, trial, caps)
+}
+
+/// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
+fn cap_both(c: &[[f64; 2]; 2], trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+    let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
+    let mut best = CappedMoments {
+        rotation: [0.0; 2],
+        compliance: 0.0,
+    };
+    let mut best_agreement = f64::NEG_INFINITY;
+    for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
+        let right = [trial[0] - signs[0] * caps[0], trial[1] - signs[1] * caps[1]];
+        let rotation = [
+            (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
+            (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
+        ];
+        let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
+        if agreement > best_agreement {
+            best_agreement = agreement;
+            best = CappedMoments {
+                rotation,
+                compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1]) / determinant,
+            };
+        }
+    }
+    best
 }
 
 /// Shares the bar's plastic elongation between its hinges as normality to a smooth surface does: in proportion to
@@ -587,6 +590,22 @@ enum Root {
     },
 }
 
+impl Root {
+    /// The vertex at which a branch begins.
+    fn vertex(branch: Branch) -> Self {
+        match branch {
+            Branch::Axial => Self::Vertex {
+                axial: 0.0,
+                cap: 1.0,
+            },
+            Branch::Moment => Self::Vertex {
+                axial: 1.0,
+                cap: 0.0,
+            },
+        }
+    }
+}
+
 impl Search<'_> {
     /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative, at the point `point` with
     /// coordinate `t`. Positive: the root lies at a smaller coordinate.
@@ -596,9 +615,8 @@ impl Search<'_> {
         let scale = self.bar.return_scale;
         match branch {
             Branch::Axial => {
-                let capped = self
-                    .bar
-                    .cap_moments(self.moments, point.other * surface.resistance_moment);
+                let cap = point.other * surface.resistance_moment;
+                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
                 let value = t - self.trial + scale * capped.sum() * point.slope;
                 let compliance = capped.compliance * surface.resistance_moment;
                 let slope = 1.0
@@ -606,9 +624,8 @@ impl Search<'_> {
                 (value, slope)
             }
             Branch::Moment => {
-                let capped = self
-                    .bar
-                    .cap_moments(self.moments, t * surface.resistance_moment);
+                let cap = t * surface.resistance_moment;
+                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
                 let short = self.trial - point.other;
                 let value = short * point.slope - scale * capped.sum();
                 let compliance = capped.compliance * surface.resistance_moment;
@@ -625,18 +642,15 @@ impl Search<'_> {
         // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
         if self.trial <= split || derivative_at(Branch::Axial, split) >= 0.0 {
             if surface.has_corner_at_zero_axial() && derivative_at(Branch::Axial, 0.0) >= 0.0 {
-                return Root::Vertex {
-                    axial: 0.0,
-                    cap: 1.0,
-                };
+                return Root::vertex(Branch::Axial);
+            }
+            if self.trial <= NEGLIGIBLE_STEP && surface.is_sharp_at_zero_axial() {
+                return Root::vertex(Branch::Axial);
             }
             return self.bisect_newton(Branch::Axial, self.trial.min(split), near);
         }
         if self.trial >= 1.0 && derivative_at(Branch::Moment, 0.0) >= 0.0 {
-            return Root::Vertex {
-                axial: 1.0,
-                cap: 0.0,
-            };
+            return Root::vertex(Branch::Moment);
         }
         let near = if near >= split && near < 1.0 {
             surface.cap_of(near)
@@ -644,6 +658,13 @@ impl Search<'_> {
             surface.point(Branch::Axial, split).other
         };
         self.bisect_newton(Branch::Moment, split, near)
+    }
+
+    /// Whether the root lies closer to the vertex at which the branch begins than any stress is resolved.
+    #[cold]
+    fn root_is_at_vertex(&self, branch: Branch) -> bool {
+        let point = self.bar.surface.point(branch, NEGLIGIBLE_STEP);
+        self.derivative(branch, NEGLIGIBLE_STEP, &point).0 >= 0.0
     }
 
     /// Newton's method on the monotone derivative, kept within a shrinking bracket that begins as `0..high`.
@@ -657,6 +678,7 @@ impl Search<'_> {
             0.5 * (low + high)
         };
         let mut last_step = high - low;
+        let mut vertex_excluded = false;
         for _ in 0..MAX_RETURN_ITERATIONS {
             let point = surface.point(branch, t);
             let (value, slope) = self.derivative(branch, t, &point);
@@ -677,6 +699,12 @@ impl Search<'_> {
                     return Root::Curve { branch, t, point };
                 }
             } else {
+                if low == 0.0 && !vertex_excluded {
+                    vertex_excluded = true;
+                    if self.root_is_at_vertex(branch) {
+                        return Root::vertex(branch);
+                    }
+                }
                 let middle = 0.5 * (low + high);
                 last_step = (middle - t).abs();
                 t = middle;
@@ -687,5 +715,45 @@ impl Search<'_> {
         }
         let point = surface.point(branch, t);
         Root::Curve { branch, t, point }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::properties::YieldExponents;
+
+    /// With `beta` just above 1 the root search once followed `n` down to the smallest doubles, where the curvature of the
+    /// surface is infinite, and returned a cap that was not a number.
+    #[test]
+    fn a_normal_force_of_zero_with_beta_just_above_one_is_a_corner() {
+        for beta in [1.001, 1.003, 1.0068315815888638, 1.02, 1.1] {
+            let exponents = YieldExponents {
+                alpha: 1.0,
+                beta,
+                gamma: 1.0,
+            };
+            let surface = YieldSurface::new(87_497.0, 1_979_908.0, exponents);
+            let bar = Bar::new(0.05, 1e10, [[5e7, 0.0], [0.0, 5e7]], surface);
+            for normal in [0.0, 1e-9, -0.267, 700.0, -4e4] {
+                let trial = BarForces {
+                    normal,
+                    moment: [2e5, 1.1e5],
+                };
+                let found = bar.return_stress(trial, 0.0);
+                let utilisation = surface.sum(found.forces.moment[0], found.forces.normal);
+                assert!(
+                    (utilisation - 1.0).abs() < 1e-12,
+                    "{beta} {normal}: {found:?}"
+                );
+                if beta <= 1.02 && normal.abs() < 1e3 {
+                    assert!(
+                        found.forces.normal.abs() < 1e-9,
+                        "{beta} {normal}: {found:?}"
+                    );
+                    assert!(bar.tangent(&found).axial < 1e-3 * bar.axial);
+                }
+            }
+        }
     }
 }

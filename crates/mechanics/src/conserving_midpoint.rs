@@ -7,13 +7,18 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{Bar, BarForces, BarStrain, BarStress, PerBar, PlasticFlow};
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bracketing;
+use super::chain::{ChainEnd, ChainPoint};
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
 use super::motion::{Motion, NEGLIGIBLE_PART, Rejected, check_part};
 use super::newton::{self, NonlinearSystem};
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
+use super::strength::BarStress;
 
 /// Most closings and releases in one step; after them contact stays as it is to the end of the step.
 pub const MAX_EVENTS_PER_STEP: u32 = 64;
@@ -55,6 +60,16 @@ struct BarPoint {
     gradient: ChordGradient,
     stress: BarStress,
     mean: BarForces,
+    /// Angle by which the chord has turned \[rad\].
+    turn: f64,
+}
+
+/// What was evaluated at `n + 1`.
+#[derive(Default)]
+struct Point {
+    below: BarPoint,
+    above: BarPoint,
+    contact: ChainPoint,
 }
 
 impl BarPoint {
@@ -74,11 +89,12 @@ impl BarPoint {
         self.mean = forces.mean(&self.stress.returned.forces);
         self.chord = chord;
         self.gradient = gradient;
+        self.turn = chord_turn;
     }
 }
 
 impl NonlinearSystem for Conserving<'_> {
-    type Point = PerBar<BarPoint>;
+    type Point = Point;
 
     fn evaluate(&self, increment: &Displacement, point: &mut Self::Point) -> Vector4<f64> {
         let (frame, from) = (&self.model.frame, self.from);
@@ -107,12 +123,17 @@ impl NonlinearSystem for Conserving<'_> {
             above: point.above.gradient,
         };
         let spring_u2 = from.displacement.u2 + 0.5 * increment.u2;
-        self.motion.residual(increment) + frame.internal_forces(&gradients, &mean, spring_u2)
+        self.motion.residual(increment, &mut point.contact)
+            + frame.internal_forces(&gradients, &mean, spring_u2)
     }
 
     fn jacobian(&self, point: &mut Self::Point) -> Matrix4<f64> {
         let frame = &self.model.frame;
-        let PerBar { below, above } = point;
+        let Point {
+            below,
+            above,
+            contact,
+        } = point;
         let tangents = PerBar {
             below: below.stress.linearise(&frame.below),
             above: above.stress.linearise(&frame.above),
@@ -131,7 +152,7 @@ impl NonlinearSystem for Conserving<'_> {
         };
         // The derivative of the discrete gradient is half the curvature of the chord, except for O(dt).
         let mut jacobian = frame.stiffness(&gradients, &chords, &mean, &tangents) * 0.5;
-        self.motion.add_jacobian(&mut jacobian);
+        self.motion.add_jacobian(&mut jacobian, contact);
         jacobian
     }
 
@@ -158,10 +179,14 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// Of the resistances over it.
+    prediction: Prediction,
     /// Contact force at its end \[N\]; negative where impactor and column would separate.
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
     gap: f64,
+    /// The compliant vehicle at its end.
+    chain: Option<ChainEnd>,
 }
 
 /// Makes one part of a step, `offset_secs` into it and at most `secs` long: to its end, or to the first contact event.
@@ -180,10 +205,11 @@ pub(crate) fn part(
         model,
         offset_secs,
         events,
-        point: PerBar::default(),
+        point: Point::default(),
     };
-    match state.impactor {
+    match &state.impactor {
         None => solver.whole(state, secs),
+        Some(impactor) if impactor.is_compliant() => solver.whole(state, secs),
         Some(impactor) if impactor.closed => solver.closed(state, secs),
         Some(impactor)
             if state.gap() <= GAP_TOLERANCE && impactor.closing_speed(state.velocity.v1) > 0.0 =>
@@ -201,11 +227,11 @@ struct Part<'a> {
     offset_secs: f64,
     events: &'a mut Events,
     /// The last evaluation of the last trial.
-    point: PerBar<BarPoint>,
+    point: Point,
 }
 
 impl Part<'_> {
-    /// Without an impactor.
+    /// Without a rigid impactor, in one go.
     fn whole(&mut self, state: &mut State, secs: f64) -> Result<f64, Rejected> {
         let trial = self.attempt(state, secs)?;
         self.accept(state, &trial)
@@ -261,25 +287,24 @@ impl Part<'_> {
     /// Solves a part without looking for events.
     fn attempt(&mut self, from: &State, secs: f64) -> Result<Trial, Rejected> {
         let model = self.model;
-        let coupling = from.impactor.map(|i| i.coupling()).unwrap_or_default();
+        let impactor = from.impactor.as_ref();
+        let coupling = impactor.map(|i| i.coupling()).unwrap_or_default();
+        let chain = impactor.and_then(|i| i.chain_part(secs));
         let start = model.frame.chords(&from.displacement);
         let system = Conserving {
             model,
             from,
             start_angles: frame::angles(&start),
             start,
-            motion: Motion::new(model, from, coupling, secs),
+            motion: Motion::new(model, from, coupling, chain.as_ref(), secs),
         };
-        let near = from.predictor.normal(&from.forces);
-        self.point.below.stress.expect(near.below);
-        self.point.above.stress.expect(near.above);
         let guess = from.predictor.increment(&from.velocity, secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let (solved, prediction) = self.solve(&system, guess, secs)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
         let (mut contact_force, mut gap) = (0.0, 0.0);
-        if let Some(impactor) = &from.impactor {
+        if let Some(impactor) = impactor.filter(|it| !it.is_compliant()) {
             if impactor.closed {
                 let resistance = resistance(
                     model,
@@ -306,15 +331,77 @@ impl Part<'_> {
             velocity,
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            prediction,
             contact_force,
             gap,
+            chain: chain.map(|part| part.end(&self.point.contact)),
         })
+    }
+
+    /// Solves the equations with the resistances that are expected at the end of the part.
+    ///
+    /// A stress of the start that lies outside of a surface that has shrunk could do negative work on a flow that reverses
+    /// it. Such a part is solved again with the surface of its start, on which that work cannot be negative.
+    fn solve(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        secs: f64,
+    ) -> Result<(newton::Solved, Prediction), Rejected> {
+        let (model, from) = (system.model, system.from);
+        let Some(law) = &model.strength else {
+            return Ok((self.solve_with(system, guess, None)?, Prediction::default()));
+        };
+        let turns = model.frame.turns(&system.start, &guess);
+        let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
+        let solved = self.solve_with(system, guess, Some(&prediction))?;
+        if !self.gains_energy() {
+            return Ok((solved, prediction));
+        }
+        let prediction = prediction.not_below(&from.strength);
+        let again = self.solve_with(system, guess, Some(&prediction))?;
+        let iterations = solved.iterations + again.iterations;
+        let solved = newton::Solved {
+            iterations,
+            ..again
+        };
+        Ok((solved, prediction))
+    }
+
+    fn solve_with(
+        &mut self,
+        system: &Conserving<'_>,
+        guess: Displacement,
+        prediction: Option<&Prediction>,
+    ) -> Result<newton::Solved, Rejected> {
+        let from = system.from;
+        if let Some(prediction) = prediction {
+            let strengths = prediction.strengths(&system.model.frame);
+            self.point.below.stress.set_strength(strengths.below);
+            self.point.above.stress.set_strength(strengths.above);
+        }
+        let near = from.predictor.normal(&from.forces);
+        self.point.below.stress.expect(near.below);
+        self.point.above.stress.expect(near.above);
+        bracketing::solve_with_fallback(system, guess, &mut self.point)
+    }
+
+    /// Whether the mean stress does negative work on the flow of any hinge.
+    fn gains_energy(&self) -> bool {
+        let gains = |point: &BarPoint| {
+            let flow = &point.stress.returned.flow;
+            (0..2).any(|k| {
+                point.mean.normal * flow.elongation[k] + point.mean.moment[k] * flow.rotation[k]
+                    < 0.0
+            })
+        };
+        gains(&self.point.below) || gains(&self.point.above)
     }
 
     /// Moves the state to the end of the last trial and returns its length \[s\].
     fn accept(&self, state: &mut State, trial: &Trial) -> Result<f64, Rejected> {
         check_part(self.model, &state.displacement, &trial.end)?;
-        let PerBar { below, above } = &self.point;
+        let Point { below, above, .. } = &self.point;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(
             self.model,
@@ -322,6 +409,18 @@ impl Part<'_> {
             &above.stress.returned.flow,
             1.0,
         );
+        if let Some(law) = &self.model.strength {
+            let turns = PerBar {
+                below: below.turn,
+                above: above.turn,
+            };
+            let flow = PerBar {
+                below: &below.stress.returned.flow,
+                above: &above.stress.returned.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, trial.secs, &trial.prediction, flow, 1.0);
+        }
         state.forces = PerBar {
             below: below.stress.returned.forces,
             above: above.stress.returned.forces,
@@ -335,7 +434,9 @@ impl Part<'_> {
             .predictor
             .learn(&trial.increment, trial.secs, trial.end, &state.forces);
         state.contact_force = trial.contact_force;
-        if let Some(impactor) = &mut state.impactor {
+        if let Some(end) = &trial.chain {
+            state.follow(self.model, (self.offset_secs, trial.secs), end);
+        } else if let Some(impactor) = &mut state.impactor {
             if impactor.closed {
                 impactor.position = trial.end.v1;
                 state.impulse += impactor.slow_down(trial.velocity.v1);
@@ -400,7 +501,8 @@ impl Part<'_> {
 }
 
 /// Newton's impact law on an impactor that touches and closes, `offset_secs` into the step, and the contact force that it
-/// leaves behind. The last event that a step may have is perfectly inelastic.
+/// leaves behind. The last event that a step may have is perfectly inelastic, and so are percussions beyond
+/// [`MAX_ELASTIC_PERCUSSIONS`].
 pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events: &mut Events) {
     events.count += 1;
     let Some(mut impactor) = state.impactor else {
@@ -411,7 +513,7 @@ pub(crate) fn strike(model: &Model, state: &mut State, offset_secs: f64, events:
     impactor.position = state.displacement.v1;
     let mut restitution = 0.0;
     if speed > 0.0 {
-        if !events.exhausted() {
+        if !events.exhausted() && state.percussions < MAX_ELASTIC_PERCUSSIONS {
             restitution = impactor.effective_restitution(speed);
         }
         let percussion = impactor.percussion(model, speed, restitution);

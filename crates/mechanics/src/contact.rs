@@ -5,28 +5,36 @@
 //! `v_c' > v_1'`.
 //!
 //! The schemes know what strikes the column only by the methods of [`Impactor`]: its gap, its closing speed and energy,
-//! what it adds to the equation of motion of the impact point ([`Coupling`]), touch, percussion and release. Another kind
-//! of vehicle goes behind the same methods.
+//! what it adds to the equation of motion of the impact point ([`Coupling`], [`ChainPart`]), touch, percussion and release.
+//! A compliant vehicle strikes without a percussion: its front spring transmits a force that begins at zero.
 
 use serde::{Deserialize, Serialize};
 
+use super::chain::{Chain, ChainEnd, ChainPart};
 use super::impact::Impact;
 use super::model::Model;
+use super::vehicle::Vehicle;
 
 /// A closing speed whose rebound is below this fraction of the impactor's initial speed does not rebound: contact is
 /// taken as persistent from there on, because rebounds with restitution accumulate, infinitely many in finite time.
 pub const PERSISTENT_CONTACT_FRACTION: f64 = 1e-4;
 
-/// What strikes the column, on its way: a rigid mass.
+/// Percussions of one response that follow Newton's law with the restitution given; those after them are perfectly
+/// inelastic. A restitution near 1 lets the light impact point rattle before a heavy impactor, tens of times per step and
+/// without end, which is persistent contact in all but name. With a restitution of 0.9 one closing of contact makes 90
+/// percussions.
+pub const MAX_ELASTIC_PERCUSSIONS: u32 = 2_000;
+
+/// What strikes the column, on its way: a rigid mass or a compliant vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Impactor {
     /// The impact as it was at the event.
     pub impact: Impact,
-    /// `v_c` \[m\].
+    /// `v_c` \[m\]; of a compliant vehicle the contact face.
     pub position: f64,
-    /// Its rate \[m/s\].
+    /// Its rate \[m/s\]; of a compliant vehicle the velocity of the centre of mass.
     pub velocity: f64,
-    /// Whether contact is closed.
+    /// Whether contact is closed: a compliant vehicle transmits a force.
     pub closed: bool,
     /// First touch, since the event \[s\].
     pub touched_at: Option<f64>,
@@ -34,6 +42,8 @@ pub struct Impactor {
     pub released_at: Option<f64>,
     /// Where and when its free flight began: positions in flight are computed from here, not accumulated.
     flight: Flight,
+    /// Masses and springs of a compliant vehicle, if the impact has one.
+    chain: Option<Chain>,
 }
 
 /// Beginning of a free flight.
@@ -69,12 +79,66 @@ impl Impactor {
                 step: 0,
                 offset_secs: 0.0,
             },
+            chain: impact
+                .vehicle
+                .as_ref()
+                .map(|vehicle| Chain::new(vehicle, impact.velocity, impact.gap)),
         }
+    }
+
+    /// The compliant vehicle and its state; `None` for a rigid mass.
+    pub fn vehicle(&self) -> Option<(&Vehicle, &Chain)> {
+        self.impact.vehicle.as_ref().zip(self.chain.as_ref())
+    }
+
+    /// Whether it is a compliant vehicle.
+    pub(crate) fn is_compliant(&self) -> bool {
+        self.chain.is_some()
+    }
+
+    /// A compliant vehicle over a part of a step of `secs` seconds; `None` for a rigid mass.
+    pub(crate) fn chain_part(&self, secs: f64) -> Option<ChainPart<'_>> {
+        let (vehicle, chain) = self.vehicle()?;
+        Some(ChainPart::new(vehicle, chain, secs))
+    }
+
+    /// Moves a compliant vehicle to the end of a part of a step, which began `offset_secs` into step `step` and took
+    /// `secs` \[s\], where the column is at `v1` \[m\]; returns the contact force there \[N\].
+    pub(crate) fn follow(
+        &mut self,
+        model: &Model,
+        (step, offset_secs, secs): (u64, f64, f64),
+        v1: f64,
+        end: &ChainEnd,
+    ) -> f64 {
+        let Some(vehicle) = &self.impact.vehicle else {
+            return 0.0;
+        };
+        let force = end.chain.contact_force(vehicle);
+        self.velocity = end.chain.mean_velocity(vehicle);
+        self.position = v1 - end.chain.gap();
+        self.closed = force > 0.0;
+        self.chain = Some(end.chain);
+        let instant = |share: f64| model.time_of_step(step) + (offset_secs + share * secs);
+        self.touched_at = self.touched_at.or(end.touched.map(instant));
+        self.released_at = end.released.map(instant).or(self.released_at);
+        force
     }
 
     /// Distance to a column at `v1` \[m\].
     pub(crate) fn gap(&self, v1: f64) -> f64 {
-        v1 - self.position
+        match &self.chain {
+            Some(chain) => chain.gap(),
+            None => v1 - self.position,
+        }
+    }
+
+    /// Whether it will never touch a column at rest again.
+    pub(crate) fn recedes_for_good(&self) -> bool {
+        match self.vehicle() {
+            Some((vehicle, chain)) => chain.recedes_for_good(vehicle),
+            None => self.velocity <= 0.0,
+        }
     }
 
     /// Closing speed against a column that moves at `v1_rate` \[m/s\]; negative while they separate.
@@ -84,12 +148,22 @@ impl Impactor {
 
     /// Kinetic energy \[J\].
     pub(crate) fn kinetic_energy(&self) -> f64 {
-        0.5 * self.impact.mass * self.velocity * self.velocity
+        match self.vehicle() {
+            Some((vehicle, chain)) => chain.kinetic_energy(vehicle),
+            None => 0.5 * self.impact.mass * self.velocity * self.velocity,
+        }
     }
 
-    /// In persistent contact the impactor moves with the impact point as one mass.
+    /// Elastic energy \[J\]; 0 for a rigid mass.
+    pub(crate) fn elastic_energy(&self) -> f64 {
+        self.vehicle()
+            .map_or(0.0, |(vehicle, chain)| chain.elastic_energy(vehicle))
+    }
+
+    /// In persistent contact a rigid impactor moves with the impact point as one mass.
     pub(crate) fn coupling(&self) -> Coupling {
-        let mass = if self.closed { self.impact.mass } else { 0.0 };
+        let moves_along = self.closed && self.chain.is_none();
+        let mass = if moves_along { self.impact.mass } else { 0.0 };
         Coupling { mass, force: 0.0 }
     }
 
@@ -158,6 +232,14 @@ impl Impactor {
     pub(crate) fn position_in_flight(&self, model: &Model, step: u64, offset_secs: f64) -> f64 {
         let steps = model.time_of_step(step - self.flight.step);
         self.flight.position + self.velocity * (steps + (offset_secs - self.flight.offset_secs))
+    }
+
+    /// Lets it fly freely to the beginning of step `step`, towards a column that rests at `v1` \[m\].
+    pub(crate) fn coast(&mut self, model: &Model, step: u64, v1: f64) {
+        self.position = self.position_in_flight(model, step, 0.0);
+        if let Some(chain) = &mut self.chain {
+            chain.come_near(v1 - self.position);
+        }
     }
 
     /// Restitution at a closing speed: Newton's, or 0 where the rebound would be too small to follow.

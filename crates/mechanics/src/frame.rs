@@ -41,6 +41,15 @@ impl Frame {
         }
     }
 
+    /// Angles \[rad\] by which both chords turn over an increment, to first order.
+    pub(crate) fn turns(&self, chords: &PerBar<Chord>, increment: &Displacement) -> PerBar<f64> {
+        let Displacement { v1, u1, u2, .. } = *increment;
+        PerBar {
+            below: chords.below.turn_for(-u1, v1),
+            above: chords.above.turn_for(u1 - u2, v1),
+        }
+    }
+
     /// Forces of both bars with the plastic deformation frozen.
     pub(crate) fn elastic_forces(
         &self,

@@ -129,6 +129,11 @@ impl Chord {
         (gradient, turn)
     }
 
+    /// The angle \[rad\] by which the chord turns where its extents change by `dx` and `dv` \[m\], to first order.
+    pub fn turn_for(&self, dx: f64, dv: f64) -> f64 {
+        (self.x * dv - self.v * dx) / (self.length * self.length)
+    }
+
     /// Whether the turn from `self` to `next` is less than a right angle and its sine less than `sine`.
     pub fn turns_less(&self, next: &Self, sine: f64) -> bool {
         let area = self.length * next.length;

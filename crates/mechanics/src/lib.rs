@@ -8,6 +8,7 @@
 //! | `E`, `B` | deformations and their derivatives (Eqs 3-10) | m, rad | `geometry.rs`, `frame.rs` |
 //! | `S`, `f_int = B' S` | forces of the bars, forces on `U` (Eqs 12, 16) | N, N m | `bar.rs`, `frame.rs` |
 //! | `Phi(M, N)` | yield function (Eqs 26-29) | - | `yield_surface.rs` |
+//! | `D`, `H` | strain rate and hardening of a hinge | - | `rate.rs`, `strength.rs` |
 //! | `g`, `Lambda_N`, `epsilon` | gap, percussion, restitution (Eqs 33-38) | m, N s, - | `contact.rs` |
 //! | Eqs 40, 44-46 | both time-stepping schemes | | `midpoint.rs`, `conserving_midpoint.rs` |
 //!
@@ -15,8 +16,13 @@
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
 mod bar;
+mod bracketing;
+mod buckling;
+mod capacity;
+mod chain;
 mod conserving_midpoint;
 mod contact;
+mod crush;
 mod frame;
 mod geometry;
 mod impact;
@@ -27,6 +33,7 @@ mod modes;
 mod motion;
 mod newton;
 mod properties;
+mod rate;
 mod report;
 mod response;
 mod sample;
@@ -34,19 +41,32 @@ mod section;
 mod state;
 mod statics;
 mod stepping;
+mod strength;
 mod vehicle;
 mod yield_surface;
 
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
+pub use buckling::{
+    BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
+};
+pub use capacity::{
+    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
+    PushDownPoint, capacity, push_down,
+};
+pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
-pub use contact::{Impactor, PERSISTENT_CONTACT_FRACTION};
+pub use contact::{Impactor, MAX_ELASTIC_PERCUSSIONS, PERSISTENT_CONTACT_FRACTION};
+pub use crush::SpringState;
 pub use frame::Frame;
 pub use geometry::Displacement;
 pub use impact::{Impact, ImpactError, ImpactSpecification};
 pub use ledger::{Energies, Ledger};
 pub use model::{Model, ModelError, RestState};
 pub use motion::{Collapse, LENGTH_RANGE, MAX_SHORTENING, MIN_EXTENT, StepError};
-pub use properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
+pub use properties::{
+    ColumnProperties, ElasticLaw, RateLaw, RateProperties, Scheme, Support, YieldExponents,
+};
+pub use rate::{HingeFactors, HingeStrength};
 pub use report::{End, HingeReport, Outcome, Report, VehicleReport};
 pub use response::{Progress, Response, SimulationError, respond, simulate};
 pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};

@@ -5,15 +5,19 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{BarForces, BarStress, PerBar};
-use super::contact::{Coupling, Impactor};
+use super::bar::{BarForces, PerBar};
+use super::bracketing;
+use super::chain::{ChainEnd, ChainPoint};
+use super::contact::Coupling;
 use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::{Motion, Rejected, check_part};
-use super::newton::{self, NonlinearSystem};
+use super::newton::NonlinearSystem;
+use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
 use super::statics;
+use super::strength::BarStress;
 
 /// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
 /// persistent contact.
@@ -32,6 +36,7 @@ struct Point {
     chords: PerBar<Chord>,
     below: BarStress,
     above: BarStress,
+    contact: ChainPoint,
 }
 
 impl Point {
@@ -55,7 +60,7 @@ impl NonlinearSystem for Midpoint<'_> {
         point.below.update(&frame.below, total.below.minus(below));
         point.above.update(&frame.above, total.above.minus(above));
         let gradients = frame::gradients(&point.chords);
-        self.motion.residual(increment)
+        self.motion.residual(increment, &mut point.contact)
             + frame.internal_forces(&gradients, &point.forces(), middle.u2)
     }
 
@@ -68,7 +73,7 @@ impl NonlinearSystem for Midpoint<'_> {
         let gradients = frame::gradients(&point.chords);
         let stiffness = frame.stiffness(&gradients, &point.chords, &point.forces(), &tangents);
         let mut jacobian = stiffness * 0.5;
-        self.motion.add_jacobian(&mut jacobian);
+        self.motion.add_jacobian(&mut jacobian, &point.contact);
         jacobian
     }
 
@@ -92,6 +97,10 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
+    /// The compliant vehicle at its end.
+    chain: Option<ChainEnd>,
+    /// Of the resistances up to `n + 1/2`.
+    prediction: Prediction,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -112,28 +121,30 @@ pub(crate) fn part(
     };
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so the consistent case is the solution.
-    match state.impactor.filter(|_| state.gap() <= 0.0) {
-        None => solver.free(state),
-        Some(impactor) => {
-            let closing_speed = impactor.closing_speed(state.velocity.v1);
-            let restitution = impactor.impact.restitution;
-            if impactor.closed {
-                let pressed = solver.attempt_pressed(state, &impactor, closing_speed)?;
-                if impactor.velocity >= pressed.velocity.v1 - restitution * closing_speed {
-                    solver.press(state, impactor, closing_speed, &pressed)
-                } else {
-                    solver.free(state)
-                }
-            } else {
-                let free = solver.attempt(state, Coupling::default())?;
-                let after = impactor.closing_speed(free.velocity.v1);
-                if -after - restitution * closing_speed >= 0.0 {
-                    solver.fly(state, &free)
-                } else {
-                    let pressed = solver.attempt_pressed(state, &impactor, closing_speed)?;
-                    solver.press(state, impactor, closing_speed, &pressed)
-                }
-            }
+    let touching = state.impactor.as_ref();
+    let Some(impactor) = touching.filter(|it| !it.is_compliant() && state.gap() <= 0.0) else {
+        return solver.free(state);
+    };
+    let closing_speed = impactor.closing_speed(state.velocity.v1);
+    let rebound = impactor.impact.restitution * closing_speed;
+    let pressing = impactor.rebound_coupling(closing_speed, secs);
+    let velocity = impactor.velocity;
+    if impactor.closed {
+        let pressed = solver.attempt(state, pressing)?;
+        if velocity >= pressed.velocity.v1 - rebound {
+            solver.press(state, closing_speed, &pressed)
+        } else {
+            solver.free(state)
+        }
+    } else {
+        let free = solver.attempt(state, Coupling::default())?;
+        let after = velocity - free.velocity.v1;
+        if -after - rebound >= 0.0 {
+            solver.fly(state, &free)
+        } else {
+            // Eqs 45-46: the contact force that makes gamma^{n+1} + eps gamma^n = 0.
+            let pressed = solver.attempt(state, pressing)?;
+            solver.press(state, closing_speed, &pressed)
         }
     }
 }
@@ -151,46 +162,52 @@ impl Part<'_> {
     /// Solves a part with the impactor's share `coupling`.
     fn attempt(&mut self, from: &State, coupling: Coupling) -> Result<Trial, Rejected> {
         let model = self.model;
+        let impactor = from.impactor.as_ref();
+        let chain = impactor.and_then(|i| i.chain_part(self.secs));
         let system = Midpoint {
             model,
             from,
-            motion: Motion::new(model, from, coupling, self.secs),
+            motion: Motion::new(model, from, coupling, chain.as_ref(), self.secs),
         };
+        let guess = first_guess(model, from, self.secs);
+        let mut prediction = Prediction::default();
+        if let Some(law) = &model.strength {
+            let turns = model
+                .frame
+                .turns(&model.frame.chords(&from.displacement), &guess);
+            prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            let strengths = prediction.strengths(&model.frame);
+            self.point.below.set_strength(strengths.below);
+            self.point.above.set_strength(strengths.above);
+        }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
         self.point.above.expect(near.above);
-        let guess = first_guess(model, from, self.secs);
-        let solved = newton::solve(&system, guess, &mut self.point).ok_or(Rejected::TooLong)?;
+        let solved = bracketing::solve_with_fallback(&system, guess, &mut self.point)?;
         let increment = solved.increment;
         Ok(Trial {
             increment,
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
+            chain: chain.map(|part| part.end(&self.point.contact)),
+            prediction,
         })
     }
 
-    /// Solves a part with the contact force that makes `gamma^{n+1} + eps gamma^n = 0` (Eqs 45-46).
-    fn attempt_pressed(
-        &mut self,
-        from: &State,
-        impactor: &Impactor,
-        closing_speed: f64,
-    ) -> Result<Trial, Rejected> {
-        self.attempt(from, impactor.rebound_coupling(closing_speed, self.secs))
-    }
-
-    /// Without contact force.
+    /// Without the contact force of a rigid impactor.
     fn free(&mut self, state: &mut State) -> Result<(), Rejected> {
         let trial = self.attempt(state, Coupling::default())?;
         self.fly(state, &trial)
     }
 
-    /// Accepts a trial without contact force.
+    /// Accepts a trial without the contact force of a rigid impactor.
     fn fly(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
         self.accept(state, trial)?;
         state.contact_force = 0.0;
-        if let Some(impactor) = &mut state.impactor {
+        if let Some(end) = &trial.chain {
+            state.follow(self.model, (self.offset_secs, self.secs), end);
+        } else if let Some(impactor) = &mut state.impactor {
             if impactor.closed {
                 impactor.release(self.model, state.step, self.offset_secs);
             }
@@ -201,14 +218,11 @@ impl Part<'_> {
     }
 
     /// Accepts a trial with contact force.
-    fn press(
-        &self,
-        state: &mut State,
-        mut impactor: Impactor,
-        closing_speed: f64,
-        trial: &Trial,
-    ) -> Result<(), Rejected> {
+    fn press(&self, state: &mut State, closing_speed: f64, trial: &Trial) -> Result<(), Rejected> {
         self.accept(state, trial)?;
+        let Some(impactor) = &mut state.impactor else {
+            return Ok(());
+        };
         let restitution = impactor.impact.restitution;
         let before = impactor.velocity;
         let impulse = impactor.slow_down(state.velocity.v1 - restitution * closing_speed);
@@ -226,7 +240,6 @@ impl Part<'_> {
         state.impulse += impulse;
         state.contact_force = (impulse - percussion) / self.secs;
         state.ledger.impact_loss += impulse * 0.5 * (1.0 - restitution) * closing_speed;
-        state.impactor = Some(impactor);
         Ok(())
     }
 
@@ -252,6 +265,20 @@ impl Part<'_> {
         check_part(self.model, &state.displacement, &end)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
+        if let Some(law) = &self.model.strength {
+            let frame = &self.model.frame;
+            let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
+            let turns = PerBar {
+                below: from.below.discrete_gradient(&to.below).1,
+                above: from.above.discrete_gradient(&to.above).1,
+            };
+            let flow = PerBar {
+                below: &below.flow,
+                above: &above.flow,
+            };
+            let strength = &mut state.strength;
+            law.advance(strength, &turns, self.secs, &trial.prediction, flow, 2.0);
+        }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
         state.ledger.damping_work += trial.damping_work;

@@ -6,7 +6,8 @@ use super::bar::{Bar, PerBar};
 use super::frame::Frame;
 use super::geometry::Displacement;
 use super::modes::{self, Damping, Masses};
-use super::properties::{ColumnProperties, ElasticLaw, Scheme, Support};
+use super::properties::{ColumnProperties, ElasticLaw, RateLaw, Scheme, Support};
+use super::rate::StrengthLaw;
 use super::sample::HINGE_NAMES;
 use super::yield_surface::YieldSurface;
 
@@ -15,6 +16,10 @@ pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
 
 /// Longest step \[ns\]: more than this is longer than the impacts for which this model is made.
 const MAX_STEP_NANOS: u64 = 10_000_000;
+
+/// Largest hardening ratio: the closed form for the spread of yielding neglects it beside 1, and structural steel has about
+/// 0.01.
+const MAX_HARDENING_RATIO: f64 = 0.1;
 
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +36,8 @@ pub struct Model {
     pub slowest_period: f64,
     /// `None` for a column without damping.
     pub(crate) damping: Option<Damping>,
+    /// `None` where the resistances of the hinges are constant.
+    pub(crate) strength: Option<StrengthLaw>,
     /// Length of a step \[s\].
     pub step_secs: f64,
 }
@@ -117,6 +124,7 @@ impl Model {
         let stiffness = modes::transverse_stiffness(&frame, &at_rest);
         let slowest_period = modes::slowest_period(&frame, &masses, &at_rest, &PerBar::default())
             .ok_or(ModelError::Buckled { stiffness })?;
+        let step_secs = p.step_nanos as f64 / NANOS_PER_SECOND;
         Ok(Self {
             properties: p,
             frame,
@@ -125,7 +133,8 @@ impl Model {
             slowest_period,
             damping: (p.damping_ratio > 0.0)
                 .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
-            step_secs: p.step_nanos as f64 / NANOS_PER_SECOND,
+            strength: StrengthLaw::new(&p, step_secs),
+            step_secs,
         })
     }
 
@@ -278,6 +287,7 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
         }
     }
     check_supports(p)?;
+    check_strength(p)?;
     if p.step_nanos == 0 || p.step_nanos > MAX_STEP_NANOS {
         return Err(ModelError::OutOfRange {
             name: "length of a time step [ns]",
@@ -317,4 +327,79 @@ fn check_supports(p: &ColumnProperties) -> Result<(), ModelError> {
         }
     }
     Ok(())
+}
+
+/// Checks strain rate, hardening and ultimate rotation.
+fn check_strength(p: &ColumnProperties) -> Result<(), ModelError> {
+    const POSITIVE: &str = "a finite number > 0";
+    const AT_LEAST_ONE: &str = "a finite number >= 1";
+    let within = |name, found: f64, right: bool, expected| match found.is_finite() && right {
+        true => Ok(()),
+        false => Err(ModelError::OutOfRange {
+            name,
+            found,
+            expected,
+        }),
+    };
+    let b = p.hardening_ratio;
+    within(
+        "hardening ratio",
+        b,
+        (0.0..=MAX_HARDENING_RATIO).contains(&b),
+        "a number from 0 (no hardening) to 0.1",
+    )?;
+    within(
+        "ultimate plastic rotation [rad]",
+        p.ultimate_rotation,
+        p.ultimate_rotation >= 0.0,
+        "a finite number >= 0; 0 for no limit",
+    )?;
+    let Some(rate) = &p.rate else { return Ok(()) };
+    for (name, found) in [
+        ("time constant of the strain rate [s]", rate.time_constant),
+        (
+            "length of a hinge for the strain rate [m]",
+            rate.hinge_length,
+        ),
+        ("height of the section [m]", rate.section_height),
+    ] {
+        within(name, found, found > 0.0, POSITIVE)?;
+    }
+    let max = rate.max_factor;
+    within(
+        "largest dynamic increase factor",
+        max,
+        max >= 1.0,
+        AT_LEAST_ONE,
+    )?;
+    match rate.law {
+        RateLaw::CowperSymonds { d, q } => {
+            within(
+                "strain rate D of Cowper and Symonds [1/s]",
+                d,
+                d > 0.0,
+                POSITIVE,
+            )?;
+            within(
+                "exponent q of Cowper and Symonds",
+                q,
+                q >= 1.0,
+                AT_LEAST_ONE,
+            )
+        }
+        RateLaw::Logarithmic { c, reference } => {
+            within(
+                "coefficient C of the logarithmic rate law",
+                c,
+                c >= 0.0,
+                "a finite number >= 0",
+            )?;
+            within(
+                "reference strain rate of the logarithmic rate law [1/s]",
+                reference,
+                reference > 0.0,
+                POSITIVE,
+            )
+        }
+    }
 }

@@ -5,6 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::chain::{ChainPart, ChainPoint};
 use super::contact::Coupling;
 use super::frame::Frame;
 use super::geometry::Displacement;
@@ -89,14 +90,23 @@ pub(crate) struct Motion<'a> {
     /// `2 m / h` of every displacement \[kg/s\].
     inertia: Vector4<f64>,
     damping: Option<&'a Damping>,
+    /// A compliant vehicle.
+    chain: Option<&'a ChainPart<'a>>,
     /// Forces besides those of the column: the load and the force of contact \[N\].
     applied: Vector4<f64>,
     scale: Vector4<f64>,
 }
 
 impl<'a> Motion<'a> {
-    /// The motion over `secs` of a column that starts from `from`, with the impactor's share `coupling`.
-    pub fn new(model: &'a Model, from: &State, coupling: Coupling, secs: f64) -> Self {
+    /// The motion over `secs` of a column that starts from `from`, with the share `coupling` of a rigid impactor or with the
+    /// compliant vehicle `chain`.
+    pub fn new(
+        model: &'a Model,
+        from: &State,
+        coupling: Coupling,
+        chain: Option<&'a ChainPart<'a>>,
+        secs: f64,
+    ) -> Self {
         let p = &model.properties;
         // The rate of a massless u2 is not part of the state and must not enter.
         let top = if model.top_is_massless() {
@@ -111,15 +121,17 @@ impl<'a> Motion<'a> {
         let inertia = masses * (2.0 * per_sec);
         let [force, moment] = force_scale(model, from);
         let momentum = inertia.component_mul(&velocity.abs());
+        let crush = chain.map_or(0.0, |chain| chain.force_scale(velocity[0]));
         Self {
             per_sec,
             secs,
             velocity,
             inertia,
             damping: model.damping.as_ref(),
+            chain,
             applied: Vector4::new(coupling.force, 0.0, 0.0, p.top_load),
             scale: Vector4::new(
-                momentum[0] + force + coupling.force.abs(),
+                momentum[0] + force + (coupling.force.abs() + crush),
                 momentum[1] + force,
                 moment,
                 momentum[3] + force,
@@ -127,18 +139,25 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// `M Delta v / h + C v_m - f` for an increment, `v_m` its mean rate.
-    pub fn residual(&self, increment: &Displacement) -> Vector4<f64> {
+    /// `M Delta v / h + C v_m - f` for an increment, `v_m` its mean rate; the vehicle's share is solved into `contact`.
+    pub fn residual(&self, increment: &Displacement, contact: &mut ChainPoint) -> Vector4<f64> {
         let rate = self.mean_rate(increment);
-        let undamped = (rate - self.velocity).component_mul(&self.inertia) - self.applied;
+        let mut undamped = (rate - self.velocity).component_mul(&self.inertia) - self.applied;
+        if let Some(chain) = self.chain {
+            chain.solve(increment.v1, contact);
+            undamped[0] -= contact.force;
+        }
         match self.damping {
             Some(damping) => undamped + damping_forces(damping, &rate),
             None => undamped,
         }
     }
 
-    /// Adds the derivative of [`Motion::residual`] to `jacobian`.
-    pub fn add_jacobian(&self, jacobian: &mut Matrix4<f64>) {
+    /// Adds the derivative of [`Motion::residual`], whose last evaluation left `contact`, to `jacobian`.
+    pub fn add_jacobian(&self, jacobian: &mut Matrix4<f64>, contact: &ChainPoint) {
+        if self.chain.is_some() {
+            jacobian[(0, 0)] += contact.stiffness;
+        }
         for row in 0..4 {
             jacobian[(row, row)] += self.inertia[row] * self.per_sec;
         }

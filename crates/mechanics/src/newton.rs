@@ -16,7 +16,7 @@ const BALANCED: f64 = 1e-15;
 
 /// Relative residual or relative increment that is accepted once iterations no longer lower the residual: round-off of
 /// a stiff column.
-const STAGNATED: f64 = 2e-12;
+pub(crate) const STAGNATED: f64 = 2e-12;
 
 /// Floor of the pivots of `beta1` and `u2`, relative to their elastic stiffness. With both hinges of the joint flowing,
 /// or with the normal force held at a corner of the yield surface, the tangent of a massless unknown vanishes: its value
@@ -29,24 +29,24 @@ const MAX_LINE_SEARCH: u32 = 40;
 /// A line search ends where the slope along the correction has fallen to this share.
 const SLOPE_SHARE: f64 = 0.1;
 
-/// Bound of the search for a massless unknown, for its bracket and within it: all bits of a double.
+/// Bound of the search for `beta1`, for its bracket and within it: all bits of a double.
 const MAX_BISECTIONS: u32 = 60;
 
-/// Of so many stagnations, all but the last solve for `beta1` alone: a search for `u2` around it costs tens of times more.
-const JOINT_BALANCES: u32 = 8;
+/// Of so many stagnations the last ends the iteration: brackets find the solution sooner.
+const MAX_STAGNATIONS: u32 = 6;
 
 /// Range in which `beta1` is searched \[rad\].
 const MAX_ROTATION: f64 = 1.0;
 
 /// Row of `beta1`.
-const BETA1: usize = 2;
+pub(crate) const BETA1: usize = 2;
 
 /// Row of `u2`.
-const U2: usize = 3;
+pub(crate) const U2: usize = 3;
 
 /// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar: a massless unknown that
 /// has lost its stiffness would leap to an equilibrium with the column turned inside out.
-const MAX_CORRECTION: f64 = 0.05;
+pub(crate) const MAX_CORRECTION: f64 = 0.05;
 
 /// Equations that are solved for the increment of `U`.
 pub(crate) trait NonlinearSystem {
@@ -87,16 +87,7 @@ pub(crate) fn solve<S: NonlinearSystem>(
     point: &mut S::Point,
 ) -> Option<Solved> {
     let inverse_scale = system.scale().map(|s| 1.0 / s);
-    let size_of = |residual: &Vector4<f64>| {
-        let mut size = 0.0;
-        for row in 0..4 {
-            let relative = (residual[row] * inverse_scale[row]).abs();
-            if relative > size || relative.is_nan() {
-                size = relative;
-            }
-        }
-        size
-    };
+    let size_of = |residual: &Vector4<f64>| size_of(residual, &inverse_scale);
     let mut increment = guess;
     let mut residual = system.evaluate(&increment, point);
     let mut size = size_of(&residual);
@@ -144,8 +135,10 @@ pub(crate) fn solve<S: NonlinearSystem>(
                 point,
             );
             stagnations += 1;
-            let with_top = stagnations % JOINT_BALANCES == 0;
-            balance_massless(system, searched, with_top, point)
+            if stagnations == MAX_STAGNATIONS {
+                return None;
+            }
+            balance_joint(system, searched, point)
         } else {
             (full, full_residual)
         };
@@ -157,6 +150,27 @@ pub(crate) fn solve<S: NonlinearSystem>(
     None
 }
 
+/// Largest entry of a residual, relative to the scale of its row.
+#[inline(always)]
+pub(crate) fn size_of(residual: &Vector4<f64>, inverse_scale: &Vector4<f64>) -> f64 {
+    let mut size = 0.0;
+    for row in 0..4 {
+        let relative = (residual[row] * inverse_scale[row]).abs();
+        if relative > size || relative.is_nan() {
+            size = relative;
+        }
+    }
+    size
+}
+
+/// Derivative of the potential along a correction, which is subtracted: below zero at its start.
+pub(crate) fn slope(residual: &Vector4<f64>, correction: &Displacement) -> f64 {
+    -(residual[0] * correction.v1
+        + residual[1] * correction.u1
+        + residual[2] * correction.beta1
+        + residual[3] * correction.u2)
+}
+
 /// Whether a correction is round-off of the increment.
 fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
     let moved = |u: &Displacement| u.v1.abs().max(u.u1.abs()).max(u.u2.abs());
@@ -165,7 +179,7 @@ fn is_round_off(correction: &Displacement, increment: &Displacement) -> bool {
 }
 
 /// A correction scaled down to [`MAX_CORRECTION`].
-fn limited(correction: Displacement, length: f64) -> Displacement {
+pub(crate) fn limited(correction: Displacement, length: f64) -> Displacement {
     let Displacement { v1, u1, beta1, u2 } = correction;
     let largest = (v1.abs().max(u1.abs()).max(u2.abs()) / length).max(beta1.abs());
     if largest > MAX_CORRECTION {
@@ -185,12 +199,7 @@ fn search_line<S: NonlinearSystem>(
     full_residual: &Vector4<f64>,
     point: &mut S::Point,
 ) -> Displacement {
-    let slope = |r: &Vector4<f64>| {
-        -(r[0] * correction.v1
-            + r[1] * correction.u1
-            + r[2] * correction.beta1
-            + r[3] * correction.u2)
-    };
+    let slope = |residual: &Vector4<f64>| slope(residual, &correction);
     let full = slope(full_residual);
     if full.is_nan() || full <= 0.0 {
         // The minimum lies beyond the full correction, which is then the best on offer.
@@ -214,48 +223,28 @@ fn search_line<S: NonlinearSystem>(
     from.plus(-share, correction)
 }
 
-/// Solves the equations of the massless unknowns with the others held, and returns the increment and its residual.
-/// `M_1b - M_1a` never decreases with `beta1`, nor does the force on the top with `u2` while the column carries the load:
-/// brackets find where they vanish. Where both hinges of the joint flow and their moments differ, one has to unload, and
-/// no tangent tells how far that is.
-fn balance_massless<S: NonlinearSystem>(
+/// Solves the equation of `beta1` with the other unknowns held, and returns the increment and its residual. `M_1b - M_1a`
+/// never decreases with `beta1`: brackets find where it vanishes. Where both hinges of the joint flow and their moments
+/// differ, one has to unload, and no tangent tells how far that is.
+fn balance_joint<S: NonlinearSystem>(
     system: &S,
     from: Displacement,
-    with_top: bool,
     point: &mut S::Point,
 ) -> (Displacement, Vector4<f64>) {
-    let frame = &system.model().frame;
-    let [joint, top] = frame.massless_stiffness();
-    let mut joint_balanced = |u: Displacement| {
-        let turned = |turn: f64| Displacement {
-            beta1: u.beta1 + turn,
-            ..u
-        };
-        let unbalanced = |turn: f64| system.evaluate(&turned(turn), point)[BETA1];
-        turned(zero_near(unbalanced, joint, MAX_ROTATION))
+    let [stiffness, _] = system.model().frame.massless_stiffness();
+    let turned = |turn: f64| Displacement {
+        beta1: from.beta1 + turn,
+        ..from
     };
-    let increment = if with_top && system.model().top_is_massless() {
-        let mut lowered = |fall: f64| {
-            joint_balanced(Displacement {
-                u2: from.u2 + fall,
-                ..from
-            })
-        };
-        let mut scratch = S::Point::default();
-        let unbalanced = |fall: f64| system.evaluate(&lowered(fall), &mut scratch)[U2];
-        let reach = MAX_CORRECTION * frame.shorter_bar();
-        let fall = zero_near(unbalanced, top, reach);
-        lowered(fall)
-    } else {
-        joint_balanced(from)
-    };
+    let unbalanced = |turn: f64| system.evaluate(&turned(turn), point)[BETA1];
+    let increment = turned(zero_near(unbalanced, stiffness, MAX_ROTATION));
     (increment, system.evaluate(&increment, point))
 }
 
 /// Where a force that does not decrease with `x` vanishes, searched from 0 with a first step for its elastic stiffness, up
 /// to `reach`; 0 if it does not vanish there. Bisection, because next to a corner of the yield surface the force is a
 /// staircase.
-fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
+pub(crate) fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f64 {
     let start = force(0.0);
     let (mut near, mut far) = (0.0, -start / stiffness);
     if far == 0.0 || !far.is_finite() {
@@ -289,7 +278,7 @@ fn zero_near(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64) -> f
 /// pivot is positive. `None` where `u2` or the masses have lost their stiffness.
 // Inlined, measured: a step takes 5 % less.
 #[inline(always)]
-fn condensed_solve(
+pub(crate) fn condensed_solve(
     jacobian: &Matrix4<f64>,
     residual: &Vector4<f64>,
     massless_stiffness: [f64; 2],

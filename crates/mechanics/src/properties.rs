@@ -40,6 +40,15 @@ pub struct ColumnProperties {
     pub top_load: f64,
     /// Fraction of critical damping of every elastic mode about the column at rest, >= 0; 0 in the paper.
     pub damping_ratio: f64,
+    /// Increase of the yield surface with the strain rate; `None` in the paper.
+    #[serde(default)]
+    pub rate: Option<RateProperties>,
+    /// `b`: slope of the stress-strain curve after yield over Young's modulus, 0 to 0.1; 0 in the paper.
+    #[serde(default)]
+    pub hardening_ratio: f64,
+    /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
+    #[serde(default)]
+    pub ultimate_rotation: f64,
     /// Time-stepping scheme.
     pub scheme: Scheme,
     /// Length of a time step \[ns\].
@@ -55,6 +64,42 @@ pub struct YieldExponents {
     pub beta: f64,
     /// Of the sum, > 0; scales the plastic multiplier only, not the surface.
     pub gamma: f64,
+}
+
+/// How the resistances of a hinge grow with the strain rate of its outer fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RateProperties {
+    /// Dynamic increase factor as a function of the filtered strain rate.
+    pub law: RateLaw,
+    /// `tau`: time constant of the low-pass filter through which the strain rate passes \[s\], > 0. Without a filter the
+    /// equations of motion are ill-posed, because the laws are infinitely or very steep at zero rate.
+    pub time_constant: f64,
+    /// Largest dynamic increase factor, >= 1.
+    pub max_factor: f64,
+    /// `L_h`: length over which the rotation of a hinge is spread \[m\], > 0.
+    pub hinge_length: f64,
+    /// `h`: height of the section in the plane of bending \[m\], > 0.
+    pub section_height: f64,
+}
+
+/// Dynamic increase factor of the yield strength as a function of the strain rate `e` \[1/s\].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateLaw {
+    /// Cowper and Symonds: `1 + (e/D)^(1/q)`.
+    CowperSymonds {
+        /// `D` \[1/s\], > 0.
+        d: f64,
+        /// `q`, >= 1.
+        q: f64,
+    },
+    /// `1 + C ln(e/e0)`, not below 1. The form of the CEB, `f_y + 6 MPa ln(e / 5e-5)`, has `C = 6 MPa / f_y`.
+    Logarithmic {
+        /// `C`, >= 0.
+        c: f64,
+        /// `e0` \[1/s\], > 0.
+        reference: f64,
+    },
 }
 
 /// Elastic law of a bar's two hinges.

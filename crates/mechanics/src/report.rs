@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::sample::HINGES;
 use super::vehicle::MAX_MASSES;
 
@@ -15,6 +16,8 @@ pub enum Outcome {
     Plastic,
     /// The column has lost its shape or its equilibrium.
     Collapsed,
+    /// The plastic rotation of a hinge has exceeded the ultimate rotation: the hinge is torn and carries nothing.
+    Severed,
 }
 
 /// Why a response ended.
@@ -27,12 +30,14 @@ pub enum End {
     DurationReached,
     /// The column has collapsed.
     Collapsed,
+    /// A hinge has been severed.
+    Severed,
 }
 
 /// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Elastic, plastic or collapsed.
+    /// Elastic, plastic, collapsed or severed.
     pub outcome: Outcome,
     /// Why the response ended.
     pub end: End,
@@ -42,11 +47,12 @@ pub struct Report {
     pub max_v1: f64,
     /// Time of the largest `v1` \[s\].
     pub max_v1_time: f64,
-    /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed.
+    /// `v1` of the static equilibrium under the load with the plastic deformations frozen \[m\]; `None` if collapsed or
+    /// severed.
     pub residual_v1: Option<f64>,
     /// Largest `u2` \[m\].
     pub max_u2: f64,
-    /// `u2` of the residual equilibrium \[m\]; `None` if collapsed.
+    /// `u2` of the residual equilibrium \[m\]; `None` if collapsed or severed.
     pub residual_u2: Option<f64>,
     /// First touch \[s\].
     pub first_contact_time: Option<f64>,
@@ -84,6 +90,8 @@ pub struct Report {
     pub load_work: f64,
     /// Largest error of the energy balance after any step, relative to the input energy.
     pub ledger_residual: f64,
+    /// Largest dynamic increase factor of each hinge; 1 without rate dependence.
+    pub max_dynamic_factor: [f64; HINGES],
     /// Time steps taken.
     pub steps: u64,
     /// The hinges.
@@ -107,6 +115,14 @@ pub struct VehicleReport {
     pub velocity: [f64; MAX_MASSES],
     /// Elastic energy stored in all springs at the end \[J\], >= 0.
     pub elastic_energy: f64,
+}
+
+impl Report {
+    /// Whether the response had more percussions than follow the restitution given (only with the conserving scheme): from
+    /// number [`MAX_ELASTIC_PERCUSSIONS`] on they were perfectly inelastic, and what they lost is part of `impact_loss`.
+    pub fn restitution_ended_early(&self) -> bool {
+        self.percussions > MAX_ELASTIC_PERCUSSIONS
+    }
 }
 
 /// The history of one hinge in a response.

@@ -10,6 +10,7 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::ColumnProperties;
+use super::rate::{HingeFactors, HingeStrength};
 use super::report::{End, HingeReport, Outcome, Report, VehicleReport};
 use super::sample::{HINGES, Sample};
 use super::state::{State, Velocity};
@@ -64,6 +65,8 @@ pub struct Response {
     first_yield: [Option<f64>; HINGES],
     /// Largest `|M/M^p|^alpha + |N/N^p|^beta` of each hinge.
     max_sum: [f64; HINGES],
+    /// Largest dynamic increase factor of each hinge.
+    max_dynamic_factor: [f64; HINGES],
 }
 
 /// Why an impact could not be simulated.
@@ -112,6 +115,7 @@ impl Response {
             residual_period: None,
             first_yield: [None; HINGES],
             max_sum: [0.0; HINGES],
+            max_dynamic_factor: [1.0; HINGES],
         };
         response.record_extremes(model, state);
         Ok(response)
@@ -142,6 +146,7 @@ impl Response {
         let made = stepping::step(model, state);
         self.record(model, &before, state);
         match made {
+            Ok(()) if is_severed(model, state) => Ok(Progress::Over(End::Severed)),
             Ok(()) => Ok(self.progress(model, state)),
             Err(StepError::Collapsed(_)) => Ok(Progress::Over(End::Collapsed)),
             Err(error) => Err(error),
@@ -150,7 +155,10 @@ impl Response {
 
     fn progress(&mut self, model: &Model, state: &State) -> Progress {
         let now = model.time_of_step(state.step);
-        let approaches = state.impactor.is_some_and(|it| it.touched_at.is_none());
+        let approaches = state
+            .impactor
+            .as_ref()
+            .is_some_and(|it| it.touched_at.is_none());
         if approaches && now <= self.approach_until {
             self.counted_from = now;
         }
@@ -165,7 +173,10 @@ impl Response {
 
     /// Whether the impactor has left for good or rests, and no hinge has flowed for long enough.
     fn is_settled(&mut self, model: &Model, state: &State, now: f64) -> bool {
-        let touched = state.impactor.is_none_or(|i| i.touched_at.is_some());
+        let touched = state
+            .impactor
+            .as_ref()
+            .is_none_or(|i| i.touched_at.is_some());
         // The period of the virgin column is known; that of the deformed column is computed only after it has passed.
         if !touched || now - self.last_flow < QUIET_PERIODS * model.slowest_period {
             return false;
@@ -180,26 +191,35 @@ impl Response {
         });
         let quiet = |since: f64| now - since >= QUIET_PERIODS * period;
         quiet(self.last_flow)
-            && state.impactor.is_none_or(|impactor| {
-                if impactor.closed {
+            && state.impactor.as_ref().is_none_or(|impactor| {
+                if impactor.closed && impactor.is_compliant() {
+                    // Its front pushes itself away.
+                    false
+                } else if impactor.closed {
                     let energies = state.energies(model);
                     energies.column_kinetic + energies.impactor_kinetic
                         <= REST_FRACTION * impactor.impact.energy()
                 } else {
                     // Once it recedes and the column has not reached it for a whole period, it never will.
-                    impactor.velocity <= 0.0 && quiet(self.last_contact)
+                    impactor.recedes_for_good() && quiet(self.last_contact)
                 }
             })
     }
 
     fn record(&mut self, model: &Model, before: &StepStart, state: &State) {
         let now = model.time_of_step(state.step);
-        let touching = state.impactor.is_some_and(|i| i.closed);
+        let touching = state.impactor.as_ref().is_some_and(|i| i.closed);
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
         self.record_peak_between(model, before, state);
         self.record_extremes(model, state);
+        if model.strength.is_some() {
+            let factors = over_hinges(&state.strength, |hinge| hinge.factors.dynamic);
+            for (max, factor) in self.max_dynamic_factor.iter_mut().zip(factors) {
+                *max = max.max(factor);
+            }
+        }
         if state.is_flowing() {
             self.last_flow = now;
             self.residual_period = None;
@@ -235,10 +255,10 @@ impl Response {
             self.peak_force_time = Some(model.time_of_step(state.step));
         }
         self.worst_residual = self.worst_residual.max(state.ledger_residual(model).abs());
-        for (max, sum) in self
-            .max_sum
-            .iter_mut()
-            .zip(yield_sums(&model.frame, &state.forces))
+        for (max, sum) in
+            self.max_sum
+                .iter_mut()
+                .zip(yield_sums(&model.frame, &state.forces, &state.strength))
         {
             *max = max.max(sum);
         }
@@ -252,14 +272,16 @@ impl Response {
             below: state.plastic.below.plus(-1.0, &before.plastic.below),
             above: state.plastic.above.plus(-1.0, &before.plastic.above),
         };
-        let below = |k| {
+        let below = |k: usize| {
             let (start, end) = (&before.forces.below, &state.forces.below);
-            let share = || share_until_yield(&frame.below, k, start, end, &flow.below);
+            let hinge = &state.strength.below[k];
+            let share = || share_until_yield(&frame.below, k, hinge, start, end, &flow.below);
             state.flowing.below[k].then(share)
         };
-        let above = |k| {
+        let above = |k: usize| {
             let (start, end) = (&before.forces.above, &state.forces.above);
-            let share = || share_until_yield(&frame.above, k, start, end, &flow.above);
+            let hinge = &state.strength.above[k];
+            let share = || share_until_yield(&frame.above, k, hinge, start, end, &flow.above);
             state.flowing.above[k].then(share)
         };
         let shares = [below(0), above(0), above(1), below(1)];
@@ -272,16 +294,15 @@ impl Response {
     /// The summary of a response that is over, or of what has happened so far.
     pub fn report(&self, model: &Model, state: &State, end: End) -> Report {
         let energies = state.energies(model);
-        let collapsed = end == End::Collapsed;
-        let residual = (!collapsed)
+        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let residual = stands
             .then(|| statics::residual_state(model, state))
             .flatten();
         let yielded = self.first_yield.iter().any(Option::is_some);
         let end_time = model.time_of_step(state.step);
-        let touched = state.impactor.and_then(|i| i.touched_at);
-        let released = state
-            .impactor
-            .and_then(|i| if i.closed { None } else { i.released_at });
+        let impactor = state.impactor.as_ref();
+        let touched = impactor.and_then(|i| i.touched_at);
+        let released = impactor.and_then(|i| if i.closed { None } else { i.released_at });
         let ledger = &state.ledger;
         let PerBar { below, above } = &state.plastic;
         let (lower, upper) = (&model.frame.below.surface, &model.frame.above.surface);
@@ -299,10 +320,11 @@ impl Response {
             hinge(3, lower, below, 1),
         ];
         Report {
-            outcome: match (collapsed, yielded) {
-                (true, _) => Outcome::Collapsed,
-                (false, true) => Outcome::Plastic,
-                (false, false) => Outcome::Elastic,
+            outcome: match end {
+                End::Collapsed => Outcome::Collapsed,
+                End::Severed => Outcome::Severed,
+                End::AtRest | End::DurationReached if yielded => Outcome::Plastic,
+                End::AtRest | End::DurationReached => Outcome::Elastic,
             },
             end,
             end_time,
@@ -314,7 +336,7 @@ impl Response {
             first_contact_time: touched,
             release_time: released,
             contact_duration: touched.map_or(0.0, |from| released.unwrap_or(end_time) - from),
-            impactor_velocity: state.impactor.map_or(0.0, |i| i.velocity),
+            impactor_velocity: impactor.map_or(0.0, |i| i.velocity),
             peak_contact_force: self.peak_force,
             peak_contact_force_time: self.peak_force_time,
             percussions: state.percussions,
@@ -329,10 +351,27 @@ impl Response {
             damping_work: ledger.damping_work,
             load_work: energies.load_work - ledger.initial_load_work,
             ledger_residual: self.worst_residual / ledger.input,
+            max_dynamic_factor: self.max_dynamic_factor,
             steps: state.step,
             hinges,
-            vehicle: VehicleReport::default(),
+            vehicle: vehicle_report(state),
         }
+    }
+}
+
+/// What has become of a compliant vehicle.
+fn vehicle_report(state: &State) -> VehicleReport {
+    let impactor = state.impactor.as_ref();
+    let Some((vehicle, chain)) = impactor.and_then(|i| i.vehicle()) else {
+        return VehicleReport::default();
+    };
+    VehicleReport {
+        masses: vehicle.masses().len(),
+        max_crush: chain.springs.map(|spring| spring.largest),
+        permanent_crush: chain.springs.map(|spring| spring.permanent),
+        dissipated: state.ledger.vehicle_dissipated,
+        velocity: chain.velocity,
+        elastic_energy: chain.elastic_energy(vehicle),
     }
 }
 
@@ -345,16 +384,45 @@ struct StepStart {
     plastic: PerBar<PlasticFlow>,
 }
 
-/// `|M/M^p|^alpha + |N/N^p|^beta` of the hinges 1a, 1b, 2, 3, each with the yield surface of its own bar.
-fn yield_sums(frame: &Frame, forces: &PerBar<BarForces>) -> [f64; HINGES] {
-    let sums = |bar: &Bar, forces: &BarForces| {
-        let axial = bar.surface.axial_term(forces.normal);
-        forces
-            .moment
-            .map(|moment| bar.surface.moment_term(moment) + axial)
+/// Whether the plastic rotation of a hinge exceeds the ultimate rotation.
+fn is_severed(model: &Model, state: &State) -> bool {
+    let ultimate = model.properties.ultimate_rotation;
+    let PerBar { below, above } = &state.plastic;
+    let mut rotations = below.rotation.iter().chain(&above.rotation);
+    ultimate > 0.0 && rotations.any(|rotation| rotation.abs() > ultimate)
+}
+
+/// One number of each of the hinges 1a, 1b, 2, 3.
+fn over_hinges<T>(hinges: &PerBar<[T; 2]>, number: impl Fn(&T) -> f64) -> [f64; HINGES] {
+    let PerBar { below, above } = hinges;
+    [&below[0], &above[0], &above[1], &below[1]].map(number)
+}
+
+/// `|M/M^p|^alpha + |N/N^p|^beta` of the hinges 1a, 1b, 2, 3, each with the yield surface of its own bar, enlarged by strain
+/// rate and hardening.
+fn yield_sums(
+    frame: &Frame,
+    forces: &PerBar<BarForces>,
+    strengths: &PerBar<[HingeStrength; 2]>,
+) -> [f64; HINGES] {
+    let sums = |bar: &Bar, forces: &BarForces, hinges: &[HingeStrength; 2]| {
+        let surface = &bar.surface;
+        if hinges
+            .iter()
+            .all(|hinge| hinge.factors == HingeFactors::default())
+        {
+            let axial = surface.axial_term(forces.normal);
+            return forces
+                .moment
+                .map(|moment| surface.moment_term(moment) + axial);
+        }
+        [0, 1].map(|k| {
+            let (moment, normal) = hinges[k].factors.reduced(forces.moment[k], forces.normal);
+            surface.sum(moment, normal)
+        })
     };
-    let below = sums(&frame.below, &forces.below);
-    let above = sums(&frame.above, &forces.above);
+    let below = sums(&frame.below, &forces.below, &strengths.below);
+    let above = sums(&frame.above, &forces.above, &strengths.above);
     [below[0], above[0], above[1], below[1]]
 }
 
@@ -363,6 +431,7 @@ fn yield_sums(frame: &Frame, forces: &PerBar<BarForces>) -> [f64; HINGES] {
 fn share_until_yield(
     bar: &Bar,
     k: usize,
+    hinge: &HingeStrength,
     start: &BarForces,
     end: &BarForces,
     flow: &PlasticFlow,
@@ -370,8 +439,12 @@ fn share_until_yield(
     let c = &bar.rotational;
     let trial_moment = end.moment[k] + c[k][0] * flow.rotation[0] + c[k][1] * flow.rotation[1];
     let trial_normal = end.normal + bar.axial * (flow.elongation[0] + flow.elongation[1]);
-    let at_start = bar.surface.sum(start.moment[k], start.normal);
-    let at_end = bar.surface.sum(trial_moment, trial_normal);
+    let sum = |moment, normal| {
+        let (moment, normal) = hinge.factors.reduced(moment, normal);
+        bar.surface.sum(moment, normal)
+    };
+    let at_start = sum(start.moment[k], start.normal);
+    let at_end = sum(trial_moment, trial_normal);
     if at_end > at_start {
         ((1.0 - at_start) / (at_end - at_start)).clamp(0.0, 1.0)
     } else {
@@ -458,6 +531,9 @@ mod tests {
             top_mass: 0.0,
             top_load: 0.0,
             damping_ratio: 0.0,
+            rate: None,
+            hardening_ratio: 0.0,
+            ultimate_rotation: 0.0,
             scheme: Scheme::ConservingMidpoint,
             step_nanos: 10_000,
         })
@@ -473,6 +549,7 @@ mod tests {
                 below: forces,
                 above: forces,
             },
+            &PerBar::default(),
         );
         let square = |x: f64| x * x;
         let expected = [

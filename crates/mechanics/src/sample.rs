@@ -126,8 +126,10 @@ pub struct HingeSample {
     pub plastic_rotation: f64,
     /// Plastic elongation \[m\].
     pub plastic_elongation: f64,
-    /// `Phi + 1`: 0 unloaded, 1 on the yield surface.
+    /// `Phi + 1`: 0 unloaded, 1 on the yield surface as strain rate and hardening have enlarged it.
     pub utilisation: f64,
+    /// Dynamic increase factor of the resistances; 1 without rate dependence.
+    pub dynamic_factor: f64,
     /// Elastic, plastic or unloaded.
     pub state: HingeState,
 }

@@ -83,6 +83,25 @@ impl RolledSection {
     }
 }
 
+impl RolledSection {
+    /// `I_z`: second moment of area about the weak axis \[m⁴\], fillets included exactly.
+    #[must_use]
+    pub fn weak_second_moment(&self) -> f64 {
+        let (b, tw) = (self.width, self.web_thickness);
+        let web_depth = self.depth - 2.0 * self.flange_thickness;
+        let fillet = Fillet::of_radius(self.root_radius);
+        let from_axis = tw / 2.0 + fillet.from_corner;
+        (2.0 * self.flange_thickness * b * b * b + web_depth * tw * tw * tw) / 12.0
+            + 4.0 * (fillet.second_moment + fillet.area * from_axis * from_axis)
+    }
+
+    /// `h_w`: depth of the web between the fillets \[m\], which codes divide by the web's thickness.
+    #[must_use]
+    pub fn clear_web_depth(&self) -> f64 {
+        self.depth - 2.0 * (self.flange_thickness + self.root_radius)
+    }
+}
+
 /// One root fillet: a square of side `r` in the corner of web and flange, less a quarter disc about its far corner.
 struct Fillet {
     area: f64,
@@ -144,6 +163,12 @@ mod tests {
         assert_eq!(format!("{:.0}", section.second_moment * 1e8), "8091");
         assert_eq!(format!("{:.1}", section.plastic_modulus * 1e6), "827.0");
         assert_eq!(format!("{:.1}", section.mass_per_length), "71.5");
+        let dimensions = in_millimetres(220.0, 220.0, 9.5, 16.0, 18.0);
+        assert_eq!(
+            format!("{:.0}", dimensions.weak_second_moment() * 1e8),
+            "2843"
+        );
+        assert_eq!(format!("{:.3}", dimensions.clear_web_depth()), "0.152");
         assert!((section.plastic_modulus * 355e6 - 0.2936e6).abs() < 50.0);
         assert!((section.area * 355e6 - 3.232e6).abs() < 500.0);
     }

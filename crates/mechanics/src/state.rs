@@ -3,12 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::chain::{Chain, ChainEnd};
 use super::contact::Impactor;
 use super::frame;
 use super::geometry::Displacement;
 use super::ledger::{Energies, Ledger};
 use super::model::Model;
+use super::rate::{HingeStrength, Strengths};
 use super::sample::{HINGES, HingeSample, HingeState, Phase, Sample, VehicleSample};
+use super::vehicle::MAX_MASSES;
 
 /// Rates of the displacements that can carry mass \[m/s\]; for a massless `u2` its last mean rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -33,6 +36,9 @@ pub struct State {
     pub velocity: Velocity,
     /// Plastic deformation of the hinges, since the column was new.
     pub plastic: PerBar<PlasticFlow>,
+    /// Strain rate and hardening of the hinges.
+    #[serde(default)]
+    pub strength: PerBar<[HingeStrength; 2]>,
     /// Forces of the bars at the end of the step.
     pub forces: PerBar<BarForces>,
     /// Which hinges flowed in the last step, per bar.
@@ -163,6 +169,7 @@ impl State {
             displacement,
             velocity: Velocity::default(),
             plastic,
+            strength: Strengths::default(),
             forces: model.frame.elastic_forces(&chords, &displacement, &plastic),
             flowing: PerBar::default(),
             impactor: None,
@@ -176,11 +183,44 @@ impl State {
             predictor: Predictor::default(),
         };
         state.ledger = Ledger::open(&state.energies(model), 0.0);
+        state.set_accumulated_rotation(
+            model,
+            &PerBar {
+                below: plastic.below.rotation.map(f64::abs),
+                above: plastic.above.rotation.map(f64::abs),
+            },
+        );
         state
     }
 
-    /// Receives an impactor: the column keeps its motion and its plastic deformation, the clock and the ledger restart,
-    /// and an earlier impactor is gone.
+    /// Sets the accumulated plastic rotations \[rad\] of a column at rest, per bar: at the impact point, at the other end.
+    /// [`State::settled`] takes the absolute plastic rotations, which is right unless a hinge has turned back.
+    pub fn set_accumulated_rotation(&mut self, model: &Model, accumulated: &PerBar<[f64; 2]>) {
+        for (hinges, accumulated) in [
+            (&mut self.strength.below, accumulated.below),
+            (&mut self.strength.above, accumulated.above),
+        ] {
+            *hinges = accumulated.map(|accumulated_rotation| HingeStrength {
+                accumulated_rotation,
+                ..HingeStrength::default()
+            });
+        }
+        if let Some(law) = &model.strength {
+            law.settle(&mut self.strength);
+        }
+    }
+
+    /// Accumulated plastic rotations \[rad\], per bar.
+    pub fn accumulated_rotation(&self) -> PerBar<[f64; 2]> {
+        let of = |hinges: &[HingeStrength; 2]| hinges.map(|hinge| hinge.accumulated_rotation);
+        PerBar {
+            below: of(&self.strength.below),
+            above: of(&self.strength.above),
+        }
+    }
+
+    /// Receives an impactor: the column keeps its motion and its plastic deformation, the clock, the ledger and the filter of
+    /// the strain rate restart, and an earlier impactor is gone.
     pub(crate) fn receive(&mut self, model: &Model, impactor: Impactor) {
         self.step = 0;
         self.flowing = PerBar::default();
@@ -190,6 +230,14 @@ impl State {
         self.percussions = 0;
         self.impulse = 0.0;
         self.newton_iterations = 0;
+        for hinge in self
+            .strength
+            .below
+            .iter_mut()
+            .chain(&mut self.strength.above)
+        {
+            hinge.begin();
+        }
         self.impactor = Some(impactor);
         self.ledger = Ledger::open(&self.energies(model), impactor.kinetic_energy());
     }
@@ -198,6 +246,7 @@ impl State {
     /// midpoint rule the penetration of the step in which contact closed remains.
     pub fn gap(&self) -> f64 {
         self.impactor
+            .as_ref()
             .map_or(0.0, |impactor| impactor.gap(self.displacement.v1))
     }
 
@@ -205,15 +254,16 @@ impl State {
     pub fn energies(&self, model: &Model) -> Energies {
         let square = |x: f64| x * x;
         let (velocity, u2, frame) = (&self.velocity, self.displacement.u2, &model.frame);
+        let impactor = self.impactor.as_ref();
         Energies {
             column_kinetic: 0.5
                 * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
                     + model.properties.top_mass * square(velocity.u2)),
-            impactor_kinetic: self.impactor.map_or(0.0, |i| i.kinetic_energy()),
+            impactor_kinetic: impactor.map_or(0.0, |i| i.kinetic_energy()),
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
-            vehicle_elastic: 0.0,
+            vehicle_elastic: impactor.map_or(0.0, |i| i.elastic_energy()),
             load_work: model.properties.top_load * u2,
         }
     }
@@ -236,6 +286,26 @@ impl State {
         for k in 0..2 {
             self.flowing.below[k] |= model.frame.below.flows(below, k);
             self.flowing.above[k] |= model.frame.above.flows(above, k);
+            self.strength.below[k].accumulate(factor * below.rotation[k]);
+            self.strength.above[k].accumulate(factor * above.rotation[k]);
+        }
+    }
+
+    /// Moves a compliant vehicle to the end of a part of a step, `(offset, length)` \[s\], whose column has already arrived.
+    pub(crate) fn follow(
+        &mut self,
+        model: &Model,
+        (offset_secs, secs): (f64, f64),
+        end: &ChainEnd,
+    ) {
+        self.impulse += end.impulse;
+        let dissipated = &mut self.ledger.vehicle_dissipated;
+        for (total, part) in dissipated.iter_mut().zip(end.dissipated) {
+            *total += part;
+        }
+        if let Some(impactor) = &mut self.impactor {
+            let part = (self.step, offset_secs, secs);
+            self.contact_force = impactor.follow(model, part, self.displacement.v1, end);
         }
     }
 
@@ -249,7 +319,7 @@ impl State {
     /// Number of whole steps for which an impactor still approaches a column at rest; `None` if the column moves or has
     /// been touched.
     pub fn steps_to_contact(&self, model: &Model) -> Option<u64> {
-        let impactor = self.impactor?;
+        let impactor = self.impactor.as_ref()?;
         if impactor.touched_at.is_some() || self.velocity != Velocity::default() {
             return None;
         }
@@ -263,7 +333,7 @@ impl State {
         self.step += steps;
         self.percussion = 0.0;
         if let Some(impactor) = &mut self.impactor {
-            impactor.position = impactor.position_in_flight(model, self.step, 0.0);
+            impactor.coast(model, self.step, self.displacement.v1);
         }
     }
 
@@ -292,16 +362,19 @@ impl State {
                 f.moment[1],
             ]
         };
-        let impactor = self.impactor.map_or([0.0; 2], |i| [i.position, i.velocity]);
+        let impactor = self.impactor.as_ref();
+        let struck_by = impactor.map_or([0.0; 2], |i| [i.position, i.velocity]);
+        let chain = impactor.and_then(|i| i.vehicle()).map(|(_, chain)| chain);
         let ledger = &self.ledger;
         let numbers = [v1, u1, beta1, u2]
             .into_iter()
             .chain([self.velocity.v1, self.velocity.u1, self.velocity.u2])
             .chain(bar(&self.plastic.below, &self.forces.below))
             .chain(bar(&self.plastic.above, &self.forces.above))
-            .chain(impactor)
+            .chain(struck_by)
             .chain([self.contact_force, self.impulse, self.percussion_impulse])
-            .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work]);
+            .chain([ledger.plastic_work, ledger.impact_loss, ledger.damping_work])
+            .chain(chain.into_iter().flat_map(Chain::numbers));
         std::iter::once(self.step)
             .chain(numbers.map(f64::to_bits))
             .flat_map(u64::to_le_bytes)
@@ -313,7 +386,7 @@ impl State {
     /// Everything that can be observed in this state.
     pub fn sample(&self, model: &Model) -> Sample {
         let energies = self.energies(model);
-        let impactor = self.impactor;
+        let impactor = self.impactor.as_ref();
         Sample {
             time: model.time_of_step(self.step),
             phase: self.phase(),
@@ -337,13 +410,38 @@ impl State {
             damping_work: self.ledger.damping_work,
             load_work: energies.load_work,
             ledger_residual: self.ledger.residual(&energies),
-            vehicle: VehicleSample::default(),
+            vehicle: self.vehicle(),
             hinges: self.hinges(model),
         }
     }
 
+    fn vehicle(&self) -> VehicleSample {
+        let impactor = self.impactor.as_ref();
+        impactor.and_then(|i| i.vehicle()).map_or_else(
+            VehicleSample::default,
+            |(vehicle, chain)| {
+                let mut force = [0.0; MAX_MASSES];
+                for (force, (spring, state)) in force
+                    .iter_mut()
+                    .zip(vehicle.springs().iter().zip(&chain.springs))
+                {
+                    *force = state.force(spring);
+                }
+                VehicleSample {
+                    masses: vehicle.masses().len(),
+                    velocity: chain.velocity,
+                    crush: chain.springs.map(|spring| spring.crush),
+                    permanent_crush: chain.springs.map(|spring| spring.permanent),
+                    force,
+                    dissipated: self.ledger.vehicle_dissipated,
+                    elastic_energy: chain.elastic_energy(vehicle),
+                }
+            },
+        )
+    }
+
     fn phase(&self) -> Phase {
-        match self.impactor {
+        match &self.impactor {
             None => Phase::Idle,
             Some(impactor) if impactor.closed => Phase::Contact,
             Some(impactor) if impactor.touched_at.is_some() => Phase::Free,
@@ -359,20 +457,27 @@ impl State {
                      plastic: &PlasticFlow,
                      total: &BarStrain,
                      flowing: &[bool; 2],
-                     k: usize| HingeSample {
-            moment: forces.moment[k],
-            normal_force: forces.normal,
-            rotation: total.rotation[k],
-            elongation: 0.5 * total.minus(plastic).elongation + plastic.elongation[k],
-            plastic_rotation: plastic.rotation[k],
-            plastic_elongation: plastic.elongation[k],
-            utilisation: bar.surface.utilisation(forces.moment[k], forces.normal),
-            state: hinge_state(flowing[k], bar.flows(plastic, k)),
+                     strength: &[HingeStrength; 2],
+                     k: usize| {
+            let factors = &strength[k].factors;
+            let (moment, normal_force) = factors.reduced(forces.moment[k], forces.normal);
+            HingeSample {
+                moment: forces.moment[k],
+                normal_force: forces.normal,
+                rotation: total.rotation[k],
+                elongation: 0.5 * total.minus(plastic).elongation + plastic.elongation[k],
+                plastic_rotation: plastic.rotation[k],
+                plastic_elongation: plastic.elongation[k],
+                utilisation: bar.surface.utilisation(moment, normal_force),
+                dynamic_factor: factors.dynamic,
+                state: hinge_state(flowing[k], bar.flows(plastic, k)),
+            }
         };
         let Self {
             forces: f,
             plastic: p,
             flowing: w,
+            strength: s,
             ..
         } = self;
         let below = |k| {
@@ -382,6 +487,7 @@ impl State {
                 &p.below,
                 &total.below,
                 &w.below,
+                &s.below,
                 k,
             )
         };
@@ -392,6 +498,7 @@ impl State {
                 &p.above,
                 &total.above,
                 &w.above,
+                &s.above,
                 k,
             )
         };

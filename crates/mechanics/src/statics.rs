@@ -3,13 +3,12 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame::{self, BarStiffness};
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
 use super::newton::{self, NonlinearSystem};
-use super::properties::Scheme;
 use super::state::State;
 
 /// Bound of the iterations for a massless top.
@@ -18,13 +17,6 @@ const MAX_MASSLESS_ITERATIONS: u32 = 30;
 /// Force by which a massless top may be out of balance at the end of a midpoint step, relative to `N^p + P`. Nothing
 /// builds on it: the equations of the scheme hold at `n + 1/2`.
 const MASSLESS_TOLERANCE: f64 = 1e-9;
-
-/// How far around its last position a massless top is searched, relative to the shorter bar: a top that moves further
-/// within the smallest part of a step leaps.
-const SUPPORT_REACH: f64 = 1e-3;
-
-/// Number of positions that are searched there.
-const SUPPORT_SAMPLES: u32 = 200;
 
 /// Elastic equilibrium of the whole column under its load.
 struct Frozen<'a> {
@@ -116,77 +108,6 @@ pub(crate) fn settle_massless(
     None
 }
 
-/// Whether a massless top finds a position near that of `state` in which the column, flowing if it must, carries the
-/// load, once `v1` and `u1` have moved on by `secs` \[s\].
-///
-/// Only asked for a step that did not converge. Since the masses hardly move in its smallest part, it is the equations of
-/// the massless unknowns that failed. That of `beta1` is monotone and always has a solution; that of `u2` has none past
-/// the limit point at which the top loses its support.
-pub(crate) fn top_is_carried(model: &Model, state: &State, secs: f64) -> bool {
-    let mut u = state.displacement;
-    u.v1 += secs * state.velocity.v1;
-    u.u1 += secs * state.velocity.u1;
-    let reach = SUPPORT_REACH * model.frame.shorter_bar();
-    let load = model.properties.top_load;
-    // The conserving scheme balances the mean of both ends of the part: the end must make up for what the start lacks.
-    let target = match model.scheme() {
-        Scheme::Midpoint => load,
-        Scheme::ConservingMidpoint => {
-            2.0 * load - force_on_top(model, &state.displacement, &state.forces)
-        }
-    };
-    let unbalanced = |share: f64| {
-        let u2 = state.displacement.u2 + share * reach;
-        carried_by_top(model, Displacement { u2, ..u }, &state.plastic) - target
-    };
-    let mut before = unbalanced(-1.0);
-    for sample in 1..=SUPPORT_SAMPLES {
-        let here = unbalanced(2.0 * f64::from(sample) / f64::from(SUPPORT_SAMPLES) - 1.0);
-        if before <= 0.0 && here >= 0.0 {
-            return true;
-        }
-        before = here;
-    }
-    false
-}
-
-/// `f_int(4)` of given forces \[N\].
-fn force_on_top(model: &Model, u: &Displacement, forces: &PerBar<BarForces>) -> f64 {
-    let frame = &model.frame;
-    let gradients = frame::gradients(&frame.chords(u));
-    frame.internal_forces(&gradients, forces, u.u2)[3]
-}
-
-/// `f_int(4)` \[N\] at given `v1`, `u1`, `u2`, with `beta1` in equilibrium and the stress on or within the yield surface.
-fn carried_by_top(model: &Model, mut u: Displacement, plastic: &PerBar<PlasticFlow>) -> f64 {
-    let frame = &model.frame;
-    let chords = frame.chords(&u);
-    let gradients = frame::gradients(&chords);
-    let angles = frame::angles(&chords);
-    let internal = |u: &Displacement| {
-        let total = frame::strains(&chords, &angles, u.beta1);
-        let returned = |bar: &Bar, total: &BarStrain, plastic| {
-            bar.return_stress(bar.elastic(&total.minus(plastic)), 0.0)
-                .forces
-        };
-        let forces = PerBar {
-            below: returned(&frame.below, &total.below, &plastic.below),
-            above: returned(&frame.above, &total.above, &plastic.above),
-        };
-        frame.internal_forces(&gradients, &forces, u.u2)
-    };
-    let (mut low, mut high) = (u.beta1 - 1.0, u.beta1 + 1.0);
-    for _ in 0..f64::MANTISSA_DIGITS {
-        u.beta1 = 0.5 * (low + high);
-        if internal(&u)[2] > 0.0 {
-            high = u.beta1;
-        } else {
-            low = u.beta1;
-        }
-    }
-    internal(&u)[3]
-}
-
 /// The residual state: static equilibrium under the load with the plastic deformation of `state` frozen, at rest and
 /// without an impactor. `None` if there is no equilibrium nearby, or only one that has lost its shape.
 pub fn residual_state(model: &Model, state: &State) -> Option<State> {
@@ -196,7 +117,10 @@ pub fn residual_state(model: &Model, state: &State) -> Option<State> {
     };
     let solved = newton::solve(&system, state.displacement, &mut Point::default())?;
     let displacement = solved.increment;
-    collapse_of(model, &displacement)
-        .is_none()
-        .then(|| State::settled(model, displacement, state.plastic))
+    if collapse_of(model, &displacement).is_some() {
+        return None;
+    }
+    let mut residual = State::settled(model, displacement, state.plastic);
+    residual.set_accumulated_rotation(model, &state.accumulated_rotation());
+    Some(residual)
 }

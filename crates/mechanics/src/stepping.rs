@@ -10,7 +10,6 @@ use super::model::Model;
 use super::motion::{Collapse, NEGLIGIBLE_PART, Rejected, StepError};
 use super::properties::Scheme;
 use super::state::State;
-use super::statics;
 
 /// How often a part of a step may be halved.
 pub const MAX_HALVINGS: u32 = 12;
@@ -26,7 +25,8 @@ pub const MAX_PARTS: u32 = 8192;
 pub fn begin_impact(model: &Model, state: &mut State, impact: Impact) -> Result<(), ImpactError> {
     impact.check()?;
     state.receive(model, Impactor::new(impact, state.displacement.v1));
-    if model.scheme() == Scheme::ConservingMidpoint && impact.gap == 0.0 {
+    let is_rigid = impact.vehicle.is_none();
+    if model.scheme() == Scheme::ConservingMidpoint && impact.gap == 0.0 && is_rigid {
         // On a bent column contact begins with a force.
         conserving_midpoint::strike(model, state, 0.0, &mut Default::default());
     }
@@ -77,7 +77,7 @@ fn in_parts(
                 // shows whether it really goes there.
                 secs *= 0.5;
                 if secs < min_secs {
-                    return Err(failure(model, state, collapse, 2.0 * secs));
+                    return Err(failure(state, collapse, 2.0 * secs));
                 }
                 continue;
             }
@@ -105,15 +105,7 @@ fn in_parts(
 }
 
 /// Why a step failed whose smallest part, of `part_secs`, was rejected; a collapse completes the step.
-fn failure(
-    model: &Model,
-    state: &mut State,
-    collapse: Option<Collapse>,
-    part_secs: f64,
-) -> StepError {
-    let load_is_lost =
-        || model.top_is_massless() && !statics::top_is_carried(model, state, part_secs);
-    let collapse = collapse.or_else(|| load_is_lost().then_some(Collapse::LoadNotCarried));
+fn failure(state: &mut State, collapse: Option<Collapse>, part_secs: f64) -> StepError {
     match collapse {
         Some(collapse) => {
             state.step += 1;

@@ -22,6 +22,9 @@ const NARROW_SHARE: f64 = 0.5;
 /// Pieces into which the ramp from [`NARROW_SHARE`] to 1 is divided, where the product of both is a parabola.
 const NARROW_PIECES: usize = 6;
 
+/// Least distance between a point of the ramp and one of the curve \[m\]: between closer ones a slope would be round-off.
+const NARROW_APART: f64 = 1e-6;
+
 /// Relative tolerance by which the unloading stiffness may fall short of the steepest slope: the round-off of a slope that
 /// was computed from two points.
 const SLOPE_TOLERANCE: f64 = 1e-9;
@@ -206,22 +209,42 @@ impl CrushCurve {
         &self.points[..self.count]
     }
 
+    /// The straight pieces from the origin to infinity.
+    pub(crate) fn pieces(&self) -> Pieces<'_> {
+        Pieces {
+            points: self.points(),
+            next: 0,
+            begin: [0.0; 2],
+        }
+    }
+
+    /// The pieces from the one on along which the crush grows beyond `crush` \[m\].
+    pub(crate) fn pieces_beyond(&self, crush: f64) -> Pieces<'_> {
+        let points = self.points();
+        let last = points.len() - 1;
+        let before_last = points[..last].iter();
+        let next = before_last.filter(|point| point[0] <= crush).count();
+        let mut pieces = Pieces {
+            points,
+            next,
+            begin: if next == 0 {
+                [0.0; 2]
+            } else {
+                points[next - 1]
+            },
+        };
+        if next == last && pieces.clone().next().is_some_and(|it| it.end <= crush) {
+            // The continued last slope has fallen to zero.
+            pieces.next();
+        }
+        pieces
+    }
+
     /// The force at a crush \[N\]; 0 for a crush <= 0.
     #[must_use]
     pub fn force(&self, crush: f64) -> f64 {
-        if crush <= 0.0 {
-            return 0.0;
-        }
-        let mut start = [0.0; 2];
-        let mut slope = 0.0;
-        for &end in self.points() {
-            slope = (end[1] - start[1]) / (end[0] - start[0]);
-            if crush <= end[0] {
-                return start[1] + slope * (crush - start[0]);
-            }
-            start = end;
-        }
-        (start[1] + slope * (crush - start[0])).max(0.0)
+        let piece = self.pieces().find(|piece| crush <= piece.end);
+        piece.map_or(0.0, |piece| piece.force(crush).max(0.0))
     }
 
     /// The largest force up to a crush \[N\].
@@ -236,13 +259,7 @@ impl CrushCurve {
     /// The steepest slope \[N/m\].
     #[must_use]
     pub fn steepest_slope(&self) -> f64 {
-        let mut start = [0.0; 2];
-        let mut steepest = 0.0_f64;
-        for &end in self.points() {
-            steepest = steepest.max((end[1] - start[1]) / (end[0] - start[0]));
-            start = end;
-        }
-        steepest
+        self.pieces().map(|piece| piece.slope).fold(0.0, f64::max)
     }
 
     /// The curve with all forces times `factor`.
@@ -267,7 +284,10 @@ impl CrushCurve {
         let mut count = 0;
         let ramp = (0..=NARROW_PIECES)
             .map(|k: usize| begin + (end - begin) * k as f64 / NARROW_PIECES as f64)
-            .filter(|&crush| self.points().iter().all(|point| point[0] != crush));
+            .filter(|&crush| {
+                let is_apart = |point: &[f64; 2]| (point[0] - crush).abs() > NARROW_APART;
+                self.points().iter().all(is_apart)
+            });
         // The last slope continues, so that the end of the curve must lie behind the ramp.
         let last = self.points()[self.count - 1][0];
         let behind = (last <= end).then_some(end + (end - begin));
@@ -288,6 +308,69 @@ impl CrushCurve {
             *point = [crush, share(crush) * self.force(crush)];
         }
         Self::new(&points[..count])
+    }
+}
+
+/// A straight piece of a force-crush curve.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Piece {
+    /// Crush \[m\] and force \[N\] at its beginning.
+    pub begin: [f64; 2],
+    /// \[N/m\].
+    pub slope: f64,
+    /// Crush at its end \[m\].
+    pub end: f64,
+}
+
+impl Piece {
+    /// Force at a crush on the piece \[N\].
+    pub(crate) fn force(&self, crush: f64) -> f64 {
+        self.begin[1] + self.slope * (crush - self.begin[0])
+    }
+
+    /// Work from one crush on the piece to another \[J\].
+    pub(crate) fn work(&self, from: f64, to: f64) -> f64 {
+        0.5 * (self.force(from) + self.force(to)) * (to - from)
+    }
+}
+
+/// The pieces of a force-crush curve from the origin to infinity.
+#[derive(Clone)]
+pub(crate) struct Pieces<'a> {
+    points: &'a [[f64; 2]],
+    next: usize,
+    begin: [f64; 2],
+}
+
+impl Iterator for Pieces<'_> {
+    type Item = Piece;
+
+    fn next(&mut self) -> Option<Piece> {
+        let begin = self.begin;
+        let Some(&point) = self.points.get(self.next) else {
+            // Behind the crush at which the continued last slope has fallen to zero.
+            self.begin = [f64::INFINITY, 0.0];
+            return begin[0].is_finite().then_some(Piece {
+                begin,
+                slope: 0.0,
+                end: f64::INFINITY,
+            });
+        };
+        let slope = (point[1] - begin[1]) / (point[0] - begin[0]);
+        self.next += 1;
+        let end = if self.next < self.points.len() {
+            point
+        } else if slope < 0.0 {
+            [begin[0] - begin[1] / slope, 0.0]
+        } else {
+            [f64::INFINITY, 0.0]
+        };
+        self.begin = end;
+        Some(Piece {
+            begin,
+            slope,
+            end: end[0],
+        })
     }
 }
 
@@ -315,16 +398,15 @@ impl Vehicle {
                 });
             }
         }
-        for (index, spring) in springs.iter().enumerate() {
-            spring.check(index + 1)?;
-        }
         let mut vehicle = Self {
             masses: [0.0; MAX_MASSES],
             springs: [springs[0]; MAX_MASSES],
             count,
         };
         vehicle.masses[..count].copy_from_slice(masses);
-        vehicle.springs[..count].copy_from_slice(springs);
+        for (index, spring) in springs.iter().enumerate() {
+            vehicle.springs[index] = spring.checked(index + 1)?;
+        }
         Ok(vehicle)
     }
 
@@ -375,6 +457,7 @@ impl Vehicle {
             let front = &mut self.springs[0];
             front.envelope = front.envelope.scaled(factor);
             front.unloading_stiffness *= factor;
+            *front = front.checked(1)?;
         }
         Ok(self)
     }
@@ -386,14 +469,15 @@ impl Vehicle {
     pub fn against_narrow_object(mut self) -> Result<Self, VehicleError> {
         let front = &mut self.springs[0];
         front.envelope = front.envelope.against_narrow_object()?;
-        front.check(1)?;
+        *front = front.checked(1)?;
         Ok(self)
     }
 }
 
 impl CrushSpring {
-    /// Checks the spring of this number, from 1 at the front.
-    fn check(&self, spring: usize) -> Result<(), VehicleError> {
+    /// Checks the spring of this number, from 1 at the front, and raises an unloading stiffness that falls short of the
+    /// steepest slope by round-off to that slope: no crush may give back more energy than it took.
+    fn checked(mut self, spring: usize) -> Result<Self, VehicleError> {
         let found = self.unloading_stiffness;
         let steepest = self.envelope.steepest_slope();
         if !(found.is_finite() && found >= steepest * (1.0 - SLOPE_TOLERANCE)) {
@@ -403,6 +487,7 @@ impl CrushSpring {
                 steepest,
             });
         }
+        self.unloading_stiffness = found.max(steepest);
         let found = self.slack;
         let right = if spring == 1 {
             found == 0.0
@@ -412,7 +497,7 @@ impl CrushSpring {
         if !(found.is_finite() && right) {
             return Err(VehicleError::Slack { spring, found });
         }
-        Ok(())
+        Ok(self)
     }
 }
 

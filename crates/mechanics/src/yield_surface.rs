@@ -46,6 +46,35 @@ pub(crate) enum Branch {
     Moment,
 }
 
+/// A quantity along the quarter curve with its first and second derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Jet {
+    pub value: f64,
+    pub first: f64,
+    pub second: f64,
+}
+
+/// One point of the quarter curves of two hinges that bear the same normal force, parametrised on the curve of the one
+/// that is weaker against it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PairedPoint {
+    /// The normal force relative to the resistance of the weaker hinge.
+    pub axial: Jet,
+    /// The moment that the weaker hinge can bear, relative to its resistance.
+    pub weaker: Jet,
+    /// The moment that the other hinge can bear, relative to its own resistance.
+    pub stronger: Jet,
+}
+
+/// How much weaker one of two hinges is against a normal force, with `r` the ratio of both resistances.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct AxialLead {
+    /// `r^beta`.
+    pub share: f64,
+    /// `1 - r^beta`, without cancellation.
+    pub rest: f64,
+}
+
 impl YieldSurface {
     /// The surface with resistances `M^p` \[N m\] and `N^p` \[N\], both > 0, and exponents `alpha, beta >= 1`,
     /// `gamma > 0`.
@@ -125,6 +154,11 @@ impl YieldSurface {
         self.beta == Power::One
     }
 
+    /// Whether the curvature of the surface is infinite at `N = 0`, where it holds the normal force of a bar that flows.
+    pub(crate) fn is_sharp_at_zero_axial(&self) -> bool {
+        matches!(self.beta, Power::Other(p) if p < 2.0)
+    }
+
     /// `m` on the quarter curve above `n`, `0 <= n <= 1`.
     pub(crate) fn cap_of(&self, n: f64) -> f64 {
         self.alpha.root(1.0 - self.beta.of(n))
@@ -135,6 +169,121 @@ impl YieldSurface {
         match branch {
             Branch::Axial => self.axial_curve.point(t),
             Branch::Moment => self.moment_curve.point(t),
+        }
+    }
+
+    /// The lead of a resistance `stronger` against normal forces over a resistance `weaker`, 0 < `weaker` <= `stronger`.
+    pub(crate) fn axial_lead(&self, weaker: f64, stronger: f64) -> AxialLead {
+        let less = (stronger - weaker) / stronger;
+        let rest = match self.beta {
+            Power::One => less,
+            Power::Two => less * (2.0 - less),
+            Power::Other(beta) => -libm::expm1(beta * libm::log1p(-less)),
+        };
+        AxialLead {
+            share: 1.0 - rest,
+            rest,
+        }
+    }
+
+    /// `-dm/dn` of the stronger of two curves at the tip `n = 1` of the weaker one; `n` counts in the weaker one's
+    /// resistance, and `lead.rest > 0`.
+    pub(crate) fn slope_beyond_tip(&self, lead: &AxialLead) -> f64 {
+        self.axial_curve.ratio * lead.share * self.alpha.root(lead.rest) / lead.rest
+    }
+
+    /// The point of two quarter curves with coordinate `t`, `0 <= t <= split`, on `branch` of the weaker one.
+    ///
+    /// `m^alpha = 1 - n^beta` holds on both curves, so that `m_s^alpha = rest + share m_w^alpha`: no digits are lost where
+    /// `n` is close to 1.
+    #[inline(always)]
+    pub(crate) fn paired_point(&self, branch: Branch, t: f64, lead: &AxialLead) -> PairedPoint {
+        let (point, power) = match branch {
+            Branch::Axial => self.axial_curve.point_and_power(t),
+            Branch::Moment => self.moment_curve.point_and_power(t),
+        };
+        let coordinate = Jet {
+            value: t,
+            first: 1.0,
+            second: 0.0,
+        };
+        let own = Jet {
+            value: point.other,
+            first: -point.slope,
+            second: -point.bend,
+        };
+        let (axial, weaker) = match branch {
+            Branch::Axial => (coordinate, own),
+            Branch::Moment => (own, coordinate),
+        };
+        let stronger = if lead.rest == 0.0 {
+            weaker
+        } else {
+            match branch {
+                Branch::Axial => self.stronger_over_axial(t, power, lead),
+                Branch::Moment => self.stronger_over_moment(t, power, lead),
+            }
+        };
+        PairedPoint {
+            axial,
+            weaker,
+            stronger,
+        }
+    }
+
+    /// `m_s = (1 - share n^beta)^(1/alpha)`, where `power = n^beta`.
+    #[inline(always)]
+    fn stronger_over_axial(&self, n: f64, power: f64, lead: &AxialLead) -> Jet {
+        let curve = &self.axial_curve;
+        let rest = 1.0 - lead.share * power;
+        let m = self.alpha.root(rest);
+        let per_rest = 1.0 / rest;
+        let factor = curve.ratio * lead.share * m * per_rest;
+        let less_one = self.beta.less_one(n, power);
+        let less_two = self.beta.less_two(n, less_one);
+        let bending = curve.bending * lead.share;
+        Jet {
+            value: m,
+            first: -factor * less_one,
+            second: -factor
+                * (curve.own_less_one * less_two + bending * less_one * less_one * per_rest),
+        }
+    }
+
+    /// `m_s = (rest + share m_w^alpha)^(1/alpha)`, where `power = m_w^alpha`.
+    #[inline(always)]
+    fn stronger_over_moment(&self, m_w: f64, power: f64, lead: &AxialLead) -> Jet {
+        let sum = lead.rest + lead.share * power;
+        let m = self.alpha.root(sum);
+        let factor = lead.share * m / sum;
+        let less_one = self.alpha.less_one(m_w, power);
+        let less_two = self.alpha.less_two(m_w, less_one);
+        Jet {
+            value: m,
+            first: factor * less_one,
+            second: factor * self.moment_curve.own_less_one * less_two * (lead.rest / sum),
+        }
+    }
+}
+
+impl Jet {
+    /// The jet at a coordinate that is larger by `step`, by Taylor's series as [`CurvePoint::moved_by`].
+    pub(crate) fn moved_by(&self, step: f64) -> Self {
+        Self {
+            value: self.value + step * (self.first + 0.5 * step * self.second),
+            first: self.first + step * self.second,
+            second: self.second,
+        }
+    }
+}
+
+impl PairedPoint {
+    /// The point at a coordinate that is larger by `step`.
+    pub(crate) fn moved_by(&self, step: f64) -> Self {
+        Self {
+            axial: self.axial.moved_by(step),
+            weaker: self.weaker.moved_by(step),
+            stronger: self.stronger.moved_by(step),
         }
     }
 }
@@ -181,6 +330,12 @@ impl Curve {
     /// `-do/dt = (p/q) o / (1 - t^p) t^(p-1)`, and its derivative
     /// `(p/q) o / (1 - t^p) [(p-1) t^(p-2) + (1 - 1/q) p t^(2p-2) / (1 - t^p)]`.
     fn point(&self, t: f64) -> CurvePoint {
+        self.point_and_power(t).0
+    }
+
+    /// The point, and `t^p`.
+    #[inline(always)]
+    fn point_and_power(&self, t: f64) -> (CurvePoint, f64) {
         let power = self.own.of(t);
         let rest = 1.0 - power;
         let o = self.other.root(rest);
@@ -188,12 +343,13 @@ impl Curve {
         let factor = self.ratio * o * per_rest;
         let less_one = self.own.less_one(t, power);
         let less_two = self.own.less_two(t, less_one);
-        CurvePoint {
+        let point = CurvePoint {
             other: o,
             slope: factor * less_one,
             bend: factor
                 * (self.own_less_one * less_two + self.bending * less_one * less_one * per_rest),
-        }
+        };
+        (point, power)
     }
 }
 

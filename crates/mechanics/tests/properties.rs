@@ -6,10 +6,12 @@
 )]
 
 use column_mechanics::{
-    ColumnProperties, ElasticLaw, Impact, Model, Phase, Progress, Response, Scheme, State,
-    StepError, Support, YieldExponents,
+    Capacity, ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact,
+    MAX_PUSH_DOWN_INCREMENTS, Model, Phase, Progress, PushDown, Response, Sample, Scheme, State,
+    StepError, Support, Vehicle, YieldExponents, residual_state,
 };
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRng, TestRunner};
 
 /// Random columns per scheme; both schemes together must reach at least 10 000.
@@ -17,6 +19,9 @@ const CASES: u32 = 6_000;
 
 /// Steps for which one random response is followed.
 const STEPS: u32 = 300;
+
+/// Push-downs of random columns, virgin and after an impact.
+const PUSH_DOWNS: u32 = 1_000;
 
 /// Minimum length of a bar in the parameter table \[m\].
 const MIN_BAR: f64 = 0.02;
@@ -88,6 +93,9 @@ prop_compose! {
             top_mass: mass,
             top_load: load * resistance_axial,
             damping_ratio: damping,
+            rate: None,
+            hardening_ratio: 0.0,
+            ultimate_rotation: 0.0,
             scheme,
             step_nanos: step_nanos as u64,
         }
@@ -103,6 +111,81 @@ prop_compose! {
     ) -> Impact {
         Impact { mass, velocity, gap, restitution, vehicle: None }
     }
+}
+
+/// A force-crush curve, falling ones included, and an unloading stiffness that it admits.
+fn spring() -> impl Strategy<Value = CrushSpring> {
+    let point = (log_uniform(1e-3, 1.0), or_zero(1e2, 1e7));
+    let curve = proptest::collection::vec(point, 1..8).prop_filter_map("no force", |points| {
+        let mut crush = 0.0;
+        let points: Vec<[f64; 2]> = points
+            .into_iter()
+            .map(|(length, force)| {
+                crush += length;
+                [crush, force]
+            })
+            .collect();
+        CrushCurve::new(&points).ok()
+    });
+    let steeper = prop_oneof![Just(1.0), log_uniform(1.0, 100.0)];
+    (curve, steeper, or_zero(1e-4, 1.0)).prop_map(|(envelope, steeper, slack)| CrushSpring {
+        envelope,
+        unloading_stiffness: steeper * envelope.steepest_slope().max(1.0),
+        slack,
+    })
+}
+
+fn vehicle() -> impl Strategy<Value = Vehicle> {
+    let link = (log_uniform(1.0, 5e4), spring());
+    proptest::collection::vec(link, 1..=3).prop_map(|links| {
+        let (masses, mut springs): (Vec<f64>, Vec<CrushSpring>) = links.into_iter().unzip();
+        springs[0].slack = 0.0;
+        Vehicle::new(&masses, &springs).expect("a vehicle")
+    })
+}
+
+fn vehicle_impact() -> impl Strategy<Value = Impact> {
+    (impact(), vehicle()).prop_map(|(impact, vehicle)| Impact {
+        mass: vehicle.total_mass(),
+        vehicle: Some(vehicle),
+        ..impact
+    })
+}
+
+/// What holds for a compliant vehicle in each step, whatever the scheme.
+fn check_vehicle(impact: &Impact, before: &Sample, sample: &Sample) -> Result<(), TestCaseError> {
+    let Some(vehicle) = &impact.vehicle else {
+        return Ok(());
+    };
+    let chain = &sample.vehicle;
+    prop_assert_eq!(chain.masses, vehicle.masses().len());
+    for index in 0..chain.masses {
+        let dissipated = chain.dissipated[index];
+        prop_assert!(dissipated >= before.vehicle.dissipated[index], "{chain:?}");
+        let permanent = chain.permanent_crush[index];
+        prop_assert!(
+            permanent >= before.vehicle.permanent_crush[index],
+            "{chain:?}"
+        );
+        let (crush, force) = (chain.crush[index], chain.force[index]);
+        prop_assert!(crush.is_finite() && chain.velocity[index].is_finite());
+        // The force is on the envelope or below it.
+        let envelope = vehicle.springs()[index].envelope.force(crush);
+        let round_off = 1e-12 * vehicle.springs()[index].unloading_stiffness * crush.abs();
+        prop_assert!(force >= 0.0 && force <= envelope + round_off, "{chain:?}");
+    }
+    prop_assert!(chain.elastic_energy >= 0.0);
+    prop_assert_eq!(sample.percussion, 0.0);
+    // The vehicle has lost the momentum that the column has received.
+    let momentum = impact.mass * impact.velocity;
+    let lost = momentum - impact.mass * sample.impactor_velocity;
+    let bound = 1e-12 * (momentum + sample.impulse.abs());
+    prop_assert!(
+        (lost - sample.impulse).abs() <= bound,
+        "{lost} {}",
+        sample.impulse
+    );
+    Ok(())
 }
 
 /// Follows a response and checks every step of it.
@@ -122,6 +205,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
         + start.load_work;
     let conserving = properties.scheme == Scheme::ConservingMidpoint;
     let mut dissipated = 0.0;
+    let mut before = start;
     for _ in 0..STEPS {
         let progress = match response.advance(&model, &mut state, u64::MAX) {
             Ok(progress) => progress,
@@ -131,6 +215,8 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
             Err(StepError::Collapsed(_)) => unreachable!("a collapse ends the response"),
         };
         let sample = state.sample(&model);
+        check_vehicle(impact, &before, &sample)?;
+        before = sample;
         let scale = scale + sample.elastic_energy + sample.load_work.abs() + sample.kinetic_energy;
         for number in [
             sample.v1,
@@ -189,7 +275,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
     Ok(())
 }
 
-fn run(scheme: Scheme) {
+fn run(scheme: Scheme, impacts: impl Strategy<Value = Impact>) {
     let config = Config {
         cases: CASES,
         max_global_rejects: 20 * CASES,
@@ -203,7 +289,7 @@ fn run(scheme: Scheme) {
         TestRunner::new_with_rng(config, seed)
     };
     runner
-        .run(&(column(scheme), impact()), |(properties, impact)| {
+        .run(&(column(scheme), impacts), |(properties, impact)| {
             follow(&properties, &impact).map_err(|failure| match failure {
                 TestCaseError::Fail(reason) => {
                     // The case to the last bit, for a rerun.
@@ -218,10 +304,77 @@ fn run(scheme: Scheme) {
 
 #[test]
 fn conserving_midpoint_holds_on_random_columns() {
-    run(Scheme::ConservingMidpoint);
+    run(Scheme::ConservingMidpoint, impact());
 }
 
 #[test]
 fn midpoint_holds_on_random_columns() {
-    run(Scheme::Midpoint);
+    run(Scheme::Midpoint, impact());
+}
+
+#[test]
+fn conserving_midpoint_holds_with_random_vehicles() {
+    run(Scheme::ConservingMidpoint, vehicle_impact());
+}
+
+#[test]
+fn midpoint_holds_with_random_vehicles() {
+    run(Scheme::Midpoint, vehicle_impact());
+}
+
+/// The push-down of a column at rest, in slices; it must end, and its numbers must make sense.
+fn push_down(model: &Model, state: &State, imperfection: f64) -> Result<Capacity, TestCaseError> {
+    let mut push_down = PushDown::new(model, state, imperfection)
+        .map_err(|e| TestCaseError::fail(e.to_string()))?;
+    let mut slices = 0;
+    let capacity = loop {
+        slices += 1;
+        if let Some(capacity) = push_down.advance(100) {
+            break capacity;
+        }
+        prop_assert!(slices <= MAX_PUSH_DOWN_INCREMENTS / 100, "it does not end");
+    };
+    prop_assert!(capacity.force.is_finite() && capacity.force >= 0.0);
+    prop_assert!(capacity.v1.is_finite() && capacity.shortening.is_finite());
+    Ok(capacity)
+}
+
+#[test]
+fn every_push_down_ends_with_a_capacity() {
+    let seed = TestRng::deterministic_rng(Config::default().rng_algorithm);
+    let mut runner = TestRunner::new_with_rng(Config::default(), seed);
+    let strategy = (
+        column(Scheme::ConservingMidpoint),
+        impact(),
+        log_uniform(1e-4, 0.02),
+    );
+    let mut done = 0;
+    let mut found = 0;
+    while done < PUSH_DOWNS {
+        let (properties, impact, bow) = strategy.new_tree(&mut runner).expect("a case").current();
+        let Ok(model) = Model::new(&properties) else {
+            continue;
+        };
+        let imperfection = bow * (properties.length_below + properties.length_above);
+        let mut state = State::at_rest(&model);
+        let virgin = push_down(&model, &state, imperfection);
+        let mut response = Response::begin(&model, &mut state, impact, 1e3).expect("a response");
+        for _ in 0..STEPS {
+            match response.advance(&model, &mut state, u64::MAX) {
+                Ok(Progress::Over(_)) | Err(_) => break,
+                Ok(_) => (),
+            }
+        }
+        let now = residual_state(&model, &state).map(|rest| push_down(&model, &rest, imperfection));
+        for capacity in [Some(virgin), now].into_iter().flatten() {
+            let capacity = capacity.unwrap_or_else(|failure| {
+                let case =
+                    serde_json::json!({ "column": properties, "impact": impact, "bow": bow });
+                panic!("{failure}\n{case}")
+            });
+            done += 1;
+            found += u32::from(!capacity.is_lower_bound());
+        }
+    }
+    println!("{found} of {done} push-downs found N_u");
 }

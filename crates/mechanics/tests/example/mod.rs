@@ -26,6 +26,9 @@ pub fn paper() -> (ColumnProperties, Impact) {
         top_mass: 0.0,
         top_load: 0.5e6,
         damping_ratio: 0.0,
+        rate: None,
+        hardening_ratio: 0.0,
+        ultimate_rotation: 0.0,
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 20_000,
     };

@@ -1,0 +1,838 @@
+//! The remaining axial capacity: a static push-down of a column at rest, virgin or with the plastic strains of an impact.
+//!
+//! The column gets a bow `e0` as stress-free strains, starts without axial force, and is then shortened quasi-statically
+//! with plastic flow. `N_u` is the largest force at its top; the spring there takes no part. The surface of the hinges is
+//! the static one, without strain rate or hardening.
+//!
+//! `u2` alone would not do as the control: a nearly straight column snaps back, which means that behind the largest force
+//! both the force and `u2` decrease. Each increment therefore prescribes a positive combination of `u2` and `v1`. The
+//! normal forces push the impact point outwards, so that `v1` grows along the whole path, and a slope `dN/dv1` steeper
+//! than `-N/v1` would need a moment that increases while the hinges flow: with the weights of [`Arc`] the combination
+//! increases through any snap-back. Up to the largest force, this path is the one of a prescribed `u2`.
+
+use std::cell::Cell;
+
+use nalgebra::{Matrix4, Vector4};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
+use super::frame;
+use super::geometry::{Chord, ChordGradient, Displacement};
+use super::model::Model;
+use super::motion::collapse_of;
+use super::newton::zero_near;
+use super::state::State;
+use super::strength::BarStress;
+
+/// Largest bow that is accepted, relative to the height.
+pub const MAX_IMPERFECTION: f64 = 0.1;
+
+/// Bound of the attempted increments of one push-down; 100 to 500 are usual.
+pub const MAX_PUSH_DOWN_INCREMENTS: u32 = 3_000;
+
+/// Bound of the evaluations of the forces in one push-down, which is what it costs: a few hundred nanoseconds each. 500 to
+/// 2 000 are usual.
+const MAX_EVALUATIONS: u32 = 40_000;
+
+/// The push-down ends when the force has fallen to this share of its largest value: the hinges have then formed a
+/// mechanism, whose force `2 M(N) / w` decreases with its displacement `w`.
+const FALLEN: f64 = 0.8;
+
+/// The share at which a curve for a figure ends.
+const CURVE_FALLEN: f64 = 0.4;
+
+/// Largest increment while no hinge flows, on the scale of [`Arc`].
+const MAX_ELASTIC_INCREMENT: f64 = 0.02;
+
+/// Largest increment while hinges flow: the error of `N_u` is proportional to it, 4e-5 for the reference columns.
+const MAX_INCREMENT: f64 = 0.002;
+
+/// Largest increment after it.
+const MAX_INCREMENT_AFTER: f64 = 0.1;
+
+/// Smallest increment.
+const MIN_INCREMENT: f64 = 1e-9;
+
+/// An increment over which the force decreases is repeated with half of it until the force changes by less than this
+/// share of its largest value.
+const RESOLUTION: f64 = 1e-5;
+
+/// The force has reached a plateau when it has not increased by this share of itself over a path of [`PLATEAU`].
+const PLATEAU_RISE: f64 = 2e-5;
+
+/// Length of a plateau on the scale of [`Arc`]: twice the shortening at the squash load.
+const PLATEAU: f64 = 2.0;
+
+/// Bound of the Newton iterations of one increment; two to four are usual.
+const MAX_ITERATIONS: u32 = 30;
+
+/// Residual at which the iteration ends, relative to `N^p` and `M^p`.
+const TOLERANCE: f64 = 1e-11;
+
+/// Residual that is accepted where further iterations do not lower it: round-off of a stiff column.
+const STAGNATED: f64 = 1e-9;
+
+/// Floor of the stiffness of the joint, relative to its elastic stiffness.
+const PIVOT_FLOOR: f64 = 1e-9;
+
+/// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar.
+const MAX_CORRECTION: f64 = 0.05;
+
+/// Range in which `beta1` is searched \[rad\].
+const MAX_ROTATION: f64 = 1.0;
+
+/// Number of halvings of a correction that does not lower the residual.
+const MAX_HALVED_CORRECTIONS: u32 = 4;
+
+/// Bound of the searches for `beta1` alone in one increment.
+const MAX_JOINT_BALANCES: u32 = 6;
+
+/// Bound of the parts in which the load is removed before the push-down.
+const MAX_UNLOADING_PARTS: u32 = 64;
+
+/// Row of `beta1`.
+const BETA1: usize = 2;
+
+/// Why a push-down ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CapacityEnd {
+    /// The force passed its largest value and fell: `N_u` is found.
+    ForceFell,
+    /// The force no longer changes: the column is squashed, practically without bending. `N_u` is found.
+    Plateau,
+    /// The column folded while the force still increased: it is elastic far beyond the range of the model.
+    Folded,
+    /// A hinge reached its ultimate rotation before the force fell.
+    Severed,
+    /// The column has no equilibrium without load: it has collapsed, or it cannot be followed. The capacity is 0.
+    NoEquilibrium,
+    /// The path could not be followed any further. The largest force up to there is a lower bound.
+    NotFollowed,
+    /// The bound of the increments or of the evaluations was reached. The largest force up to there is a lower bound.
+    BoundReached,
+}
+
+/// The axial capacity of a column in its plane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Capacity {
+    /// `N_u`: the largest compressive force at the top, without the share of the spring \[N\], >= 0.
+    pub force: f64,
+    /// Shortening of the column at `N_u`, counted from the unloaded column \[m\].
+    pub shortening: f64,
+    /// `v1` at `N_u`, bow included \[m\].
+    pub v1: f64,
+    /// `v1` of the unloaded column, bow included \[m\].
+    pub unloaded_v1: f64,
+    /// Largest utilisation of a hinge in the unloaded column; above 1 its plastic strains lie outside the static surface,
+    /// and it flows before it is loaded.
+    pub unloaded_utilisation: f64,
+    /// `e0` \[m\].
+    pub imperfection: f64,
+    /// Why the push-down ended.
+    pub end: CapacityEnd,
+    /// Increments tried.
+    pub increments: u32,
+    /// Evaluations of the forces: what the push-down has cost.
+    pub evaluations: u32,
+}
+
+impl Capacity {
+    /// A column that carries nothing: collapsed or severed.
+    #[must_use]
+    pub fn none(end: CapacityEnd) -> Self {
+        Self {
+            force: 0.0,
+            shortening: 0.0,
+            v1: 0.0,
+            unloaded_v1: 0.0,
+            unloaded_utilisation: 0.0,
+            imperfection: 0.0,
+            end,
+            increments: 0,
+            evaluations: 0,
+        }
+    }
+
+    /// Whether `N_u` is a lower bound only, because the path could not be followed to its end.
+    #[must_use]
+    pub fn is_lower_bound(&self) -> bool {
+        matches!(
+            self.end,
+            CapacityEnd::NotFollowed | CapacityEnd::BoundReached
+        )
+    }
+}
+
+/// One point of the push-down curve.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PushDownPoint {
+    /// Shortening counted from the unloaded column \[m\].
+    pub shortening: f64,
+    /// Compressive force at the top, without the share of the spring \[N\].
+    pub force: f64,
+    /// `v1`, bow included \[m\].
+    pub v1: f64,
+}
+
+/// Why a push-down was rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum CapacityError {
+    /// The bow is not a length of the right size.
+    #[error(
+        "the imperfection is {found} m; expected a length > 0 and at most {max} m, a tenth of the height. \
+         A column without any imperfection has a bifurcation instead of a limit load"
+    )]
+    Imperfection {
+        /// As given \[m\].
+        found: f64,
+        /// Largest that is accepted \[m\].
+        max: f64,
+    },
+}
+
+/// A push-down that is advanced in slices. It owns a copy of the column and does not allocate.
+#[derive(Debug, Clone, Copy)]
+pub struct PushDown {
+    model: Model,
+    /// Sign of the bow.
+    sign: f64,
+    /// Strains without stress: plastic strains and bow.
+    offset: PerBar<PlasticFlow>,
+    /// The part of them that is the bow.
+    bow: PerBar<PlasticFlow>,
+    displacement: Displacement,
+    forces: PerBar<BarForces>,
+    force: f64,
+    unloaded: Displacement,
+    /// Increment of the displacements and its size on the scale of [`Arc`], for the prediction of the next one.
+    last: Option<(Displacement, f64)>,
+    increment: f64,
+    /// `dN` over the size of the last increment \[N\].
+    slope: f64,
+    /// The force that a plateau starts from, and the length of the path since then.
+    plateau: (f64, f64),
+    fallen: f64,
+    capacity: Capacity,
+    done: bool,
+}
+
+impl PushDown {
+    /// Prepares the push-down of a column at rest: `state` is its static equilibrium under the load, such as
+    /// [`State::at_rest`] or [`residual_state`](super::residual_state) gives; its plastic strains and displacements are
+    /// used. `imperfection` is the bow `e0` \[m\], > 0 and at most [`MAX_IMPERFECTION`] of the height; it points to the
+    /// side of `v1`.
+    ///
+    /// # Errors
+    /// An imperfection out of its range.
+    pub fn new(model: &Model, state: &State, imperfection: f64) -> Result<Self, CapacityError> {
+        let height = model.frame.below.length + model.frame.above.length;
+        let max = MAX_IMPERFECTION * height;
+        if !(imperfection > 0.0 && imperfection <= max) {
+            return Err(CapacityError::Imperfection {
+                found: imperfection,
+                max,
+            });
+        }
+        let sign = if state.displacement.v1 < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let bow = stress_free_bow(model, sign * imperfection);
+        let mut push_down = Self {
+            model: *model,
+            sign,
+            offset: state.plastic,
+            bow,
+            displacement: state.displacement,
+            forces: PerBar::default(),
+            force: 0.0,
+            unloaded: Displacement::default(),
+            last: None,
+            increment: MAX_ELASTIC_INCREMENT,
+            slope: f64::INFINITY,
+            plateau: (0.0, 0.0),
+            fallen: FALLEN,
+            capacity: Capacity {
+                imperfection,
+                ..Capacity::none(CapacityEnd::NoEquilibrium)
+            },
+            done: false,
+        };
+        push_down.unload(state);
+        Ok(push_down)
+    }
+
+    /// Makes at most `max_increments` attempts at an increment; the capacity once it is known.
+    pub fn advance(&mut self, max_increments: u32) -> Option<Capacity> {
+        for _ in 0..max_increments {
+            if self.done {
+                break;
+            }
+            self.try_increment();
+        }
+        self.done.then_some(self.capacity)
+    }
+
+    /// Where the push-down has come to.
+    #[must_use]
+    pub fn point(&self) -> PushDownPoint {
+        PushDownPoint {
+            shortening: self.displacement.u2 - self.unloaded.u2,
+            force: self.force,
+            v1: self.displacement.v1,
+        }
+    }
+
+    /// Removes the load and adds the bow, with the plastic strains frozen: in one part, or in smaller ones.
+    fn unload(&mut self, state: &State) {
+        let model = self.model;
+        let loaded = force_on_top(&model, &state.displacement, &state.forces);
+        let (mut share, mut part) = (0.0_f64, 1.0_f64);
+        let mut u = state.displacement;
+        let evaluations = Cell::new(0);
+        for _ in 0..MAX_UNLOADING_PARTS {
+            let next = (share + part).min(1.0);
+            let offset = plus(&state.plastic, next, &self.bow);
+            let equations = Equations {
+                model: &model,
+                offset: &offset,
+                elastic: true,
+                evaluations: &evaluations,
+                last: LastRow::Force((1.0 - next) * loaded),
+            };
+            let solved = equations
+                .solve(u, &state.forces)
+                .filter(|solved| collapse_of(&model, &solved.displacement).is_none());
+            let Some(solved) = solved else {
+                part *= 0.5;
+                continue;
+            };
+            share = next;
+            u = solved.displacement;
+            if share >= 1.0 {
+                self.begin(&solved, offset);
+                return;
+            }
+        }
+        self.finish(CapacityEnd::NoEquilibrium);
+    }
+
+    fn begin(&mut self, unloaded: &Solved, offset: PerBar<PlasticFlow>) {
+        self.offset = offset;
+        self.displacement = unloaded.displacement;
+        self.unloaded = unloaded.displacement;
+        self.forces = unloaded.forces();
+        self.force = 0.0;
+        let PerBar { below, above } = &self.forces;
+        let mut utilisation = 0.0_f64;
+        for (bar, forces) in [
+            (&self.model.frame.below, below),
+            (&self.model.frame.above, above),
+        ] {
+            for moment in forces.moment {
+                utilisation = utilisation.max(bar.surface.utilisation(moment, forces.normal));
+            }
+        }
+        self.capacity.unloaded_v1 = self.unloaded.v1;
+        self.capacity.v1 = self.unloaded.v1;
+        self.capacity.unloaded_utilisation = utilisation;
+    }
+
+    fn finish(&mut self, end: CapacityEnd) {
+        self.capacity.end = end;
+        self.done = true;
+    }
+
+    /// One increment: accepted, or repeated later with half its size.
+    fn try_increment(&mut self) {
+        if self.capacity.increments >= MAX_PUSH_DOWN_INCREMENTS
+            || self.capacity.evaluations >= MAX_EVALUATIONS
+        {
+            return self.finish(CapacityEnd::BoundReached);
+        }
+        self.capacity.increments += 1;
+        let model = self.model;
+        let evaluations = Cell::new(self.capacity.evaluations);
+        let equations = Equations {
+            model: &model,
+            offset: &self.offset,
+            elastic: false,
+            evaluations: &evaluations,
+            last: LastRow::Arc(Arc::new(
+                &model,
+                self.sign,
+                self.displacement,
+                self.increment,
+            )),
+        };
+        let predicted = self.last.map_or(self.displacement, |(step, size)| {
+            self.displacement.plus(self.increment / size, step)
+        });
+        let solved = equations
+            .solve(predicted, &self.forces)
+            .or_else(|| equations.solve(self.displacement, &self.forces))
+            .filter(|solved| self.is_near(&solved.displacement));
+        self.capacity.evaluations = evaluations.get();
+        let Some(solved) = solved else {
+            return self.halve(CapacityEnd::NotFollowed);
+        };
+        if collapse_of(&model, &solved.displacement).is_some() {
+            return self.halve(CapacityEnd::Folded);
+        }
+        if self.increment > MAX_INCREMENT && self.force >= self.capacity.force && solved.flows() {
+            self.increment = MAX_INCREMENT.max(0.25 * self.increment);
+            return;
+        }
+        let change = solved.force - self.force;
+        let resolution = RESOLUTION * self.capacity.force.max(solved.force);
+        let before_peak = self.force >= self.capacity.force;
+        if change < 0.0 && before_peak && self.capacity.force > 0.0 {
+            // The largest force lies within this increment, not higher than the last slope leads to.
+            let missed = self.slope.max(0.0) * self.increment;
+            if missed.min(MAX_INCREMENT * model.properties.resistance_axial) > resolution
+                && self.increment > MIN_INCREMENT
+            {
+                self.increment *= 0.5;
+                return;
+            }
+        }
+        self.accept(&solved, change);
+    }
+
+    fn accept(&mut self, solved: &Solved, change: f64) {
+        let size = self.increment;
+        self.last = Some((solved.displacement.minus(self.displacement), size));
+        self.slope = change / size;
+        self.displacement = solved.displacement;
+        self.forces = solved.forces();
+        self.force = solved.force;
+        self.offset = PerBar {
+            below: self
+                .offset
+                .below
+                .plus(1.0, &solved.stress.below.returned.flow),
+            above: self
+                .offset
+                .above
+                .plus(1.0, &solved.stress.above.returned.flow),
+        };
+        if self.force > self.capacity.force {
+            self.capacity.force = self.force;
+            self.capacity.shortening = self.displacement.u2 - self.unloaded.u2;
+            self.capacity.v1 = self.displacement.v1;
+        } else if self.force <= self.fallen * self.capacity.force {
+            return self.finish(CapacityEnd::ForceFell);
+        }
+        self.plateau.1 += size;
+        if self.force >= (1.0 - PLATEAU_RISE) * self.model.properties.resistance_axial {
+            return self.finish(CapacityEnd::Plateau);
+        }
+        if self.force > self.plateau.0 * (1.0 + PLATEAU_RISE) {
+            self.plateau = (self.force, 0.0);
+        } else if self.force < self.plateau.0 * (1.0 - PLATEAU_RISE) {
+            self.plateau.1 = 0.0;
+        } else if self.plateau.1 > PLATEAU {
+            return self.finish(CapacityEnd::Plateau);
+        }
+        let flat = change < PLATEAU_RISE * size * self.force;
+        let max = if flat {
+            MAX_INCREMENT_AFTER
+        } else if solved.flows() {
+            MAX_INCREMENT
+        } else {
+            MAX_ELASTIC_INCREMENT
+        };
+        self.increment = (2.0 * size).min(max);
+    }
+
+    fn halve(&mut self, reason: CapacityEnd) {
+        if self.increment <= MIN_INCREMENT {
+            self.finish(reason);
+        } else {
+            self.increment *= 0.5;
+        }
+    }
+
+    /// Whether the solution belongs to the path: one that is much further away has leapt to another equilibrium.
+    fn is_near(&self, u: &Displacement) -> bool {
+        let Displacement { v1, u1, beta1, u2 } = u.minus(self.displacement);
+        let reach = 0.2 * self.model.frame.shorter_bar();
+        let moved = v1.abs().max(u1.abs()).max(u2.abs());
+        moved < reach && beta1.abs() < MAX_ROTATION
+    }
+}
+
+/// The capacity of a column at rest; see [`PushDown::new`] for the arguments.
+///
+/// # Errors
+/// An imperfection out of its range.
+pub fn capacity(
+    model: &Model,
+    state: &State,
+    imperfection: f64,
+) -> Result<Capacity, CapacityError> {
+    let mut push_down = PushDown::new(model, state, imperfection)?;
+    loop {
+        if let Some(capacity) = push_down.advance(MAX_PUSH_DOWN_INCREMENTS + 1) {
+            return Ok(capacity);
+        }
+    }
+}
+
+/// The capacity of a column at rest, with every point of its push-down curve, the unloaded column first. The curve goes on
+/// until the force has fallen well below its largest value.
+///
+/// # Errors
+/// An imperfection out of its range.
+pub fn push_down(
+    model: &Model,
+    state: &State,
+    imperfection: f64,
+    observe: &mut dyn FnMut(&PushDownPoint),
+) -> Result<Capacity, CapacityError> {
+    let mut push_down = PushDown::new(model, state, imperfection)?;
+    push_down.fallen = CURVE_FALLEN;
+    let mut seen = push_down.point();
+    if !push_down.done {
+        observe(&seen);
+    }
+    loop {
+        let end = push_down.advance(1);
+        let here = push_down.point();
+        if here != seen {
+            observe(&here);
+            seen = here;
+        }
+        if let Some(capacity) = end {
+            return Ok(capacity);
+        }
+    }
+}
+
+/// `E(U0) - E(0)` with `U0 = (bow, 0, 0, 0)`.
+fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
+    let of_bar = |length: f64| {
+        let chord = Chord::new(length, 0.0, bow);
+        PlasticFlow {
+            elongation: [0.5 * chord.elongation; 2],
+            rotation: [chord.angle(); 2],
+        }
+    };
+    PerBar {
+        below: of_bar(model.frame.below.length),
+        above: of_bar(model.frame.above.length),
+    }
+}
+
+fn plus(
+    strains: &PerBar<PlasticFlow>,
+    factor: f64,
+    more: &PerBar<PlasticFlow>,
+) -> PerBar<PlasticFlow> {
+    PerBar {
+        below: strains.below.plus(factor, &more.below),
+        above: strains.above.plus(factor, &more.above),
+    }
+}
+
+/// Compressive force at the top, without the share of the spring \[N\].
+fn force_on_top(model: &Model, u: &Displacement, forces: &PerBar<BarForces>) -> f64 {
+    let frame = &model.frame;
+    let gradients = frame::gradients(&frame.chords(u));
+    frame.internal_forces(&gradients, forces, 0.0)[3]
+}
+
+/// The fourth equation, beside the equilibrium of `v1`, `u1` and `beta1`.
+#[derive(Clone, Copy)]
+enum LastRow {
+    /// The force at the top has this value \[N\].
+    Force(f64),
+    /// The increment has this size.
+    Arc(Arc),
+}
+
+/// Size of an increment: `u2` relative to the shortening at the squash load, plus `v1` relative to half of its value.
+#[derive(Clone, Copy)]
+struct Arc {
+    from: Displacement,
+    per_v1: f64,
+    per_u2: f64,
+    size: f64,
+}
+
+impl Arc {
+    fn new(model: &Model, sign: f64, from: Displacement, size: f64) -> Self {
+        let frame = &model.frame;
+        let flexibility = 1.0 / frame.below.axial + 1.0 / frame.above.axial;
+        let squashed = model.properties.resistance_axial * flexibility;
+        let height = frame.below.length + frame.above.length;
+        // A column that its plastic strains hold straight without load has a bow of nearly 0.
+        let bow = from.v1.abs().max(1e-4 * height);
+        Self {
+            from,
+            per_v1: 2.0 * sign / bow,
+            per_u2: 1.0 / squashed,
+            size,
+        }
+    }
+
+    fn missing(&self, u: &Displacement) -> f64 {
+        self.per_v1 * (u.v1 - self.from.v1) + self.per_u2 * (u.u2 - self.from.u2) - self.size
+    }
+}
+
+/// Equilibrium of the column in one increment.
+struct Equations<'a> {
+    model: &'a Model,
+    /// Plastic strains and bow at its start.
+    offset: &'a PerBar<PlasticFlow>,
+    /// Whether no hinge flows.
+    elastic: bool,
+    last: LastRow,
+    /// Counts the evaluations.
+    evaluations: &'a Cell<u32>,
+}
+
+/// An equilibrium.
+struct Solved {
+    displacement: Displacement,
+    stress: PerBar<BarStress>,
+    force: f64,
+}
+
+impl Solved {
+    fn flows(&self) -> bool {
+        let flow = |stress: &BarStress| stress.returned.flow != PlasticFlow::default();
+        flow(&self.stress.below) || flow(&self.stress.above)
+    }
+
+    fn forces(&self) -> PerBar<BarForces> {
+        PerBar {
+            below: self.stress.below.returned.forces,
+            above: self.stress.above.returned.forces,
+        }
+    }
+}
+
+/// What an evaluation leaves behind for the tangent.
+#[derive(Default)]
+struct Point {
+    chords: PerBar<Chord>,
+    gradients: PerBar<ChordGradient>,
+    stress: PerBar<BarStress>,
+    force: f64,
+}
+
+impl Equations<'_> {
+    fn solve(&self, guess: Displacement, near: &PerBar<BarForces>) -> Option<Solved> {
+        let mut point = Point::default();
+        point.stress.below.expect(near.below.normal);
+        point.stress.above.expect(near.above.normal);
+        let mut u = guess;
+        let mut residual = self.evaluate(&u, &mut point);
+        let mut size = self.size_of(&residual);
+        let mut balances = 0;
+        for _ in 0..MAX_ITERATIONS {
+            if size <= TOLERANCE {
+                return Some(self.solved(u, &point));
+            }
+            let (from, before) = (u, size);
+            let correction = self.correction(&residual, &mut point)?;
+            let mut share = 1.0;
+            for _ in 0..MAX_HALVED_CORRECTIONS {
+                u = from.plus(-share, correction);
+                residual = self.evaluate(&u, &mut point);
+                size = self.size_of(&residual);
+                if size <= 0.5 * before {
+                    break;
+                }
+                share *= 0.5;
+            }
+            if size > 0.5 * before {
+                if before.min(size) <= STAGNATED {
+                    if before < size {
+                        u = from;
+                        self.evaluate(&u, &mut point);
+                    }
+                    return Some(self.solved(u, &point));
+                }
+                balances += 1;
+                if balances > MAX_JOINT_BALANCES {
+                    return None;
+                }
+                // Where both hinges of the joint flow, one of them has to unload, and no tangent tells how far that is.
+                u = self.balance_joint(from.minus(correction), &mut point);
+                residual = self.evaluate(&u, &mut point);
+                size = self.size_of(&residual);
+            }
+            if !size.is_finite() {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn solved(&self, displacement: Displacement, point: &Point) -> Solved {
+        Solved {
+            displacement,
+            stress: point.stress,
+            force: point.force,
+        }
+    }
+
+    /// The residual: forces on `v1` and `u1` \[N\], the moment on `beta1` \[N m\], and the last row as a force \[N\].
+    fn evaluate(&self, u: &Displacement, point: &mut Point) -> Vector4<f64> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        let frame = &self.model.frame;
+        point.chords = frame.chords(u);
+        point.gradients = frame::gradients(&point.chords);
+        let total = frame::strains(&point.chords, &frame::angles(&point.chords), u.beta1);
+        for (bar, stress, total, offset) in [
+            (
+                &frame.below,
+                &mut point.stress.below,
+                total.below,
+                &self.offset.below,
+            ),
+            (
+                &frame.above,
+                &mut point.stress.above,
+                total.above,
+                &self.offset.above,
+            ),
+        ] {
+            let strain: BarStrain = total.minus(offset);
+            if self.elastic {
+                stress.returned.forces = bar.elastic(&strain);
+            } else {
+                stress.update(bar, strain);
+            }
+        }
+        let forces = PerBar {
+            below: point.stress.below.returned.forces,
+            above: point.stress.above.returned.forces,
+        };
+        let mut residual = frame.internal_forces(&point.gradients, &forces, 0.0);
+        point.force = residual[3];
+        residual[3] = match &self.last {
+            LastRow::Force(target) => point.force - target,
+            LastRow::Arc(arc) => arc.missing(u) * self.model.properties.resistance_axial,
+        };
+        residual
+    }
+
+    fn size_of(&self, residual: &Vector4<f64>) -> f64 {
+        let p = &self.model.properties;
+        let force = 1.0 / p.resistance_axial;
+        let scale = [force, force, 1.0 / p.resistance_moment, force];
+        let mut size = 0.0;
+        for row in 0..4 {
+            let relative = (residual[row] * scale[row]).abs();
+            if relative > size || relative.is_nan() {
+                size = relative;
+            }
+        }
+        size
+    }
+
+    /// The Newton correction at the last evaluation, limited in size: `beta1` is eliminated with a floor of its pivot, the
+    /// rest with a search for pivots, because the path leads through states that are not stable.
+    fn correction(&self, residual: &Vector4<f64>, point: &mut Point) -> Option<Displacement> {
+        let frame = &self.model.frame;
+        let tangents = if self.elastic {
+            PerBar {
+                below: frame.below.elastic_tangent(),
+                above: frame.above.elastic_tangent(),
+            }
+        } else {
+            PerBar {
+                below: point.stress.below.linearise(&frame.below),
+                above: point.stress.above.linearise(&frame.above),
+            }
+        };
+        let forces = PerBar {
+            below: point.stress.below.returned.forces,
+            above: point.stress.above.returned.forces,
+        };
+        let mut jacobian = frame.stiffness(&point.gradients, &point.chords, &forces, &tangents);
+        match &self.last {
+            LastRow::Force(_) => jacobian[(3, 3)] -= frame.top_spring_stiffness,
+            LastRow::Arc(arc) => {
+                let scale = self.model.properties.resistance_axial;
+                jacobian.set_row(
+                    3,
+                    &nalgebra::RowVector4::new(arc.per_v1 * scale, 0.0, 0.0, arc.per_u2 * scale),
+                );
+            }
+        }
+        let [joint, _] = frame.massless_stiffness();
+        let floor = PIVOT_FLOOR * joint;
+        jacobian[(BETA1, BETA1)] = jacobian[(BETA1, BETA1)].max(floor);
+        let correction = solve_condensed(jacobian, *residual)?;
+        Some(limited(correction, frame.shorter_bar()))
+    }
+
+    /// `beta1` in equilibrium with the other displacements held: `M_1b - M_1a` never decreases with it.
+    fn balance_joint(&self, from: Displacement, point: &mut Point) -> Displacement {
+        let turned = |turn: f64| Displacement {
+            beta1: from.beta1 + turn,
+            ..from
+        };
+        let [joint, _] = self.model.frame.massless_stiffness();
+        let unbalanced = |turn: f64| self.evaluate(&turned(turn), point)[BETA1];
+        turned(zero_near(unbalanced, joint, MAX_ROTATION))
+    }
+}
+
+/// Solves `a x = r`: the row of `beta1` first, then the largest pivot of each column.
+fn solve_condensed(mut a: Matrix4<f64>, mut r: Vector4<f64>) -> Option<Displacement> {
+    a.swap_rows(0, BETA1);
+    r.swap_rows(0, BETA1);
+    a.swap_columns(0, BETA1);
+    for column in 0..4 {
+        if column > 0 {
+            let mut pivot = column;
+            for row in column + 1..4 {
+                if a[(row, column)].abs() > a[(pivot, column)].abs() {
+                    pivot = row;
+                }
+            }
+            a.swap_rows(column, pivot);
+            r.swap_rows(column, pivot);
+        }
+        let value = a[(column, column)];
+        if value == 0.0 || !value.is_finite() {
+            return None;
+        }
+        for row in column + 1..4 {
+            let factor = a[(row, column)] / value;
+            for k in column..4 {
+                a[(row, k)] -= factor * a[(column, k)];
+            }
+            r[row] -= factor * r[column];
+        }
+    }
+    let mut x = [0.0; 4];
+    for row in (0..4).rev() {
+        let mut sum = r[row];
+        for k in row + 1..4 {
+            sum -= a[(row, k)] * x[k];
+        }
+        x[row] = sum / a[(row, row)];
+    }
+    let [beta1, u1, v1, u2] = x;
+    Some(Displacement { v1, u1, beta1, u2 })
+}
+
+fn limited(correction: Displacement, length: f64) -> Displacement {
+    let Displacement { v1, u1, beta1, u2 } = correction;
+    let largest = (v1.abs().max(u1.abs()).max(u2.abs()) / length).max(beta1.abs());
+    if largest > MAX_CORRECTION {
+        correction.times(MAX_CORRECTION / largest)
+    } else {
+        correction
+    }
+}

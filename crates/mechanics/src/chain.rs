@@ -1,0 +1,366 @@
+//! The motion of a compliant vehicle: a chain of masses over one part of a step.
+//!
+//! With a given increment of `v1`, the midpoint rule for the masses and the mean forces of the springs determine the
+//! increments of the masses. They are condensed inside each evaluation of the column's equations, which see the mean
+//! contact force alone. Unknown are the deviations from free flight, not positions.
+
+use serde::{Deserialize, Serialize};
+
+use super::crush::{MeanForce, SpringState, Stretch};
+use super::vehicle::{MAX_MASSES, Vehicle};
+
+/// Bound of the iterations for the chain; two are usual.
+const MAX_ITERATIONS: u32 = 40;
+
+/// Bound of the halvings of a correction that does not lower the residual.
+const MAX_SHORTENINGS: u32 = 8;
+
+/// Relative residual at which the iteration ends: round-off.
+const BALANCED: f64 = 2e-15;
+
+/// Relative residual that is accepted once a correction no longer halves it.
+const STAGNATED: f64 = 1e-12;
+
+/// State of a compliant vehicle; arrays over its masses and the springs in front of them, front first.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Chain {
+    /// State of each spring.
+    pub springs: [SpringState; MAX_MASSES],
+    /// Velocity of each mass \[m/s\].
+    pub velocity: [f64; MAX_MASSES],
+}
+
+impl Chain {
+    /// A new vehicle that moves with `velocity` \[m/s\] at a `gap` from the column \[m\].
+    pub(crate) fn new(vehicle: &Vehicle, velocity: f64, gap: f64) -> Self {
+        let mut chain = Self::default();
+        for (index, spring) in vehicle.springs().iter().enumerate() {
+            let open_by = if index == 0 { gap } else { spring.slack };
+            chain.springs[index] = SpringState::open_by(open_by);
+            chain.velocity[index] = velocity;
+        }
+        chain
+    }
+
+    /// Shortens the gap in front of a vehicle that has not touched yet to `gap` \[m\].
+    pub(crate) fn come_near(&mut self, gap: f64) {
+        self.springs[0] = SpringState::open_by(gap);
+    }
+
+    /// Force between vehicle and column \[N\], >= 0.
+    pub(crate) fn contact_force(&self, vehicle: &Vehicle) -> f64 {
+        self.springs[0].force(&vehicle.springs()[0])
+    }
+
+    /// Distance between the contact face and the column \[m\], >= 0.
+    pub(crate) fn gap(&self) -> f64 {
+        let front = &self.springs[0];
+        (front.permanent - front.crush).max(0.0)
+    }
+
+    /// Velocity of the centre of mass \[m/s\].
+    pub(crate) fn mean_velocity(&self, vehicle: &Vehicle) -> f64 {
+        let momentum: f64 = self
+            .velocity
+            .iter()
+            .zip(vehicle.masses())
+            .map(|(v, m)| m * v)
+            .sum();
+        momentum / vehicle.total_mass()
+    }
+
+    /// Kinetic energy of all masses \[J\].
+    pub(crate) fn kinetic_energy(&self, vehicle: &Vehicle) -> f64 {
+        let terms = self.velocity.iter().zip(vehicle.masses());
+        terms.map(|(v, m)| 0.5 * m * v * v).sum()
+    }
+
+    /// Elastic energy of all springs \[J\].
+    pub(crate) fn elastic_energy(&self, vehicle: &Vehicle) -> f64 {
+        let terms = self.springs.iter().zip(vehicle.springs());
+        terms
+            .map(|(state, spring)| state.elastic_energy(spring))
+            .sum()
+    }
+
+    /// All its numbers, for a digest.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let springs = self.springs.into_iter();
+        springs
+            .flat_map(|spring| [spring.crush, spring.largest])
+            .chain(self.velocity)
+    }
+
+    /// Whether a vehicle out of contact can never touch a column at rest again: its front recedes, and either no spring
+    /// will ever act again, or all the energy that its masses have relative to each other does not suffice to turn the
+    /// front round.
+    pub(crate) fn recedes_for_good(&self, vehicle: &Vehicle) -> bool {
+        let count = vehicle.masses().len();
+        let velocity = &self.velocity[..count];
+        let springs = &self.springs[..count];
+        if !springs[0].is_open() || velocity[0] > 0.0 {
+            return false;
+        }
+        let separates = velocity.windows(2).all(|pair| pair[0] >= pair[1]);
+        if separates && springs.iter().all(SpringState::is_open) {
+            return true;
+        }
+        // The front is fastest when it has all of that energy and the other masses move as one.
+        let (total, front) = (vehicle.total_mass(), vehicle.masses()[0]);
+        let mean = self.mean_velocity(vehicle);
+        let relative: f64 = velocity
+            .iter()
+            .zip(vehicle.masses())
+            .map(|(v, m)| 0.5 * m * (v - mean) * (v - mean))
+            .sum();
+        let internal = relative + self.elastic_energy(vehicle);
+        mean < 0.0 && 2.0 * internal * (total - front) <= mean * mean * front * total
+    }
+}
+
+/// A vehicle over one part of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChainPart<'a> {
+    vehicle: &'a Vehicle,
+    from: Chain,
+    secs: f64,
+    springs: [Stretch<'a>; MAX_MASSES],
+    /// `2 M / h^2` of each mass \[N/m\].
+    inertia: [f64; MAX_MASSES],
+    /// Increment of each crush in free flight \[m\], for the first spring against a column at rest.
+    free: [f64; MAX_MASSES],
+}
+
+/// A solution for one increment of `v1`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ChainPoint {
+    /// Mean contact force \[N\].
+    pub force: f64,
+    /// Minus its derivative by the increment of `v1` \[N/m\].
+    pub stiffness: f64,
+    /// By how much each mass deviates from its free flight \[m\]; `None` before the first solution.
+    deviation: Option<[f64; MAX_MASSES]>,
+    /// Mean force of each spring.
+    mean: [MeanForce; MAX_MASSES],
+    /// Increment of each crush \[m\].
+    increment: [f64; MAX_MASSES],
+}
+
+/// Where a part of a step leads a vehicle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChainEnd {
+    pub chain: Chain,
+    /// Impulse on the column \[N s\].
+    pub impulse: f64,
+    /// Energy dissipated in each spring \[J\].
+    pub dissipated: [f64; MAX_MASSES],
+    /// Share of the part after which the front touches for the first time, if it does so in this part.
+    pub touched: Option<f64>,
+    /// Share of the part after which the contact force falls to zero, if it does so in this part.
+    pub released: Option<f64>,
+}
+
+/// The residual of the chain's equations \[N\] and its size relative to the forces.
+#[derive(Clone, Copy)]
+struct Residual {
+    values: [f64; MAX_MASSES],
+    size: f64,
+}
+
+impl<'a> ChainPart<'a> {
+    pub(crate) fn new(vehicle: &'a Vehicle, from: &Chain, secs: f64) -> Self {
+        let springs = vehicle.springs();
+        let stretch = |index: usize| {
+            // The springs behind the last are never used.
+            let spring = springs.get(index).unwrap_or(&springs[0]);
+            Stretch::new(spring, from.springs[index])
+        };
+        let mut part = Self {
+            vehicle,
+            from: *from,
+            secs,
+            springs: [stretch(0), stretch(1), stretch(2)],
+            inertia: [0.0; MAX_MASSES],
+            free: [0.0; MAX_MASSES],
+        };
+        let mut before = 0.0;
+        for (index, &mass) in vehicle.masses().iter().enumerate() {
+            part.inertia[index] = 2.0 * mass / (secs * secs);
+            part.free[index] = secs * (from.velocity[index] - before);
+            before = from.velocity[index];
+        }
+        part
+    }
+
+    fn count(&self) -> usize {
+        self.vehicle.masses().len()
+    }
+
+    /// Size of the contact force \[N\] in this part, against a column that moves at `v1_rate` \[m/s\].
+    pub(crate) fn force_scale(&self, v1_rate: f64) -> f64 {
+        let free = self.free[0] - self.secs * v1_rate;
+        self.springs[0].force_at_start() + self.springs[0].mean_force(free).force
+    }
+
+    /// Finds the mean contact force for an increment of `v1` \[m\]; NaN where the equations do not converge, so that the
+    /// part is rejected and halved, which makes the inertia dominate.
+    pub(crate) fn solve(&self, v1_increment: f64, point: &mut ChainPoint) {
+        let mut deviation = point.deviation.unwrap_or_else(|| self.first_guess());
+        let mut residual = self.evaluate(&deviation, v1_increment, point);
+        for _ in 0..MAX_ITERATIONS {
+            if residual.size <= BALANCED {
+                break;
+            }
+            let Some(correction) = self.correction(&residual.values, point) else {
+                break;
+            };
+            let (kept, enough) = (*point, residual.size);
+            let mut share = 1.0;
+            let (mut tried, mut next) = (deviation, residual);
+            for _ in 0..MAX_SHORTENINGS {
+                tried = deviation;
+                for (deviation, correction) in tried.iter_mut().zip(correction) {
+                    *deviation -= share * correction;
+                }
+                next = self.evaluate(&tried, v1_increment, point);
+                if next.size < enough || enough <= STAGNATED {
+                    break;
+                }
+                share *= 0.5;
+            }
+            if next.size.is_nan() || next.size >= enough {
+                // Round-off, or no progress.
+                *point = kept;
+                break;
+            }
+            (deviation, residual) = (tried, next);
+        }
+        let pivots = self.pivots(point);
+        if residual.size <= STAGNATED && pivots[0] > 0.0 {
+            let front = point.mean[0];
+            point.force = front.force;
+            // The spring and the chain behind it in series.
+            point.stiffness = front.slope * (pivots[0] - front.slope) / pivots[0];
+            point.deviation = Some(deviation);
+        } else {
+            *point = ChainPoint {
+                force: f64::NAN,
+                ..ChainPoint::default()
+            };
+        }
+    }
+
+    /// The deviations that the forces at the start would give.
+    fn first_guess(&self) -> [f64; MAX_MASSES] {
+        let mut deviation = [0.0; MAX_MASSES];
+        let mut behind = 0.0;
+        for index in (0..self.count()).rev() {
+            let own = self.springs[index].force_at_start();
+            deviation[index] = (behind - own) / self.inertia[index];
+            behind = own;
+        }
+        deviation
+    }
+
+    /// `2 M w / h^2 + F_i - F_(i + 1)` for the deviations `w` from free flight.
+    fn evaluate(
+        &self,
+        deviation: &[f64; MAX_MASSES],
+        v1_increment: f64,
+        point: &mut ChainPoint,
+    ) -> Residual {
+        let mut before = v1_increment;
+        for index in 0..self.count() {
+            let increment = if index == 0 {
+                (self.free[0] - before) + deviation[0]
+            } else {
+                self.free[index] + (deviation[index] - before)
+            };
+            point.increment[index] = increment;
+            point.mean[index] = self.springs[index].mean_force(increment);
+            before = deviation[index];
+        }
+        let mut values = [0.0; MAX_MASSES];
+        let (mut unbalanced, mut terms, mut behind) = (0.0, 0.0, 0.0);
+        for index in (0..self.count()).rev() {
+            let own = point.mean[index].force;
+            let inertia = self.inertia[index] * deviation[index];
+            values[index] = inertia + own - behind;
+            unbalanced += values[index].abs();
+            terms += inertia.abs() + own + behind;
+            behind = own;
+        }
+        let size = if unbalanced == 0.0 {
+            0.0
+        } else {
+            unbalanced / terms
+        };
+        Residual { values, size }
+    }
+
+    /// Pivots of the elimination from the rear to the front: what resists each mass if all behind it follows.
+    fn pivots(&self, point: &ChainPoint) -> [f64; MAX_MASSES] {
+        let mut pivots = [0.0; MAX_MASSES];
+        let mut behind = 0.0;
+        for index in (0..self.count()).rev() {
+            let own = point.mean[index].slope;
+            let rest = self.inertia[index] + behind;
+            pivots[index] = rest + own;
+            behind = own * rest / pivots[index];
+        }
+        pivots
+    }
+
+    /// The correction that Newton's method subtracts; `None` where the chain has lost its stiffness.
+    fn correction(
+        &self,
+        residual: &[f64; MAX_MASSES],
+        point: &ChainPoint,
+    ) -> Option<[f64; MAX_MASSES]> {
+        let count = self.count();
+        let pivots = self.pivots(point);
+        if !pivots[..count].iter().all(|&pivot| pivot > 0.0) {
+            return None;
+        }
+        let mut right = *residual;
+        for index in (1..count).rev() {
+            right[index - 1] += point.mean[index].slope / pivots[index] * right[index];
+        }
+        let mut correction = [0.0; MAX_MASSES];
+        let mut before = 0.0;
+        for index in 0..count {
+            let coupled = if index == 0 {
+                0.0
+            } else {
+                point.mean[index].slope * before
+            };
+            correction[index] = (right[index] + coupled) / pivots[index];
+            before = correction[index];
+        }
+        Some(correction)
+    }
+
+    /// Where a solution leads.
+    pub(crate) fn end(&self, point: &ChainPoint) -> ChainEnd {
+        let mut chain = self.from;
+        let mut dissipated = [0.0; MAX_MASSES];
+        let mut behind = 0.0;
+        for index in (0..self.count()).rev() {
+            (chain.springs[index], dissipated[index]) =
+                self.springs[index].end(point.increment[index]);
+            let own = point.mean[index].force;
+            chain.velocity[index] += self.secs * (behind - own) / self.vehicle.masses()[index];
+            behind = own;
+        }
+        let (start, end) = (&self.from.springs[0], &chain.springs[0]);
+        // The crush passes `at` at this share of the part, in which it grows or shrinks evenly.
+        let passes = |at: f64| ((at - start.crush) / (end.crush - start.crush)).clamp(0.0, 1.0);
+        ChainEnd {
+            chain,
+            impulse: self.secs * point.mean[0].force,
+            dissipated,
+            touched: (start.largest == 0.0 && end.largest > 0.0).then(|| passes(0.0)),
+            released: (!start.is_open() && end.is_open()).then(|| passes(end.permanent)),
+        }
+    }
+}
