@@ -17,6 +17,7 @@
 
 pub use column_mechanics as column;
 
+pub mod assessment;
 pub mod endpoints;
 #[cfg(feature = "record")]
 pub mod evidence;

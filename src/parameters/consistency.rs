@@ -4,7 +4,7 @@
 
 use super::settings::{Settings, SupportKind};
 use super::value::readable;
-use crate::column::ElasticLaw;
+use crate::column::{ElasticLaw, MAX_IMPERFECTION};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,7 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     supports_have_their_stiffness(settings, &mut found);
     hinge_stiffness_has_its_law(settings, &mut found);
     rate_suits_the_step(settings, &mut found);
+    imperfection_suits_the_height(settings, &mut found);
     found
 }
 
@@ -169,6 +170,24 @@ fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
     }
 }
 
+fn imperfection_suits_the_height(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let geometry = &settings.geometry;
+    let largest = MAX_IMPERFECTION * (geometry.length_below + geometry.length_above);
+    if settings.capacity.imperfection > largest {
+        found.push(Inconsistency {
+            names: vec![
+                "capacity.imperfection",
+                "geometry.length_below",
+                "geometry.length_above",
+            ],
+            message: format!(
+                "exceeds a tenth of the column's height; give at most {} m, or 0 for the value of the buckling curve",
+                readable(largest)
+            ),
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{Parameters, Value};
@@ -278,6 +297,15 @@ mod tests {
         assert_eq!(
             faults(&[("solver.dt", 1e-3.into()), ("publish_rate", 1001.0.into())]),
             ["publish_rate"]
+        );
+    }
+
+    #[test]
+    fn an_imperfection_is_at_most_a_tenth_of_the_height() {
+        assert!(faults(&[("capacity.imperfection", 0.4.into())]).is_empty());
+        assert_eq!(
+            faults(&[("capacity.imperfection", 0.41.into())]),
+            ["capacity.imperfection"]
         );
     }
 

@@ -24,6 +24,7 @@
 mod catalogue;
 mod check;
 mod consistency;
+mod criterion_names;
 mod draft;
 mod fault;
 mod file;
@@ -45,6 +46,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use catalogue::{CatalogueSection, catalogue};
+pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
@@ -53,10 +55,11 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    Compression, DampingSettings, EventSettings, GeometrySettings, HingeSettings, RealTimeSettings,
-    RecordMode, RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
-    SolverSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
+    GeometrySettings, HingeSettings, RealTimeSettings, RecordMode, RecordSettings,
+    ResistanceSettings, ResponseSettings, SectionSettings, Settings, SolverSettings, StateSettings,
+    SteelSettings, SupportKind, SupportSettings, TopSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

@@ -29,6 +29,8 @@ pub struct Settings {
     pub solver: SolverSettings,
     pub damping: DampingSettings,
     pub response: ResponseSettings,
+    pub capacity: CapacitySettings,
+    pub assessment: AssessmentSettings,
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
@@ -76,6 +78,10 @@ groups! {
     DampingSettings { ratio: f64 }
     /// Duration of a response.
     ResponseSettings { duration: f64 }
+    /// Remaining axial capacity.
+    CapacitySettings { imperfection: f64 }
+    /// Assessment of an impact.
+    AssessmentSettings { criteria: Vec<String> }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.

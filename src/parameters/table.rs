@@ -1,5 +1,6 @@
 //! The one table of parameters, from which declaration, validation and documentation follow.
 
+use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::spelling::may_be_misspelt;
 
@@ -484,6 +485,30 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "maximum duration of a computed response, which ends earlier if the column comes to rest",
+    },
+    Parameter {
+        name: "capacity.imperfection",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-6,
+            max: 1.0,
+            zero: "by the buckling curve of the section (EN 1993-1-1, table 5.1)",
+        },
+        applies: Applies::AtOnce,
+        meaning: "e0: bow of the column for its axial capacity, at most a tenth of its height",
+    },
+    Parameter {
+        name: "assessment.criteria",
+        unit: "",
+        default: DefaultValue::Texts(DEFAULT_CRITERIA),
+        admissible: Admissible::List {
+            of: &Admissible::Choice(CRITERION_NAMES),
+            min_len: 1,
+            max_len: 26,
+        },
+        applies: Applies::AtOnce,
+        meaning: "criteria that decide the severity; all others are shown only. `collapse` always decides",
     },
     Parameter {
         name: "state.directory",

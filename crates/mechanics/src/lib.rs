@@ -33,6 +33,7 @@ mod modes;
 mod motion;
 mod newton;
 mod properties;
+mod push_down_equations;
 mod rate;
 mod report;
 mod response;
@@ -51,7 +52,7 @@ pub use buckling::{
 };
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
-    PushDownPoint, capacity, push_down,
+    PushDownPoint, capacity, carried_load, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;
