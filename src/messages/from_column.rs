@@ -62,7 +62,7 @@ impl From<&Sample> for HingeForces {
             plastic_elongation: of(|hinge| hinge.plastic_elongation),
             utilisation: of(|hinge| hinge.utilisation),
             state: each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
-            dynamic_factor: [1.0; HINGES],
+            dynamic_factor: of(|hinge| hinge.dynamic_factor),
             ..Self::default()
         }
     }
@@ -99,7 +99,7 @@ impl From<&Report> for ImpactReport {
             permanent_crush: PerMass::first(&vehicle.permanent_crush, vehicle.masses),
             vehicle_dissipated: PerMass::first(&vehicle.dissipated, vehicle.masses),
             vehicle_velocity: PerMass::first(&vehicle.velocity, vehicle.masses),
-            max_dynamic_factor: [1.0; HINGES],
+            max_dynamic_factor: report.max_dynamic_factor,
             virgin_capacity: f64::NAN,
             residual_capacity: f64::NAN,
             capacity_ratio: f64::NAN,
@@ -193,7 +193,7 @@ fn outcome_code(outcome: Outcome) -> u8 {
         Outcome::Elastic => ImpactReport::ELASTIC,
         Outcome::Plastic => ImpactReport::PLASTIC,
         Outcome::Collapsed => ImpactReport::COLLAPSED,
-        Outcome::Severed => 3, // SEVERED
+        Outcome::Severed => ImpactReport::SEVERED,
     }
 }
 
@@ -202,7 +202,7 @@ fn end_code(end: End) -> u8 {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
-        End::Severed => 3, // END_SEVERED
+        End::Severed => ImpactReport::END_SEVERED,
     }
 }
 

@@ -144,7 +144,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         plastic_rotation: forces.plastic_rotation[index],
         plastic_elongation: forces.plastic_elongation[index],
         utilisation: forces.utilisation[index],
-        dynamic_factor: 1.0,
+        dynamic_factor: forces.dynamic_factor[index],
         state: match forces.state[index] {
             HingeForces::PLASTIC => HingeState::Plastic,
             HingeForces::UNLOADED => HingeState::Unloaded,

@@ -180,7 +180,7 @@ fn report() -> Report {
         damping_work: 21.0,
         load_work: 22.0,
         ledger_residual: 23.0,
-        max_dynamic_factor: [1.0; HINGES],
+        max_dynamic_factor: [90.0, 91.0, 92.0, 93.0],
         steps: 24,
         hinges: std::array::from_fn::<_, HINGES, _>(|index| HingeReport {
             first_yield: (index != 2).then_some(30.0 + index as f64),
@@ -231,6 +231,7 @@ fn impact_report_has_the_values_of_the_report() {
         "plastic_work",
         "impact_loss",
         "ledger_residual",
+        "max_dynamic_factor",
     ];
     let found = fields(&message);
     for name in same_name {
