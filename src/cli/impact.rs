@@ -57,6 +57,7 @@ pub fn run(
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
         event_id: arguments.event.clone(),
+        vehicle: String::new(),
         impact: arguments.impact.specification(),
         match_timeout: timeout,
         answer_timeout: timeout,

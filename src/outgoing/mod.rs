@@ -276,6 +276,7 @@ impl Outgoing {
             kind,
             compute_time: output.compute_time,
             ..ImpactReport::from(&output.report)
+                .of_impact(&output.striking.vehicle, &output.striking.impact)
         }
     }
 
