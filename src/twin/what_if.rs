@@ -7,7 +7,9 @@ use super::refusal::{Refusal, RefusalCode};
 use super::registry::{check_column_id, printable};
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
-use crate::column::{ColumnProperties, Impact, ImpactSpecification, Report, Vehicle};
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
+};
 use crate::parameters::{Parameter, Parameters, Value};
 
 /// The paper's rigid mass.
@@ -45,6 +47,12 @@ pub struct Prediction {
 }
 
 impl ColumnSnapshot {
+    /// The parameters that hold.
+    #[must_use]
+    pub fn parameters(&self) -> &Arc<Parameters> {
+        &self.parameters
+    }
+
     /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column,
     /// and an empty `vehicle` that of the parameters; `stopwatch` gives monotonic nanoseconds.
     ///
@@ -74,6 +82,25 @@ impl ColumnSnapshot {
                 Err(Refusal::new(RefusalCode::NotComputed, reason))
             }
         }
+    }
+
+    /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means
+    /// that of the parameters.
+    ///
+    /// # Errors
+    /// The impact would be refused.
+    pub fn struck(
+        &self,
+        vehicle: &str,
+        specification: &ImpactSpecification,
+    ) -> Result<(Model, State, Response), Refusal> {
+        let striking = self.complete(vehicle, specification)?;
+        let Struck {
+            model,
+            state,
+            response,
+        } = self.strike(striking.impact, specification.height)?;
+        Ok((model, state, response))
     }
 
     /// The impact with what its specification leaves open taken from the parameters and the catalogue of vehicles, every
