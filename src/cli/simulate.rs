@@ -23,7 +23,7 @@ use column_twin::evidence::SimulatedRecordingError;
 use column_twin::figures::HistoryThinning;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::{
-    Fault, NodeName, ParameterFaults, Parameters, RIGID, Source, parse_override,
+    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
