@@ -31,6 +31,7 @@ mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+mod vehicles;
 #[cfg(feature = "record")]
 mod verify;
 #[cfg(feature = "ros")]
@@ -63,6 +64,8 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
+    /// List the vehicles of the catalogue with the source of every number
+    Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
     #[cfg(feature = "ros")]
     Run(run::RunArgs),
@@ -124,6 +127,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "record")]

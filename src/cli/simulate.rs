@@ -72,10 +72,12 @@ pub struct SimulateArgs {
 }
 
 const EXAMPLE: &str = "\
-Without --mass or --velocity, the parameters impact.mass and impact.velocity apply.
+Without an option, the parameter of its name applies: vehicle.name, impact.mass, impact.velocity.
 
-Example: a car of 1.5 t hits the paper's column at 36 km/h; with figures
+Example: the paper's rigid mass of 1.5 t hits the paper's column at 36 km/h; with figures
   column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
+Example: a real car hits a real column at the same speed
+  column-twin simulate --config config/heb220_s355.yaml --vehicle mid_car --velocity 10
 Example: record an impact, and verify the recording by recomputation
   column-twin simulate --mass 1500 --velocity 10 --record impact && column-twin verify impact
 
@@ -205,7 +207,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
-        let mut overrides = arguments.parameter.clone();
+        let mut overrides: Vec<_> = arguments.impact.implied_override().into_iter().collect();
+        overrides.extend(arguments.parameter.iter().cloned());
         overrides.extend(arguments.impact.overrides());
         let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
         for warning in &warnings {

@@ -166,13 +166,23 @@ impl Replayer {
             ..*place
         };
         let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
-        if let Some(own) = replayed.execute(record)
-            && let Some(difference) = place.first_difference(&outcome(record), &outcome(&own))
-        {
+        let Some(own) = replayed.execute(record) else {
+            return;
+        };
+        if let Some(difference) = place.first_difference(&outcome(record), &outcome(&own)) {
             self.verification.note_difference(Difference {
                 field: "outcome of a command".to_owned(),
                 ..difference
             });
+        } else if let Some(difference) = place.first_difference(&record.impact, &own.impact) {
+            let field = format!("impact.{}", difference.field);
+            self.verification.note_difference(Difference {
+                field,
+                ..difference
+            });
+            self.stop_checking(
+                "the parameters and the catalogue of vehicles of this program give another impact",
+            );
         }
     }
 

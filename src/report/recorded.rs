@@ -345,7 +345,7 @@ impl Finished {
     fn recomputed(&self) -> Option<ReportedImpact> {
         let Announced { command, before } = self.announced.as_ref()?;
         let before = before.as_ref()?;
-        let (model, state, response) = before.struck(&command.impact).ok()?;
+        let (model, state, response) = before.struck(&command.vehicle, &command.impact).ok()?;
         let impact = state.impactor?.impact;
         let struck = Struck {
             model,

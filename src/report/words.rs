@@ -2,7 +2,7 @@
 
 use crate::column::{End, Impact, Outcome};
 use crate::figures::units::significant;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, RIGID};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
 #[must_use]
@@ -31,13 +31,23 @@ pub fn end_in_words(end: End) -> &'static str {
 pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> String {
     let section = parameters.section().name;
     format!(
-        "{}: {} kg at {} m/s ({} km/h), {} m above the base",
+        "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
         section.unwrap_or(&parameters.settings().column_id),
+        vehicle_in_words(&parameters.settings().vehicle.name),
         short(impact.mass),
         short(impact.velocity),
         short(3.6 * impact.velocity),
         short(length_below),
     )
+}
+
+/// The vehicle of this name in words.
+fn vehicle_in_words(name: &str) -> &str {
+    match name {
+        "" => "vehicle by numbers",
+        RIGID => "rigid mass",
+        name => name,
+    }
 }
 
 /// Four significant digits without trailing zeros.
