@@ -12,7 +12,7 @@ use super::verdict::Verdict;
 use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
-use crate::figures::{FigureError, draw_svg};
+use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
 use crate::shape::HINGE_PLACES;
 use crate::twin::Nanos;
 
@@ -28,6 +28,17 @@ pub(super) fn markup(
         count: 0,
     };
     let assessed = Assessed::of(impact);
+    if let Ok(assessed) = &assessed {
+        let curves = PushDownCurves {
+            title: &impact.title,
+            virgin: &assessed.virgin,
+            now: &assessed.now,
+            remaining: &assessed.remaining,
+        };
+        figures
+            .drawings
+            .push(("push_down".to_owned(), push_down_svg(&curves)?));
+    }
     let verdict = Verdict::of(impact, &assessed);
     let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
     Ok(html! {

@@ -44,7 +44,7 @@ impl Verdict {
                     .map_or("", |criterion| &criterion.statement);
                 let headline = match severity {
                     Severity::None => format!(
-                        "None exceeded. Closest to its limit: {}",
+                        "None: no criterion that decides is exceeded. Closest to its limit: {}",
                         lowered(statement)
                     ),
                     severity => format!("{}. {statement}", capitalised(&severity.to_string())),
