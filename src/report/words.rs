@@ -26,14 +26,14 @@ pub fn end_in_words(end: End) -> &'static str {
     }
 }
 
-/// One line that describes the column and what hits it, `length_below` \[m\] above its base.
+/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base.
 #[must_use]
-pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> String {
+pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_below: f64) -> String {
     let section = parameters.section().name;
     format!(
         "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
         section.unwrap_or(&parameters.settings().column_id),
-        vehicle_in_words(&parameters.settings().vehicle.name),
+        vehicle_in_words(vehicle),
         short(impact.mass),
         short(impact.velocity),
         short(3.6 * impact.velocity),
