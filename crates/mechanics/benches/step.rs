@@ -11,7 +11,7 @@ use column_mechanics::{
     ColumnProperties, Impact, Model, Progress, Response, State, Vehicle, begin_impact, respond,
     simulate, step,
 };
-use example::{example, lorry};
+use example::{ceb, example, lorry};
 
 /// Longest response \[s\].
 const DURATION: f64 = 2.0;
@@ -45,6 +45,21 @@ const EXPONENTS: [(&str, [&str; 3]); 3] = [
         ],
     ),
 ];
+
+/// The strength of the hinges: constant, with strain rate, with strain rate and hardening.
+const STRENGTHS: [&str; 3] = ["constant", "rate", "rate and hardening"];
+
+/// Steps for which their costs are compared: the column yields during most of them.
+const STRENGTH_STEPS: u32 = 3_000;
+
+/// The properties with a strength of [`STRENGTHS`].
+fn strengthened(properties: &ColumnProperties, strength: &str) -> ColumnProperties {
+    ColumnProperties {
+        rate: (strength != STRENGTHS[0]).then(ceb),
+        hardening_ratio: if strength == STRENGTHS[2] { 0.01 } else { 0.0 },
+        ..*properties
+    }
+}
 
 const SCHEMES: [&str; 2] = ["midpoint", "conserving_midpoint"];
 
@@ -156,6 +171,30 @@ fn print_vehicles() {
     }
 }
 
+/// Time of one `step` with each of the [`STRENGTHS`] \[ns\]. The runs alternate, so that other load on the machine meets
+/// all of them.
+fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3] {
+    let started = STRENGTHS.map(|strength| {
+        let model = Model::new(&strengthened(properties, strength)).expect("a column");
+        let mut start = State::at_rest(&model);
+        begin_impact(&model, &mut start, *impact).expect("an impact");
+        (model, start)
+    });
+    let mut least = [f64::INFINITY; 3];
+    for _ in 0..4 * RUNS {
+        for ((model, start), least) in started.iter().zip(&mut least) {
+            let mut state = *start;
+            let began = Instant::now();
+            for _ in 0..STRENGTH_STEPS {
+                step(black_box(model), &mut state).expect("a step");
+            }
+            *least = least.min(began.elapsed().as_secs_f64() * 1e9 / f64::from(STRENGTH_STEPS));
+            black_box(state);
+        }
+    }
+    least
+}
+
 fn main() {
     // `cargo test --benches` only checks that the benchmark runs.
     if !std::env::args().any(|argument| argument == "--bench") {
@@ -193,4 +232,24 @@ fn main() {
         }
     }
     print_vehicles();
+    println!(
+        "\nns per step of the same with strain rate and hardening, and its ratio to that with constant strength"
+    );
+    println!(
+        "{:<20}{:<15}{:>21}{:>8}{:>22}{:>8}",
+        "scheme", "exponents", "rate", "ratio", "rate and hardening", "ratio"
+    );
+    for scheme in SCHEMES {
+        for (name, exponents) in EXPONENTS {
+            let chosen = format!("solver.scheme:={scheme}");
+            let (properties, impact) =
+                example(&[&[chosen.as_str(), "solver.dt:=1.0e-5"], &exponents[..]].concat());
+            let [constant, rate, both] = costs_of_strengths(&properties, &impact);
+            println!(
+                "{scheme:<20}{name:<15}{rate:>21.0}{:>8.2}{both:>22.0}{:>8.2}",
+                rate / constant,
+                both / constant
+            );
+        }
+    }
 }

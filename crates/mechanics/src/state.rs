@@ -346,8 +346,8 @@ impl State {
     }
 
     /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
-    /// the next steps depend on (flow and contact flags, times of touch and flight, the predictor); a difference there
-    /// shows in the hash one step later.
+    /// the next steps depend on (flow and contact flags, times of touch and flight, strength of the hinges, the predictor);
+    /// a difference there shows in the hash one step later.
     pub fn hash(&self) -> u64 {
         // FNV-1a: a digest for comparing runs, not for security.
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;

@@ -105,6 +105,16 @@ impl YieldSurface {
         }
     }
 
+    /// `M(N)`: the moment on the surface at a normal force \[N m\]; 0 at and beyond the squash load.
+    pub fn moment_resistance(&self, normal_force: f64) -> f64 {
+        let n = self.relative_axial(normal_force).abs();
+        if n < 1.0 {
+            self.resistance_moment * self.cap_of(n)
+        } else {
+            0.0
+        }
+    }
+
     /// Utilisation `Phi + 1`: 0 without stress, 1 on the surface.
     pub fn utilisation(&self, moment: f64, normal_force: f64) -> f64 {
         self.utilisation_of_sum(self.sum(moment, normal_force))
@@ -190,6 +200,13 @@ impl YieldSurface {
     /// resistance, and `lead.rest > 0`.
     pub(crate) fn slope_beyond_tip(&self, lead: &AxialLead) -> f64 {
         self.axial_curve.ratio * lead.share * self.alpha.root(lead.rest) / lead.rest
+    }
+
+    /// `-dm/dn` of the stronger curve at a point; `n` counts in the weaker one's resistance, and `lead.rest > 0`.
+    pub(crate) fn stronger_slope(&self, point: &PairedPoint, lead: &AxialLead) -> f64 {
+        let (n, m) = (point.axial.value, point.stronger.value);
+        let less_one = self.beta.less_one(n, self.beta.of(n));
+        self.axial_curve.ratio * lead.share * less_one * m / self.alpha.of(m)
     }
 
     /// The point of two quarter curves with coordinate `t`, `0 <= t <= split`, on `branch` of the weaker one.

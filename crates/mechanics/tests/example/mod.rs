@@ -1,8 +1,8 @@
 //! The paper's example (Table 1).
 
 use column_mechanics::{
-    ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact, Scheme, Support, Vehicle,
-    YieldExponents,
+    ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact, RateLaw, RateProperties, Scheme,
+    Support, Vehicle, YieldExponents,
 };
 
 /// The paper's column and impact, with the conserving midpoint rule and steps of 20 microseconds.
@@ -66,6 +66,26 @@ pub fn lorry() -> Vehicle {
     Vehicle::new(&[5500.0, 2500.0], &springs).expect("a vehicle")
 }
 
+/// Strain rate of a section of 220 mm by a law.
+fn rate(law: RateLaw) -> RateProperties {
+    RateProperties {
+        law,
+        time_constant: 1e-3,
+        max_factor: 1.25,
+        hinge_length: 0.22,
+        section_height: 0.22,
+    }
+}
+
+/// Strain rate after the CEB for S355, `f_y + 6 MPa ln(e / 5e-5)`.
+#[allow(dead_code, reason = "not every test needs it")]
+pub fn ceb() -> RateProperties {
+    rate(RateLaw::Logarithmic {
+        c: 6.0 / 355.0,
+        reference: 5e-5,
+    })
+}
+
 /// The paper's example with some values changed, `name:=value` each, by the names of the program's parameters.
 #[allow(dead_code, reason = "not every test changes values by name")]
 pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
@@ -86,6 +106,11 @@ pub fn example(changes: &[&str]) -> (ColumnProperties, Impact) {
             "top.mass" => p.top_mass = number(),
             "top.load" => p.top_load = number(),
             "damping.ratio" => p.damping_ratio = number(),
+            "rate.law" if value == "logarithmic" => p.rate = Some(ceb()),
+            "rate.law" if value == "cowper_symonds" => {
+                p.rate = Some(rate(RateLaw::CowperSymonds { d: 3200.0, q: 5.0 }));
+            }
+            "hardening.ratio" => p.hardening_ratio = number(),
             "impact.mass" => impact.mass = number(),
             "impact.velocity" => impact.velocity = number(),
             "impact.gap" => impact.gap = number(),
