@@ -194,22 +194,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
-        let mut overrides = arguments.parameter.clone();
-        overrides.extend(arguments.impact.overrides());
-        let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
-        for warning in &warnings {
-            eprintln!("Warning: {warning}");
-        }
-        if let Some(height) = arguments.impact.height() {
-            let column = parameters.column_properties();
-            let total = column.length_below + column.length_above;
-            if !(height > 0.0 && height < total) {
-                return Err(SimulateError::Height { height, total }.into());
-            }
-            overrides.push(format!("geometry.length_below:={}", yaml(height)));
-            overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
-            (parameters, _) = load(&arguments.config, &overrides)?;
-        }
+        let parameters = parameters_of(&arguments.config, &arguments.parameter, &arguments.impact)?;
         let properties = parameters.column_properties();
         let impact = parameters.impact();
         let title = format!(
@@ -312,10 +297,35 @@ impl Case {
 }
 
 /// A number for a title: four significant digits without trailing zeros.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let text = significant(value, 4);
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
+}
+
+/// The parameters of the files with the overrides and the options of an impact, which take precedence; prints warnings.
+pub(super) fn parameters_of(
+    files: &[PathBuf],
+    overrides: &[String],
+    impact: &ImpactSpecificationArgs,
+) -> Result<Parameters, Failure> {
+    let mut overrides = overrides.to_vec();
+    overrides.extend(impact.overrides());
+    let (mut parameters, warnings) = load(files, &overrides)?;
+    for warning in &warnings {
+        eprintln!("Warning: {warning}");
+    }
+    if let Some(height) = impact.height() {
+        let column = parameters.column_properties();
+        let total = column.length_below + column.length_above;
+        if !(height > 0.0 && height < total) {
+            return Err(SimulateError::Height { height, total }.into());
+        }
+        overrides.push(format!("geometry.length_below:={}", yaml(height)));
+        overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
+        (parameters, _) = load(files, &overrides)?;
+    }
+    Ok(parameters)
 }
 
 /// Loads the parameters of the files with the overrides.
@@ -332,7 +342,7 @@ fn load(
 }
 
 /// The name of the section, or the `column_id` if the section has none.
-fn column_name(parameters: &Parameters) -> &str {
+pub(super) fn column_name(parameters: &Parameters) -> &str {
     parameters
         .section()
         .name

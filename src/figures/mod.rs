@@ -8,6 +8,7 @@ mod chart;
 mod energy_ledger;
 mod histories;
 mod page;
+mod push_down;
 mod raster;
 mod response_history;
 mod thinning;
@@ -21,6 +22,7 @@ use std::path::{Path, PathBuf};
 use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
+pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use thinning::HistoryThinning;
 
@@ -132,14 +134,16 @@ fn svg_figures(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, 
     }
     figures
         .into_iter()
-        .map(|(figure, svg)| match svg {
-            Ok(svg) => Ok((figure, svg)),
-            Err(fault) => Err(FigureError::Draw {
-                figure,
-                reason: fault.to_string(),
-            }),
-        })
+        .map(|(figure, svg)| drawn(&figure, svg).map(|svg| (figure, svg)))
         .collect()
+}
+
+/// What was drawn, or the error of the library.
+fn drawn(figure: &str, svg: page::Drawn<String>) -> Result<String, FigureError> {
+    svg.map_err(|fault| FigureError::Draw {
+        figure: figure.to_owned(),
+        reason: fault.to_string(),
+    })
 }
 
 #[cfg(test)]
