@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
-use super::simulate::{column_name, parameters_of, short};
+use super::simulate::parameters_of;
 use column_twin::assessment::{
     Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess, imperfection,
 };
@@ -21,6 +21,7 @@ use column_twin::column::{
 use column_twin::figures::units::{Unit, significant};
 use column_twin::figures::{FigureError, PushDownCurves, push_down_svg};
 use column_twin::parameters::{Parameters, Value};
+use column_twin::report::short;
 use column_twin::twin::state_file::MAX_STATE_FILE_BYTES;
 use column_twin::twin::{Condition, SavedState, SavedStateError};
 use column_twin::whole_file;
@@ -296,7 +297,10 @@ impl Column {
         let p = &self.model.properties;
         format!(
             "{}, {} m high: {}",
-            column_name(&self.parameters),
+            self.parameters
+                .section()
+                .name
+                .unwrap_or(&self.parameters.settings().column_id),
             short(p.length_below + p.length_above),
             self.history
         )
