@@ -6,6 +6,8 @@
 //! The first line of every impact is its verdict. It never claims more than the model knows: what a section needs and the
 //! input does not contain is named as missing.
 
+mod assessed;
+mod assessment_section;
 mod course;
 mod document;
 mod energy_balance;

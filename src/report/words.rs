@@ -57,3 +57,11 @@ pub fn short(value: f64) -> String {
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
 }
+
+/// The text with a capital letter at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
