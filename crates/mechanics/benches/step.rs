@@ -1,4 +1,5 @@
-//! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end.
+//! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end, and the same
+//! column hit by compliant vehicles of one to three masses.
 
 #[path = "../tests/example/mod.rs"]
 mod example;
@@ -7,10 +8,10 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use column_mechanics::{
-    ColumnProperties, Impact, Model, Progress, Response, State, begin_impact, respond, simulate,
-    step,
+    ColumnProperties, Impact, Model, Progress, Response, State, Vehicle, begin_impact, respond,
+    simulate, step,
 };
-use example::{ceb, example};
+use example::{ceb, example, lorry};
 
 /// Longest response \[s\].
 const DURATION: f64 = 2.0;
@@ -117,6 +118,59 @@ fn cost(properties: &ColumnProperties, impact: &Impact) -> Cost {
     }
 }
 
+/// Vehicles of one, two and three masses, 8 t in total.
+fn vehicles() -> [(&'static str, Vehicle); 3] {
+    let springs = [lorry().springs(), &lorry().springs()[1..]].concat();
+    [
+        ("one mass", &[8000.0][..]),
+        ("two masses", &[5500.0, 2500.0]),
+        ("three masses", &[5500.0, 1500.0, 1000.0]),
+    ]
+    .map(|(name, masses)| {
+        let made = Vehicle::new(masses, &springs[..masses.len()]);
+        (name, made.expect("a vehicle"))
+    })
+}
+
+/// Compares compliant vehicles with a rigid one of the same mass and speed.
+fn print_vehicles() {
+    println!(
+        "\nns per step of 10 us, fastest of {RUNS} responses to 8 t at 6 m/s, over the rigid mass's"
+    );
+    println!(
+        "{:<20}{:<15}{:>10}{:>8}{:>8}{:>8}{:>19}",
+        "scheme", "vehicle", "response", "ratio", "step", "ratio", "Newton iterations"
+    );
+    for scheme in SCHEMES {
+        let chosen = format!("solver.scheme:={scheme}");
+        let (properties, rigid) = example(&[
+            &chosen,
+            "solver.dt:=1.0e-5",
+            "impact.mass:=8000.0",
+            "impact.velocity:=6.0",
+        ]);
+        let base = cost(&properties, &rigid);
+        let print = |name: &str, cost: &Cost| {
+            println!(
+                "{scheme:<20}{name:<15}{:>10.0}{:>8.2}{:>8.0}{:>8.2}{:>19.2}",
+                cost.response,
+                cost.response / base.response,
+                cost.step,
+                cost.step / base.step,
+                cost.newton_iterations
+            );
+        };
+        print("rigid", &base);
+        for (name, vehicle) in vehicles() {
+            let impact = Impact {
+                vehicle: Some(vehicle),
+                ..rigid
+            };
+            print(name, &cost(&properties, &impact));
+        }
+    }
+}
+
 /// Time of one `step` with each of the [`STRENGTHS`] \[ns\]. The runs alternate, so that other load on the machine meets
 /// all of them.
 fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3] {
@@ -177,6 +231,7 @@ fn main() {
             );
         }
     }
+    print_vehicles();
     println!(
         "\nns per step of the same with strain rate and hardening, and its ratio to that with constant strength"
     );

@@ -15,6 +15,7 @@
 //! `stepping.rs` makes a step of parts, a scheme states the equations of a part, `newton.rs` solves them, and `bar.rs`
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
+mod accuracy;
 mod bar;
 mod bracketing;
 mod buckling;
@@ -34,6 +35,7 @@ mod modes;
 mod motion;
 mod newton;
 mod properties;
+mod push_down_equations;
 mod rate;
 mod report;
 mod response;
@@ -46,13 +48,17 @@ mod strength;
 mod vehicle;
 mod yield_surface;
 
+pub use accuracy::{
+    ERROR_PER_DIFFERENCE, MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD, error_estimate,
+    recommended_step_nanos, with_half_the_step,
+};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
-    PushDownPoint, capacity, push_down,
+    PushDownPoint, capacity, carried_load, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;

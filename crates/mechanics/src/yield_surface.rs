@@ -107,6 +107,16 @@ impl YieldSurface {
         }
     }
 
+    /// `M(N)`: the moment on the surface at a normal force \[N m\]; 0 at and beyond the squash load.
+    pub fn moment_resistance(&self, normal_force: f64) -> f64 {
+        let n = self.relative_axial(normal_force).abs();
+        if n < 1.0 {
+            self.resistance_moment * self.cap_of(n)
+        } else {
+            0.0
+        }
+    }
+
     /// Utilisation `Phi + 1`: 0 without stress, 1 on the surface.
     pub fn utilisation(&self, moment: f64, normal_force: f64) -> f64 {
         self.utilisation_of_sum(self.sum(moment, normal_force))
