@@ -29,4 +29,4 @@ pub use energy_balance::{EnergyBalance, EnergyEntry};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;
-pub use words::{end_in_words, outcome_in_words, title};
+pub use words::{end_in_words, outcome_in_words, short, title};

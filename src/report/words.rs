@@ -51,7 +51,8 @@ fn vehicle_in_words(name: &str) -> &str {
 }
 
 /// Four significant digits without trailing zeros.
-pub(super) fn short(value: f64) -> String {
+#[must_use]
+pub fn short(value: f64) -> String {
     let text = significant(value, 4);
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
