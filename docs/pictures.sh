@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Makes the viewer pictures of the README with the real viewer, headless:
+# Makes the pictures of the README: those of the viewer with the real viewer, headless, and that of the report with Chromium:
 #
 #   docs/pictures.sh [FOLDER]     default: docs/images
 #
 # viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments.
-# The script needs Rust, Python, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
+# report.png shows the first page of the report about the default impact of config/heb220_s355.yaml.
+# The script needs Rust, Python, Chromium with the DejaVu fonts, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
 # graphics card, Debian's mesa-vulkan-drivers is sufficient.
 set -euo pipefail
 
@@ -24,7 +25,7 @@ for moment in before first_yield peak rest; do
   # The viewer needs a free port, although no program connects to it.
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
   HOME=$home XDG_CONFIG_HOME=$home XDG_RUNTIME_DIR=$work RUST_LOG=error \
-    timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1400x850 --bind 127.0.0.1 --port "$port" \
+    timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1600x1000 --bind 127.0.0.1 --port "$port" \
     --screenshot-to "$folder/viewer_$moment.png" >"$work/log" 2>&1 || {
     cat "$work/log" >&2
     printf 'pictures: no picture of %s\n' "$moment" >&2
@@ -32,3 +33,13 @@ for moment in before first_yield peak rest; do
   }
   printf '%s\n' "$folder/viewer_$moment.png"
 done
+
+cargo run --quiet --release -- simulate --config config/heb220_s355.yaml --report "$work/report.html" >"$work/log"
+# Chromium's sandbox does not run as root; the file is our own.
+chromium --headless --no-sandbox --hide-scrollbars --window-size=1200,900 --user-data-dir="$work/chromium" \
+  --screenshot="$folder/report.png" "file://$work/report.html" >"$work/log" 2>&1 || {
+  cat "$work/log" >&2
+  printf 'pictures: no picture of the report\n' >&2
+  exit 1
+}
+printf '%s\n' "$folder/report.png"

@@ -49,10 +49,15 @@ pub fn run(
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
+    if arguments.impact.vehicle().is_some() {
+        let text = "--vehicle: impact events do not carry a vehicle yet";
+        return Err(Failure::plain(Exit::BadInput, text));
+    }
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
         event_id: arguments.event.clone(),
+        vehicle: String::new(),
         impact: arguments.impact.specification(),
         match_timeout: timeout,
         answer_timeout: timeout,

@@ -1,5 +1,8 @@
 //! The command line.
 
+mod capacity;
+#[cfg(test)]
+mod capacity_tests;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod demo;
 #[cfg(feature = "record")]
@@ -23,12 +26,15 @@ mod reference;
 mod repair;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod replay;
+#[cfg(feature = "record")]
+mod report;
 #[cfg(feature = "ros")]
 mod run;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+mod vehicles;
 #[cfg(feature = "record")]
 mod verify;
 #[cfg(feature = "ros")]
@@ -40,6 +46,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use capacity::CapacityArgs;
 use failure::Exit;
 use simulate::SimulateArgs;
 
@@ -61,6 +68,10 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
+    /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
+    Capacity(CapacityArgs),
+    /// List the vehicles of the catalogue with the source of every number
+    Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
     #[cfg(feature = "ros")]
     Run(run::RunArgs),
@@ -82,6 +93,9 @@ enum CliCommand {
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
+    /// Write a report about the impacts of a recording, for people: one HTML file, verified by recomputation
+    #[cfg(feature = "record")]
+    Report(report::ReportArgs),
     /// Repair a recording that was cut off or damaged; the original is kept
     #[cfg(feature = "record")]
     Repair(repair::RepairArgs),
@@ -119,6 +133,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
@@ -133,6 +149,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "record")]
+        CliCommand::Report(arguments) => report::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Repair(arguments) => repair::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]

@@ -40,7 +40,7 @@ pub(crate) fn recommended_step_nanos(impact_point_mass: f64, transverse_stiffnes
 /// The properties with half the step, for the run that [`error_estimate`] compares with; `None` where the step is 1 ns or
 /// still to be chosen. Takes those of a [`Model`](super::Model), whose step is chosen.
 pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnProperties> {
-    (properties.step_nanos > 1).then(|| ColumnProperties {
+    (properties.step_nanos > 1).then_some(ColumnProperties {
         step_nanos: properties.step_nanos / 2,
         ..*properties
     })

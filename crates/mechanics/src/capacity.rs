@@ -7,23 +7,21 @@
 //! `u2` alone would not do as the control: a nearly straight column snaps back, which means that behind the largest force
 //! both the force and `u2` decrease. Each increment therefore prescribes a positive combination of `u2` and `v1`. The
 //! normal forces push the impact point outwards, so that `v1` grows along the whole path, and a slope `dN/dv1` steeper
-//! than `-N/v1` would need a moment that increases while the hinges flow: with the weights of [`Arc`] the combination
+//! than `-N/v1` would need a moment that increases while the hinges flow: with the weights of [`PathStep`] the combination
 //! increases through any snap-back. Up to the largest force, this path is the one of a prescribed `u2`.
 
 use std::cell::Cell;
 
-use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bar::{BarForces, PerBar, PlasticFlow};
 use super::frame;
-use super::geometry::{Chord, ChordGradient, Displacement};
+use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
-use super::newton::zero_near;
+use super::push_down_equations::{Equations, LastRow, MAX_ROTATION, PathStep, Solved};
 use super::state::State;
-use super::strength::BarStress;
 
 /// Largest bow that is accepted, relative to the height.
 pub const MAX_IMPERFECTION: f64 = 0.1;
@@ -42,7 +40,7 @@ const FALLEN: f64 = 0.8;
 /// The share at which a curve for a figure ends.
 const CURVE_FALLEN: f64 = 0.4;
 
-/// Largest increment while no hinge flows, on the scale of [`Arc`].
+/// Largest increment while no hinge flows, on the scale of [`PathStep`].
 const MAX_ELASTIC_INCREMENT: f64 = 0.02;
 
 /// Largest increment while hinges flow: the error of `N_u` is proportional to it, 4e-5 for the reference columns.
@@ -61,38 +59,11 @@ const RESOLUTION: f64 = 1e-5;
 /// The force has reached a plateau when it has not increased by this share of itself over a path of [`PLATEAU`].
 const PLATEAU_RISE: f64 = 2e-5;
 
-/// Length of a plateau on the scale of [`Arc`]: twice the shortening at the squash load.
+/// Length of a plateau on the scale of [`PathStep`]: twice the shortening at the squash load.
 const PLATEAU: f64 = 2.0;
-
-/// Bound of the Newton iterations of one increment; two to four are usual.
-const MAX_ITERATIONS: u32 = 30;
-
-/// Residual at which the iteration ends, relative to `N^p` and `M^p`.
-const TOLERANCE: f64 = 1e-11;
-
-/// Residual that is accepted where further iterations do not lower it: round-off of a stiff column.
-const STAGNATED: f64 = 1e-9;
-
-/// Floor of the stiffness of the joint, relative to its elastic stiffness.
-const PIVOT_FLOOR: f64 = 1e-9;
-
-/// Largest correction of `beta1` \[rad\], and of the displacements relative to the shorter bar.
-const MAX_CORRECTION: f64 = 0.05;
-
-/// Range in which `beta1` is searched \[rad\].
-const MAX_ROTATION: f64 = 1.0;
-
-/// Number of halvings of a correction that does not lower the residual.
-const MAX_HALVED_CORRECTIONS: u32 = 4;
-
-/// Bound of the searches for `beta1` alone in one increment.
-const MAX_JOINT_BALANCES: u32 = 6;
 
 /// Bound of the parts in which the load is removed before the push-down.
 const MAX_UNLOADING_PARTS: u32 = 64;
-
-/// Row of `beta1`.
-const BETA1: usize = 2;
 
 /// Why a push-down ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -206,7 +177,7 @@ pub struct PushDown {
     forces: PerBar<BarForces>,
     force: f64,
     unloaded: Displacement,
-    /// Increment of the displacements and its size on the scale of [`Arc`], for the prediction of the next one.
+    /// Increment of the displacements and its size on the scale of [`PathStep`], for the prediction of the next one.
     last: Option<(Displacement, f64)>,
     increment: f64,
     /// `dN` over the size of the last increment \[N\].
@@ -314,6 +285,9 @@ impl PushDown {
             u = solved.displacement;
             if share >= 1.0 {
                 self.begin(&solved, offset);
+                if self.is_severed() {
+                    self.finish(CapacityEnd::Severed);
+                }
                 return;
             }
         }
@@ -361,7 +335,7 @@ impl PushDown {
             offset: &self.offset,
             elastic: false,
             evaluations: &evaluations,
-            last: LastRow::Arc(Arc::new(
+            last: LastRow::Path(PathStep::new(
                 &model,
                 self.sign,
                 self.displacement,
@@ -419,6 +393,9 @@ impl PushDown {
                 .above
                 .plus(1.0, &solved.stress.above.returned.flow),
         };
+        if self.is_severed() {
+            return self.finish(CapacityEnd::Severed);
+        }
         if self.force > self.capacity.force {
             self.capacity.force = self.force;
             self.capacity.shortening = self.displacement.u2 - self.unloaded.u2;
@@ -454,6 +431,20 @@ impl PushDown {
         } else {
             self.increment *= 0.5;
         }
+    }
+
+    /// Whether the plastic rotation of a hinge exceeds the ultimate rotation.
+    fn is_severed(&self) -> bool {
+        let ultimate = self.model.properties.ultimate_rotation;
+        let exceeded = |offset: &PlasticFlow, bow: &PlasticFlow| {
+            let rotations = offset.rotation.into_iter().zip(bow.rotation);
+            rotations
+                .map(|(all, bow)| (all - bow).abs())
+                .any(|plastic| plastic > ultimate)
+        };
+        ultimate > 0.0
+            && (exceeded(&self.offset.below, &self.bow.below)
+                || exceeded(&self.offset.above, &self.bow.above))
     }
 
     /// Whether the solution belongs to the path: one that is much further away has leapt to another equilibrium.
@@ -512,6 +503,26 @@ pub fn push_down(
     }
 }
 
+/// `N_Ed`: the compressive force that the column of a state carries at its top, without the share of the spring \[N\].
+#[must_use]
+pub fn carried_load(model: &Model, state: &State) -> f64 {
+    force_on_top(model, &state.displacement, &state.forces)
+}
+
+/// `F0`: the transverse force at the impact point under which the column forms a plastic mechanism while it carries the
+/// compressive force `normal_force` \[N\]. Built in at both ends it is `2 M(N) (1/L_a + 1/L_b)`; a pinned end takes its
+/// share away.
+#[must_use]
+pub fn plastic_plateau(model: &Model, normal_force: f64) -> f64 {
+    [&model.frame.below, &model.frame.above]
+        .into_iter()
+        .map(|bar| {
+            let hinges = if bar.rotational[1][1] > 0.0 { 2.0 } else { 1.0 };
+            hinges * bar.surface.moment_resistance(normal_force) / bar.length
+        })
+        .sum()
+}
+
 /// `E(U0) - E(0)` with `U0 = (bow, 0, 0, 0)`.
 fn stress_free_bow(model: &Model, bow: f64) -> PerBar<PlasticFlow> {
     let of_bar = |length: f64| {
@@ -543,296 +554,4 @@ fn force_on_top(model: &Model, u: &Displacement, forces: &PerBar<BarForces>) -> 
     let frame = &model.frame;
     let gradients = frame::gradients(&frame.chords(u));
     frame.internal_forces(&gradients, forces, 0.0)[3]
-}
-
-/// The fourth equation, beside the equilibrium of `v1`, `u1` and `beta1`.
-#[derive(Clone, Copy)]
-enum LastRow {
-    /// The force at the top has this value \[N\].
-    Force(f64),
-    /// The increment has this size.
-    Arc(Arc),
-}
-
-/// Size of an increment: `u2` relative to the shortening at the squash load, plus `v1` relative to half of its value.
-#[derive(Clone, Copy)]
-struct Arc {
-    from: Displacement,
-    per_v1: f64,
-    per_u2: f64,
-    size: f64,
-}
-
-impl Arc {
-    fn new(model: &Model, sign: f64, from: Displacement, size: f64) -> Self {
-        let frame = &model.frame;
-        let flexibility = 1.0 / frame.below.axial + 1.0 / frame.above.axial;
-        let squashed = model.properties.resistance_axial * flexibility;
-        let height = frame.below.length + frame.above.length;
-        // A column that its plastic strains hold straight without load has a bow of nearly 0.
-        let bow = from.v1.abs().max(1e-4 * height);
-        Self {
-            from,
-            per_v1: 2.0 * sign / bow,
-            per_u2: 1.0 / squashed,
-            size,
-        }
-    }
-
-    fn missing(&self, u: &Displacement) -> f64 {
-        self.per_v1 * (u.v1 - self.from.v1) + self.per_u2 * (u.u2 - self.from.u2) - self.size
-    }
-}
-
-/// Equilibrium of the column in one increment.
-struct Equations<'a> {
-    model: &'a Model,
-    /// Plastic strains and bow at its start.
-    offset: &'a PerBar<PlasticFlow>,
-    /// Whether no hinge flows.
-    elastic: bool,
-    last: LastRow,
-    /// Counts the evaluations.
-    evaluations: &'a Cell<u32>,
-}
-
-/// An equilibrium.
-struct Solved {
-    displacement: Displacement,
-    stress: PerBar<BarStress>,
-    force: f64,
-}
-
-impl Solved {
-    fn flows(&self) -> bool {
-        let flow = |stress: &BarStress| stress.returned.flow != PlasticFlow::default();
-        flow(&self.stress.below) || flow(&self.stress.above)
-    }
-
-    fn forces(&self) -> PerBar<BarForces> {
-        PerBar {
-            below: self.stress.below.returned.forces,
-            above: self.stress.above.returned.forces,
-        }
-    }
-}
-
-/// What an evaluation leaves behind for the tangent.
-#[derive(Default)]
-struct Point {
-    chords: PerBar<Chord>,
-    gradients: PerBar<ChordGradient>,
-    stress: PerBar<BarStress>,
-    force: f64,
-}
-
-impl Equations<'_> {
-    fn solve(&self, guess: Displacement, near: &PerBar<BarForces>) -> Option<Solved> {
-        let mut point = Point::default();
-        point.stress.below.expect(near.below.normal);
-        point.stress.above.expect(near.above.normal);
-        let mut u = guess;
-        let mut residual = self.evaluate(&u, &mut point);
-        let mut size = self.size_of(&residual);
-        let mut balances = 0;
-        for _ in 0..MAX_ITERATIONS {
-            if size <= TOLERANCE {
-                return Some(self.solved(u, &point));
-            }
-            let (from, before) = (u, size);
-            let correction = self.correction(&residual, &mut point)?;
-            let mut share = 1.0;
-            for _ in 0..MAX_HALVED_CORRECTIONS {
-                u = from.plus(-share, correction);
-                residual = self.evaluate(&u, &mut point);
-                size = self.size_of(&residual);
-                if size <= 0.5 * before {
-                    break;
-                }
-                share *= 0.5;
-            }
-            if size > 0.5 * before {
-                if before.min(size) <= STAGNATED {
-                    if before < size {
-                        u = from;
-                        self.evaluate(&u, &mut point);
-                    }
-                    return Some(self.solved(u, &point));
-                }
-                balances += 1;
-                if balances > MAX_JOINT_BALANCES {
-                    return None;
-                }
-                // Where both hinges of the joint flow, one of them has to unload, and no tangent tells how far that is.
-                u = self.balance_joint(from.minus(correction), &mut point);
-                residual = self.evaluate(&u, &mut point);
-                size = self.size_of(&residual);
-            }
-            if !size.is_finite() {
-                return None;
-            }
-        }
-        None
-    }
-
-    fn solved(&self, displacement: Displacement, point: &Point) -> Solved {
-        Solved {
-            displacement,
-            stress: point.stress,
-            force: point.force,
-        }
-    }
-
-    /// The residual: forces on `v1` and `u1` \[N\], the moment on `beta1` \[N m\], and the last row as a force \[N\].
-    fn evaluate(&self, u: &Displacement, point: &mut Point) -> Vector4<f64> {
-        self.evaluations.set(self.evaluations.get() + 1);
-        let frame = &self.model.frame;
-        point.chords = frame.chords(u);
-        point.gradients = frame::gradients(&point.chords);
-        let total = frame::strains(&point.chords, &frame::angles(&point.chords), u.beta1);
-        for (bar, stress, total, offset) in [
-            (
-                &frame.below,
-                &mut point.stress.below,
-                total.below,
-                &self.offset.below,
-            ),
-            (
-                &frame.above,
-                &mut point.stress.above,
-                total.above,
-                &self.offset.above,
-            ),
-        ] {
-            let strain: BarStrain = total.minus(offset);
-            if self.elastic {
-                stress.returned.forces = bar.elastic(&strain);
-            } else {
-                stress.update(bar, strain);
-            }
-        }
-        let forces = PerBar {
-            below: point.stress.below.returned.forces,
-            above: point.stress.above.returned.forces,
-        };
-        let mut residual = frame.internal_forces(&point.gradients, &forces, 0.0);
-        point.force = residual[3];
-        residual[3] = match &self.last {
-            LastRow::Force(target) => point.force - target,
-            LastRow::Arc(arc) => arc.missing(u) * self.model.properties.resistance_axial,
-        };
-        residual
-    }
-
-    fn size_of(&self, residual: &Vector4<f64>) -> f64 {
-        let p = &self.model.properties;
-        let force = 1.0 / p.resistance_axial;
-        let scale = [force, force, 1.0 / p.resistance_moment, force];
-        let mut size = 0.0;
-        for row in 0..4 {
-            let relative = (residual[row] * scale[row]).abs();
-            if relative > size || relative.is_nan() {
-                size = relative;
-            }
-        }
-        size
-    }
-
-    /// The Newton correction at the last evaluation, limited in size: `beta1` is eliminated with a floor of its pivot, the
-    /// rest with a search for pivots, because the path leads through states that are not stable.
-    fn correction(&self, residual: &Vector4<f64>, point: &mut Point) -> Option<Displacement> {
-        let frame = &self.model.frame;
-        let tangents = if self.elastic {
-            PerBar {
-                below: frame.below.elastic_tangent(),
-                above: frame.above.elastic_tangent(),
-            }
-        } else {
-            PerBar {
-                below: point.stress.below.linearise(&frame.below),
-                above: point.stress.above.linearise(&frame.above),
-            }
-        };
-        let forces = PerBar {
-            below: point.stress.below.returned.forces,
-            above: point.stress.above.returned.forces,
-        };
-        let mut jacobian = frame.stiffness(&point.gradients, &point.chords, &forces, &tangents);
-        match &self.last {
-            LastRow::Force(_) => jacobian[(3, 3)] -= frame.top_spring_stiffness,
-            LastRow::Arc(arc) => {
-                let scale = self.model.properties.resistance_axial;
-                jacobian.set_row(
-                    3,
-                    &nalgebra::RowVector4::new(arc.per_v1 * scale, 0.0, 0.0, arc.per_u2 * scale),
-                );
-            }
-        }
-        let [joint, _] = frame.massless_stiffness();
-        let floor = PIVOT_FLOOR * joint;
-        jacobian[(BETA1, BETA1)] = jacobian[(BETA1, BETA1)].max(floor);
-        let correction = solve_condensed(jacobian, *residual)?;
-        Some(limited(correction, frame.shorter_bar()))
-    }
-
-    /// `beta1` in equilibrium with the other displacements held: `M_1b - M_1a` never decreases with it.
-    fn balance_joint(&self, from: Displacement, point: &mut Point) -> Displacement {
-        let turned = |turn: f64| Displacement {
-            beta1: from.beta1 + turn,
-            ..from
-        };
-        let [joint, _] = self.model.frame.massless_stiffness();
-        let unbalanced = |turn: f64| self.evaluate(&turned(turn), point)[BETA1];
-        turned(zero_near(unbalanced, joint, MAX_ROTATION))
-    }
-}
-
-/// Solves `a x = r`: the row of `beta1` first, then the largest pivot of each column.
-fn solve_condensed(mut a: Matrix4<f64>, mut r: Vector4<f64>) -> Option<Displacement> {
-    a.swap_rows(0, BETA1);
-    r.swap_rows(0, BETA1);
-    a.swap_columns(0, BETA1);
-    for column in 0..4 {
-        if column > 0 {
-            let mut pivot = column;
-            for row in column + 1..4 {
-                if a[(row, column)].abs() > a[(pivot, column)].abs() {
-                    pivot = row;
-                }
-            }
-            a.swap_rows(column, pivot);
-            r.swap_rows(column, pivot);
-        }
-        let value = a[(column, column)];
-        if value == 0.0 || !value.is_finite() {
-            return None;
-        }
-        for row in column + 1..4 {
-            let factor = a[(row, column)] / value;
-            for k in column..4 {
-                a[(row, k)] -= factor * a[(column, k)];
-            }
-            r[row] -= factor * r[column];
-        }
-    }
-    let mut x = [0.0; 4];
-    for row in (0..4).rev() {
-        let mut sum = r[row];
-        for k in row + 1..4 {
-            sum -= a[(row, k)] * x[k];
-        }
-        x[row] = sum / a[(row, row)];
-    }
-    let [beta1, u1, v1, u2] = x;
-    Some(Displacement { v1, u1, beta1, u2 })
-}
-
-fn limited(correction: Displacement, length: f64) -> Displacement {
-    let Displacement { v1, u1, beta1, u2 } = correction;
-    let largest = (v1.abs().max(u1.abs()).max(u2.abs()) / length).max(beta1.abs());
-    if largest > MAX_CORRECTION {
-        correction.times(MAX_CORRECTION / largest)
-    } else {
-        correction
-    }
 }

@@ -20,6 +20,7 @@ mod bar;
 mod bracketing;
 mod buckling;
 mod capacity;
+mod capped_moments;
 mod chain;
 mod conserving_midpoint;
 mod contact;
@@ -34,6 +35,7 @@ mod modes;
 mod motion;
 mod newton;
 mod properties;
+mod push_down_equations;
 mod rate;
 mod report;
 mod response;
@@ -56,7 +58,7 @@ pub use buckling::{
 };
 pub use capacity::{
     Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_INCREMENTS, PushDown,
-    PushDownPoint, capacity, push_down,
+    PushDownPoint, capacity, carried_load, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;

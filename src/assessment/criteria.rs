@@ -1,0 +1,368 @@
+//! The criteria as data: names, editions, tags, severities; and how each is evaluated.
+
+use super::rotation_limits::{HingeSlenderness, not_compact};
+use super::{AssessmentInput, Severity, Tag};
+
+/// Spring constant of a vehicle in Annex C of EN 1991-1-7 \[N/m\] (JCSS Probabilistic Model Code, 2.18).
+const ANNEX_C_STIFFNESS: f64 = 300e3;
+
+/// On which side of its limit a value is admissible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Relation {
+    AtMost,
+    AtLeast,
+}
+
+/// A criterion without values.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Definition {
+    pub name: &'static str,
+    pub edition: &'static str,
+    pub tag: Tag,
+    pub unit: &'static str,
+    pub relation: Relation,
+    pub severity: Severity,
+    /// What the value is.
+    pub value: &'static str,
+    /// What it means if the criterion is exceeded.
+    pub consequence: &'static str,
+    pub evaluate: fn(&AssessmentInput) -> Evaluation,
+}
+
+/// Value and limit, or why there are none.
+pub(super) type Evaluation = Result<(f64, f64), String>;
+
+const PROGRAM: &str = "column_twin";
+const ASCE: &str = "ASCE/SEI 41-17, table 9-6";
+const AISC: &str = "ANSI/AISC 342-21, table C3.6";
+const LIGNOS: &str = "Lignos et al. 2019, monotonic";
+const PDC: &str = "PDC-TR 06-08, support rotation";
+const TABLE_4_1: &str = "EN 1991-1-7:2006, table 4.1";
+const DAMAGE: &str = "damage index D = 1 - N_u / N_u virgin";
+const HINGE: &str = "largest plastic rotation of a hinge";
+const SUPPORT: &str = "largest rotation of a bar at its support";
+const RESERVE: &str =
+    "largest force that the model carries in the plane of the impact, over the carried load";
+
+/// Every criterion, in the order of the names in the table of parameters: the most severe first, so that the first of
+/// equally severe ones decides.
+pub(super) const DEFINITIONS: &[Definition] = &[
+    Definition {
+        name: "collapse",
+        edition: PROGRAM,
+        tag: Tag::Computed,
+        unit: "",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: "collapse or torn hinge in the response (1: yes)",
+        consequence: "the column has lost its shape, its equilibrium or a hinge and carries nothing",
+        evaluate: |input| {
+            let lost = input.collapsed || input.severed;
+            Ok((if lost { 1.0 } else { 0.0 }, 0.0))
+        },
+    },
+    Definition {
+        name: "ultimate_rotation",
+        edition: LIGNOS,
+        tag: Tag::Source,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: HINGE,
+        consequence: "the section is torn and the column carries nothing",
+        evaluate: |input| {
+            // A torn hinge lies beyond its limit, whatever remains of its rotation.
+            let beyond = if input.severed {
+                input.ultimate_rotation * (1.0 + f64::EPSILON)
+            } else {
+                0.0
+            };
+            let rotation = input.largest_rotation();
+            let value = if rotation < beyond { beyond } else { rotation };
+            Ok((value, input.ultimate_rotation))
+        },
+    },
+    Definition {
+        name: "capacity_reserve_1",
+        edition: PROGRAM,
+        tag: Tag::Computed,
+        unit: "",
+        relation: Relation::AtLeast,
+        severity: Severity::Evacuate,
+        value: RESERVE,
+        consequence: "the column cannot carry its load",
+        evaluate: |input| reserve(input, 1.0),
+    },
+    Definition {
+        name: "remaining_resistance",
+        edition: "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin about the strong axis",
+        tag: Tag::Assumption,
+        unit: "",
+        relation: Relation::AtLeast,
+        severity: Severity::Evacuate,
+        value: "remaining buckling resistance about the weaker axis, over the carried load",
+        consequence: "the load exceeds the characteristic buckling resistance that is left",
+        evaluate: |input| {
+            let resistance = input.remaining.resistance.ok_or_else(|| {
+                "the dimensions of the section are not known, and the weak axis may govern; give section.name".to_owned()
+            })?;
+            Ok((resistance / carried(input)?, 1.0))
+        },
+    },
+    Definition {
+        name: "damage_80",
+        edition: DAMAGE,
+        tag: Tag::Recalled,
+        unit: "",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: "loss of axial capacity",
+        consequence: "the damage is that of a collapse",
+        evaluate: |input| Ok((input.remaining.damage, 0.8)),
+    },
+    Definition {
+        name: "capacity_reserve_1_5",
+        edition: PROGRAM,
+        tag: Tag::Assumption,
+        unit: "",
+        relation: Relation::AtLeast,
+        severity: Severity::Prop,
+        value: RESERVE,
+        consequence: "the load must be taken off the column",
+        evaluate: |input| reserve(input, 1.5),
+    },
+    Definition {
+        name: "capping_rotation",
+        edition: LIGNOS,
+        tag: Tag::Source,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: HINGE,
+        consequence: "local buckling lowers the moment of the hinge, so that the computed capacity is too high",
+        evaluate: |input| {
+            let limit = slenderness(input)?.capping_rotation();
+            Ok((input.largest_rotation(), limit))
+        },
+    },
+    Definition {
+        name: "damage_50",
+        edition: DAMAGE,
+        tag: Tag::Recalled,
+        unit: "",
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: "loss of axial capacity",
+        consequence: "the damage is high",
+        evaluate: |input| Ok((input.remaining.damage, 0.5)),
+    },
+    Definition {
+        name: "damage_20",
+        edition: DAMAGE,
+        tag: Tag::Recalled,
+        unit: "",
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: "loss of axial capacity",
+        consequence: "the damage is medium",
+        evaluate: |input| Ok((input.remaining.damage, 0.2)),
+    },
+    Definition {
+        name: "plastic_flow",
+        edition: PROGRAM,
+        tag: Tag::Assumption,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: HINGE,
+        consequence: "the steel has yielded; connections and welds must be looked at",
+        evaluate: |input| Ok((input.largest_rotation(), 0.0)),
+    },
+    Definition {
+        name: "asce41_cp",
+        edition: ASCE,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: HINGE,
+        consequence: "collapse prevention (b) is not given after repeated cycles",
+        evaluate: |input| rotation(input, |hinge| hinge.asce41().b),
+    },
+    Definition {
+        name: "asce41_ls",
+        edition: ASCE,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: HINGE,
+        consequence: "life safety (0.75 b) is not given after repeated cycles",
+        evaluate: |input| rotation(input, |hinge| 0.75 * hinge.asce41().b),
+    },
+    Definition {
+        name: "asce41_io",
+        edition: ASCE,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: HINGE,
+        consequence: "immediate occupancy (0.5 a) is not given",
+        evaluate: |input| rotation(input, |hinge| 0.5 * hinge.asce41().a),
+    },
+    Definition {
+        name: "aisc342_cp",
+        edition: AISC,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: HINGE,
+        consequence: "collapse prevention (b) is not given after repeated cycles",
+        evaluate: |input| rotation(input, |hinge| hinge.aisc342().b),
+    },
+    Definition {
+        name: "aisc342_ls",
+        edition: AISC,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: HINGE,
+        consequence: "life safety (0.75 b) is not given after repeated cycles",
+        evaluate: |input| rotation(input, |hinge| 0.75 * hinge.aisc342().b),
+    },
+    Definition {
+        name: "aisc342_io",
+        edition: AISC,
+        tag: Tag::Recalled,
+        unit: "rad",
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: HINGE,
+        consequence: "immediate occupancy (0.5 a) is not given",
+        evaluate: |input| rotation(input, |hinge| 0.5 * hinge.aisc342().a),
+    },
+    Definition {
+        name: "support_rotation_20",
+        edition: PDC,
+        tag: Tag::Recalled,
+        unit: "deg",
+        relation: Relation::AtMost,
+        severity: Severity::Evacuate,
+        value: SUPPORT,
+        consequence: "blast practice expects the member to fail",
+        evaluate: |input| Ok((input.support_rotation(), 20.0)),
+    },
+    Definition {
+        name: "support_rotation_10",
+        edition: PDC,
+        tag: Tag::Recalled,
+        unit: "deg",
+        relation: Relation::AtMost,
+        severity: Severity::Prop,
+        value: SUPPORT,
+        consequence: "blast practice expects heavy damage",
+        evaluate: |input| Ok((input.support_rotation(), 10.0)),
+    },
+    Definition {
+        name: "support_rotation_3",
+        edition: PDC,
+        tag: Tag::Recalled,
+        unit: "deg",
+        relation: Relation::AtMost,
+        severity: Severity::Restrict,
+        value: SUPPORT,
+        consequence: "blast practice expects moderate damage",
+        evaluate: |input| Ok((input.support_rotation(), 3.0)),
+    },
+    Definition {
+        name: "crush_force",
+        edition: PROGRAM,
+        tag: Tag::Assumption,
+        unit: "N",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "largest crush force of the vehicle's front",
+        consequence: "the front is stronger than the plastic plateau F0 of the column, so that the column gives way first",
+        evaluate: |input| {
+            let impact = input.impact.ok_or(NO_IMPACT)?;
+            let force = impact
+                .front_force
+                .ok_or("the vehicle is rigid: its front has no crush force")?;
+            Ok((force, input.plateau))
+        },
+    },
+    Definition {
+        name: "equivalent_static_force",
+        edition: "EN 1991-1-7:2006, annex C, v sqrt(k m) with k = 300 kN/m (JCSS 2.18)",
+        tag: Tag::Source,
+        unit: "N",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "equivalent static force of the impact",
+        consequence: "the force of the code exceeds the plastic plateau F0 of the column",
+        evaluate: |input| {
+            let impact = input.impact.ok_or(NO_IMPACT)?;
+            let force = impact.velocity.abs() * (ANNEX_C_STIFFNESS * impact.mass).sqrt();
+            Ok((force, input.plateau))
+        },
+    },
+    table_4_1("table_4_1_motorway", |input| Ok((1000e3, input.plateau))),
+    table_4_1("table_4_1_rural", |input| Ok((750e3, input.plateau))),
+    table_4_1("table_4_1_urban", |input| Ok((500e3, input.plateau))),
+    table_4_1("table_4_1_courtyard_lorry", |input| {
+        Ok((150e3, input.plateau))
+    }),
+    table_4_1("table_4_1_courtyard_car", |input| Ok((50e3, input.plateau))),
+];
+
+const NO_IMPACT: &str = "no impact is given";
+
+/// A force of Table 4.1, in the direction of the traffic, which does not depend on the impact.
+const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluation) -> Definition {
+    Definition {
+        name,
+        edition: TABLE_4_1,
+        tag: Tag::Recalled,
+        unit: "N",
+        relation: Relation::AtMost,
+        severity: Severity::Inspect,
+        value: "indicative equivalent static force of this road class",
+        consequence: "the force of the code exceeds the plastic plateau F0 of the column",
+        evaluate,
+    }
+}
+
+fn carried(input: &AssessmentInput) -> Result<f64, String> {
+    let load = input.remaining.carried_load;
+    if load > 0.0 {
+        Ok(load)
+    } else {
+        Err(format!(
+            "the column carries no compressive load ({:.1} kN), so that there is no reserve to compare",
+            load / 1e3
+        ))
+    }
+}
+
+fn reserve(input: &AssessmentInput, limit: f64) -> Evaluation {
+    Ok((input.remaining.now.force / carried(input)?, limit))
+}
+
+fn slenderness(input: &AssessmentInput) -> Result<HingeSlenderness, String> {
+    let section = input.section.as_ref().ok_or(
+        "the dimensions of the section are not known; give section.name without overriding its properties",
+    )?;
+    if let Some(reason) = not_compact(section, input.yield_strength) {
+        return Err(reason);
+    }
+    let axial_ratio = input.remaining.carried_load / input.squash_load;
+    let height = input.length_below + input.length_above;
+    Ok(HingeSlenderness::of(section, height, axial_ratio))
+}
+
+fn rotation(input: &AssessmentInput, limit: fn(&HingeSlenderness) -> f64) -> Evaluation {
+    Ok((input.largest_rotation(), limit(&slenderness(input)?)))
+}

@@ -1,0 +1,152 @@
+//! What an assessment judges, as plain data.
+
+use serde::{Deserialize, Serialize};
+
+use super::remaining::{RemainingCapacity, section_dimensions};
+use super::rotation_limits::ULTIMATE_ROTATION;
+use crate::column::{
+    HINGES, Impact, Model, Outcome, Report, RolledSection, State, plastic_plateau,
+};
+use crate::parameters::Parameters;
+
+/// What struck the column.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AssessedImpact {
+    /// Total mass of the vehicle \[kg\].
+    pub mass: f64,
+    /// Its speed \[m/s\].
+    pub velocity: f64,
+    /// Largest force of its front within the given points of the force-crush curve \[N\]; `None` for a rigid vehicle.
+    pub front_force: Option<f64>,
+}
+
+/// All that an assessment depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssessmentInput {
+    /// Whether the column has lost its shape or its equilibrium.
+    pub collapsed: bool,
+    /// Whether a hinge has torn in the response.
+    pub severed: bool,
+    /// Plastic rotations of the hinges 1a, 1b, 2, 3 since the column was new \[rad\].
+    pub plastic_rotation: [f64; HINGES],
+    /// Plastic rotation at which a section tears \[rad\].
+    pub ultimate_rotation: f64,
+    /// Largest `v1` by absolute value \[m\].
+    pub max_v1: f64,
+    /// `L_a` \[m\].
+    pub length_below: f64,
+    /// `L_b` \[m\].
+    pub length_above: f64,
+    /// `N^p` \[N\].
+    pub squash_load: f64,
+    /// `f_y` \[Pa\].
+    pub yield_strength: f64,
+    /// Dimensions of the section; `None` where they are not known.
+    pub section: Option<RolledSection>,
+    /// Remaining axial capacity and the carried load.
+    pub remaining: RemainingCapacity,
+    /// `F0`: plastic plateau of the virgin column under the carried load \[N\].
+    pub plateau: f64,
+    /// What struck the column; `None` for an assessment of its state alone.
+    pub impact: Option<AssessedImpact>,
+    /// Names of the criteria that decide the severity, such as [`DEFAULT_CRITERIA`](crate::parameters::DEFAULT_CRITERIA).
+    pub deciding: Vec<String>,
+}
+
+impl From<&Impact> for AssessedImpact {
+    fn from(impact: &Impact) -> Self {
+        let front_force = impact.vehicle.and_then(|vehicle| {
+            let envelope = vehicle.springs().first()?.envelope;
+            let forces = envelope.points().iter().map(|[_, force]| *force);
+            Some(forces.fold(0.0, f64::max))
+        });
+        Self {
+            mass: impact.mass,
+            velocity: impact.velocity,
+            front_force,
+        }
+    }
+}
+
+impl AssessmentInput {
+    /// After a response: its report, the impact, and the remaining capacity of the column that it left.
+    #[must_use]
+    pub fn of_response(
+        parameters: &Parameters,
+        model: &Model,
+        impact: &Impact,
+        report: &Report,
+        remaining: RemainingCapacity,
+    ) -> Self {
+        Self {
+            collapsed: report.outcome == Outcome::Collapsed,
+            severed: report.outcome == Outcome::Severed,
+            plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
+            max_v1: report.max_v1.abs(),
+            impact: Some(AssessedImpact::from(impact)),
+            ..Self::of_column(parameters, model, remaining)
+        }
+    }
+
+    /// Of a column at rest, whatever has happened to it.
+    #[must_use]
+    pub fn of_state(
+        parameters: &Parameters,
+        model: &Model,
+        state: &State,
+        remaining: RemainingCapacity,
+    ) -> Self {
+        let plastic = &state.plastic;
+        Self {
+            plastic_rotation: [
+                plastic.below.rotation[0],
+                plastic.above.rotation[0],
+                plastic.above.rotation[1],
+                plastic.below.rotation[1],
+            ],
+            max_v1: state.displacement.v1.abs(),
+            ..Self::of_column(parameters, model, remaining)
+        }
+    }
+
+    fn of_column(parameters: &Parameters, model: &Model, remaining: RemainingCapacity) -> Self {
+        let p = &model.properties;
+        Self {
+            collapsed: false,
+            severed: false,
+            plastic_rotation: [0.0; HINGES],
+            ultimate_rotation: if p.ultimate_rotation > 0.0 {
+                p.ultimate_rotation
+            } else {
+                ULTIMATE_ROTATION
+            },
+            max_v1: 0.0,
+            length_below: p.length_below,
+            length_above: p.length_above,
+            squash_load: p.resistance_axial,
+            yield_strength: parameters.steel().yield_strength,
+            section: section_dimensions(parameters),
+            plateau: plastic_plateau(model, remaining.carried_load),
+            remaining,
+            impact: None,
+            deciding: parameters.settings().assessment.criteria.clone(),
+        }
+    }
+
+    /// The largest plastic rotation of a hinge \[rad\]; NaN if one of them is, which exceeds every limit.
+    pub(super) fn largest_rotation(&self) -> f64 {
+        let mut largest = 0.0;
+        for rotation in self.plastic_rotation.map(f64::abs) {
+            if rotation > largest || rotation.is_nan() {
+                largest = rotation;
+            }
+        }
+        largest
+    }
+
+    /// The largest rotation of a bar at its support \[deg\], its shortening neglected.
+    pub(super) fn support_rotation(&self) -> f64 {
+        let shorter = self.length_below.min(self.length_above);
+        (self.max_v1 / shorter).atan().to_degrees()
+    }
+}

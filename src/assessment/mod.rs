@@ -1,0 +1,314 @@
+//! Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one severity.
+//!
+//! Every number that may decide over people carries where it comes from: [`Tag`]. `docs/assessment.md` lists the criteria.
+//!
+//! ```
+//! use column_twin::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
+//! use column_twin::column::{Model, State};
+//! use column_twin::parameters::Parameters;
+//!
+//! let parameters = Parameters::default();
+//! let model = Model::new(&parameters.column_properties())?;
+//! let virgin = State::at_rest(&model);
+//! let remaining = RemainingCapacity::compute(&parameters, &model, Some(&virgin))?;
+//! let assessment = assess(&AssessmentInput::of_state(&parameters, &model, &virgin, remaining));
+//! assert_eq!(assessment.severity, Severity::None);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod criteria;
+mod input;
+mod remaining;
+mod rotation_limits;
+#[cfg(test)]
+mod tests;
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::{Deserialize, Serialize};
+
+use criteria::{DEFINITIONS, Definition, Relation};
+pub use input::{AssessedImpact, AssessmentInput};
+pub use remaining::{
+    RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
+};
+pub use rotation_limits::{HingeSlenderness, RotationLimits, ULTIMATE_ROTATION};
+
+/// The criterion that decides whatever the user chooses.
+const ALWAYS_DECIDES: &str = "collapse";
+
+/// What has to be done, least severe first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// No criterion that decides is exceeded.
+    None,
+    /// An engineer has to examine the column.
+    Inspect,
+    /// People and additional loads have to be kept away from the column until an engineer has examined it.
+    Restrict,
+    /// The load has to be taken off the column at once.
+    Prop,
+    /// Everybody has to leave the part of the building that the column carries.
+    Evacuate,
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tag {
+    /// Read in the source named.
+    #[serde(rename = "T")]
+    Source,
+    /// Computed.
+    #[serde(rename = "C")]
+    Computed,
+    /// Recalled and not verified against its source.
+    #[serde(rename = "M")]
+    Recalled,
+    /// An assumption of this program.
+    #[serde(rename = "A")]
+    Assumption,
+}
+
+/// One criterion with its values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Criterion {
+    /// Its name, as in the parameter `assessment.criteria`.
+    pub name: &'static str,
+    /// Document and edition, or what the criterion is based on.
+    pub edition: &'static str,
+    /// Where its limit comes from; the weakest link where several numbers enter.
+    pub tag: Tag,
+    /// The value; `None` if it could not be evaluated.
+    pub value: Option<f64>,
+    /// Its limit; `None` if it could not be evaluated.
+    pub limit: Option<f64>,
+    /// Unit of both; empty for a ratio.
+    pub unit: &'static str,
+    /// Distance to the limit, relative to it: positive while the criterion is met, negative when it is exceeded. Where the
+    /// limit is 0, the value with its sign reversed. `None` if it could not be evaluated.
+    pub margin: Option<f64>,
+    /// Whether the criterion is exceeded; `None` if it could not be evaluated.
+    pub exceeded: Option<bool>,
+    /// Severity if it is exceeded.
+    pub severity: Severity,
+    /// Whether it decides, by the user's choice.
+    pub decides: bool,
+    /// What it says, with its numbers, or why it could not be evaluated.
+    pub statement: String,
+}
+
+/// The assessment of one column.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Assessment {
+    /// What has to be done.
+    pub severity: Severity,
+    /// Name of the criterion that decides: of the most severe ones that are exceeded the first, or the one closest to its
+    /// limit where none is exceeded.
+    pub deciding_criterion: &'static str,
+    /// The reason in words, with its margin and with what the model does not know.
+    pub reason: String,
+    /// Every criterion.
+    pub criteria: Vec<Criterion>,
+}
+
+/// Evaluates every criterion. Criteria without the data that they need are listed with the reason.
+#[must_use]
+pub fn assess(input: &AssessmentInput) -> Assessment {
+    let criteria: Vec<_> = DEFINITIONS
+        .iter()
+        .map(|definition| evaluated(definition, input))
+        .collect();
+    let exceeded = criteria
+        .iter()
+        .filter(|criterion| criterion.decides && criterion.exceeded == Some(true))
+        // The first of equally severe ones: `max_by_key` would return the last.
+        .rev()
+        .max_by_key(|criterion| criterion.severity);
+    let closest = || {
+        let margin = |criterion: &Criterion| criterion.margin.unwrap_or(f64::INFINITY);
+        criteria
+            .iter()
+            .filter(|criterion| criterion.decides && criterion.limit.is_some_and(|it| it != 0.0))
+            .min_by(|a, b| margin(a).total_cmp(&margin(b)))
+    };
+    let (severity, deciding) = match exceeded {
+        Some(criterion) => (criterion.severity, criterion),
+        None => (Severity::None, closest().unwrap_or(&criteria[0])),
+    };
+    let reason = reason(input, severity, deciding, &criteria);
+    Assessment {
+        severity,
+        deciding_criterion: deciding.name,
+        reason,
+        criteria,
+    }
+}
+
+fn evaluated(definition: &Definition, input: &AssessmentInput) -> Criterion {
+    let decides = definition.name == ALWAYS_DECIDES
+        || input.deciding.iter().any(|name| name == definition.name);
+    let mut criterion = Criterion {
+        name: definition.name,
+        edition: definition.edition,
+        tag: definition.tag,
+        value: None,
+        limit: None,
+        unit: definition.unit,
+        margin: None,
+        exceeded: None,
+        severity: definition.severity,
+        decides,
+        statement: String::new(),
+    };
+    match (definition.evaluate)(input) {
+        Err(reason) => criterion.statement = format!("Not evaluated: {reason}."),
+        Ok((value, limit)) => {
+            let sign = match definition.relation {
+                Relation::AtMost => 1.0,
+                Relation::AtLeast => -1.0,
+            };
+            let margin = if limit == 0.0 {
+                0.0 - sign * value
+            } else {
+                sign * (limit - value) / limit
+            };
+            // A NaN exceeds every limit.
+            let exceeded = margin.is_nan() || margin < 0.0;
+            criterion.value = Some(value);
+            criterion.limit = Some(limit);
+            criterion.margin = Some(margin);
+            criterion.exceeded = Some(exceeded);
+            criterion.statement = statement(definition, value, limit, margin, exceeded);
+        }
+    }
+    criterion
+}
+
+/// A sentence with the numbers, and with the consequence if the criterion is exceeded.
+fn statement(
+    definition: &Definition,
+    value: f64,
+    limit: f64,
+    margin: f64,
+    exceeded: bool,
+) -> String {
+    let bound = match definition.relation {
+        Relation::AtMost => "at most",
+        Relation::AtLeast => "at least",
+    };
+    let mut name = definition.value.to_owned();
+    name[..1].make_ascii_uppercase();
+    let mut text = format!(
+        "{name}: {}; {bound} {} [{}]",
+        quantity(value, definition.unit),
+        quantity(limit, definition.unit),
+        definition.tag
+    );
+    if limit != 0.0 {
+        text.push_str(&format!(", margin {:+.0} %", 100.0 * margin));
+    }
+    if exceeded {
+        text.push_str(&format!(". Exceeded: {}", definition.consequence));
+    }
+    text.push('.');
+    text
+}
+
+/// A number with its unit: forces in kN, otherwise three significant digits.
+fn quantity(value: f64, unit: &str) -> String {
+    let (value, unit) = if unit == "N" {
+        (value / 1e3, "kN")
+    } else {
+        (value, unit)
+    };
+    let size = value.abs();
+    let decimals = match size {
+        _ if size == 0.0 || !size.is_finite() => 0,
+        _ if size >= 99.95 => 0,
+        _ if size >= 9.995 => 1,
+        _ if size >= 0.9995 => 2,
+        _ if size >= 0.0001 => 4,
+        _ => 6,
+    };
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{value:.decimals$}{space}{unit}")
+}
+
+fn reason(
+    input: &AssessmentInput,
+    severity: Severity,
+    deciding: &Criterion,
+    criteria: &[Criterion],
+) -> String {
+    let mut text = if severity == Severity::None {
+        format!(
+            "No deciding criterion is exceeded. The closest to its limit is {}: {}",
+            deciding.name, deciding.statement
+        )
+    } else {
+        format!("{}: {}", deciding.name, deciding.statement)
+    };
+    let missing: Vec<_> = criteria
+        .iter()
+        .filter(|criterion| criterion.decides && criterion.value.is_none())
+        .map(|criterion| criterion.name)
+        .collect();
+    if !missing.is_empty() {
+        text.push_str(&format!(" Not evaluated: {}.", missing.join(", ")));
+    }
+    if !(input.collapsed || input.severed) {
+        text.push_str(&axes(input));
+    }
+    text
+}
+
+/// What a plane model does not say, beside every statement on a column that carries its load.
+fn axes(input: &AssessmentInput) -> String {
+    let mut text = String::new();
+    let remaining = &input.remaining;
+    if remaining.now.is_lower_bound() {
+        text.push_str(" The push-down could not be followed to its end: N_u is a lower bound.");
+    }
+    text.push_str(" The model is plane and knows neither connections nor local buckling; ");
+    match &remaining.weak {
+        Some(weak) => {
+            text.push_str(&format!(
+                "about the weak axis the virgin resistance of {} is assumed",
+                quantity(weak.force, "N")
+            ));
+            if remaining
+                .resistance
+                .is_some_and(|resistance| resistance >= weak.force)
+            {
+                text.push_str(", and it governs");
+            }
+        }
+        None => text.push_str("the resistance about the weak axis is not known"),
+    }
+    text.push('.');
+    text
+}
+
+impl Display for Severity {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+            Self::Inspect => "inspect",
+            Self::Restrict => "restrict",
+            Self::Prop => "prop",
+            Self::Evacuate => "evacuate",
+        })
+    }
+}
+
+impl Display for Tag {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Source => "T",
+            Self::Computed => "C",
+            Self::Recalled => "M",
+            Self::Assumption => "A",
+        })
+    }
+}
