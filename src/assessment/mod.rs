@@ -17,6 +17,7 @@
 //! ```
 
 mod criteria;
+mod evaluation;
 mod input;
 mod remaining;
 mod rotation_limits;
@@ -28,6 +29,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, Relation};
+pub use evaluation::{HARDENING_BAND, HardeningBand, ImpactEvaluation, respond_and_rest};
 pub use input::{AssessedImpact, AssessmentInput};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
@@ -36,6 +38,9 @@ pub use rotation_limits::{HingeSlenderness, RotationLimits, ULTIMATE_ROTATION};
 
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
+
+/// The criterion that decides about a severed column, whatever the user chooses.
+const DECIDES_IF_SEVERED: &str = "ultimate_rotation";
 
 /// What has to be done, least severe first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -147,6 +152,7 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
 
 fn evaluated(definition: &Definition, input: &AssessmentInput) -> Criterion {
     let decides = definition.name == ALWAYS_DECIDES
+        || (input.severed && definition.name == DECIDES_IF_SEVERED)
         || input.deciding.iter().any(|name| name == definition.name);
     let mut criterion = Criterion {
         name: definition.name,

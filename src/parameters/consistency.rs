@@ -5,9 +5,7 @@
 use super::settings::{RateLawKind, Settings, SpringSettings, SupportKind};
 use super::value::readable;
 use super::vehicles::VehicleFault;
-use crate::column::{
-    CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError,
-};
+use crate::column::{CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]

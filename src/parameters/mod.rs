@@ -56,11 +56,12 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings, GeometrySettings,
-    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
-    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
-    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
-    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
+    GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
+    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
+    SectionSettings, Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
+    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

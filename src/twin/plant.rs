@@ -203,6 +203,7 @@ impl Plant {
         let mut state = State::at_rest(&model);
         if self.is_damaged() {
             state.plastic = self.state.plastic;
+            state.set_accumulated_rotation(&model, &self.state.accumulated_rotation());
             match equilibrium(&model, &state) {
                 Some(residual) => state = residual,
                 None => return rejected("and the damaged column has no equilibrium if they move"),
