@@ -44,6 +44,7 @@ fn event(id: &str, stamp: Nanos) -> ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
+        vehicle: String::new(),
         impact: ImpactSpecification {
             mass: 1500.0,
             velocity: 10.0,
@@ -230,7 +231,7 @@ fn commands_and_predictions_are_answered() {
         restitution: None,
         height: None,
     };
-    let prediction = live.predict("", &impact).expect("a prediction");
+    let prediction = live.predict("", "", &impact).expect("a prediction");
     assert_eq!(
         prediction
             .report
@@ -240,6 +241,7 @@ fn commands_and_predictions_are_answered() {
     );
     assert!(
         live.predict(
+            "",
             "",
             &ImpactSpecification {
                 mass: f64::NAN,

@@ -26,7 +26,7 @@ pub fn now() -> i64 {
     since.map_or(0, |it| it.as_nanos() as i64)
 }
 
-/// An event that leaves gap, restitution and height to the parameters.
+/// An event that leaves vehicle, gap, restitution and height to the parameters.
 pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEvent {
     ImpactEvent {
         header: Header {
@@ -37,9 +37,7 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
         event_id: event_id.to_owned(),
         mass,
         velocity,
-        gap: f64::NAN,
-        restitution: f64::NAN,
-        height: f64::NAN,
+        ..ImpactEvent::default()
     }
 }
 

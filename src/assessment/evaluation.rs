@@ -68,8 +68,8 @@ impl ImpactEvaluation {
             report,
             remaining,
             assessment,
-            step: 1e-9 * properties.step_nanos as f64,
-            error_estimate: error_estimate(properties, impact, duration, &report),
+            step: 1e-9 * model.properties.step_nanos as f64,
+            error_estimate: error_estimate(&model.properties, impact, duration, &report),
             band: band(properties, impact, duration, &report),
             plateau: plastic_plateau(&model, carried),
             front_force: impact.vehicle.and_then(|vehicle| {

@@ -272,6 +272,7 @@ fn follow(
     let options = ImpactOptions {
         column_id: "heb220_paper".to_owned(),
         event_id: Some("demo-1".to_owned()),
+        vehicle: String::new(),
         impact: ImpactSpecification {
             mass: arguments.mass,
             velocity: arguments.velocity,

@@ -23,6 +23,8 @@ mod reference;
 mod repair;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod replay;
+#[cfg(feature = "record")]
+mod report;
 #[cfg(feature = "ros")]
 mod run;
 mod simulate;
@@ -85,6 +87,9 @@ enum CliCommand {
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
+    /// Write a report about the impacts of a recording, for people: one HTML file, verified by recomputation
+    #[cfg(feature = "record")]
+    Report(report::ReportArgs),
     /// Repair a recording that was cut off or damaged; the original is kept
     #[cfg(feature = "record")]
     Repair(repair::RepairArgs),
@@ -137,6 +142,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "record")]
+        CliCommand::Report(arguments) => report::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Repair(arguments) => repair::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]

@@ -43,12 +43,12 @@ fn history_and_figures_are_written() {
     ]);
     assert!(ended.is_ok(), "{ended:?}");
     assert!(
-        output.contains("history.csv") && output.contains("20 files"),
+        output.contains("history.csv") && output.contains("22 files"),
         "{output}"
     );
     let rows = csv::Reader::from_path(csv).unwrap().records().count();
     assert!(rows > 500);
-    assert_eq!(fs::read_dir(plots).unwrap().count(), 20);
+    assert_eq!(fs::read_dir(plots).unwrap().count(), 22);
 }
 
 #[test]
@@ -215,4 +215,40 @@ fn the_history_shows_the_crush() {
     }
     assert!(!lorry.contains_key("crush3_m"));
     assert!(lorry["permanent_crush1_m"] > 0.01 && lorry["vehicle_dissipated1_J"] > 1e3);
+}
+
+/// The report is one file that refers to nothing outside of itself, and whatever the parameters contain is text in it.
+#[test]
+fn the_report_is_one_file_and_escapes_every_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.html");
+    let (output, ended) = typed(&[
+        "--report",
+        path.to_str().unwrap(),
+        "-p",
+        "column_id:=<script>alert(\"x\")</script>&amp;",
+    ]);
+    assert!(ended.is_ok(), "{ended:?}");
+    assert!(output.contains("report.html"), "{output}");
+    let html = fs::read_to_string(path).unwrap();
+    assert!(html.starts_with("<!DOCTYPE html>"));
+    assert!(!html.contains("<script"), "a script");
+    assert!(html.contains("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt;&amp;amp;"));
+    for outside in ["src=", "href=\"http", "url(", "@import", "<link", "<iframe"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    assert!(html.matches("<svg").count() >= 8);
+}
+
+/// The same command gives the same bytes: a report contains no date of its own.
+#[test]
+fn a_report_is_reproducible() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["a.html", "b.html"].map(|name| {
+        let path = folder.path().join(name);
+        let (_, ended) = typed(&["--report", path.to_str().unwrap(), "--mass", "900"]);
+        assert!(ended.is_ok(), "{ended:?}");
+        fs::read(path).unwrap()
+    });
+    assert!(first == second);
 }

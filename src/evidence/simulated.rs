@@ -75,6 +75,7 @@ pub fn record_impact(
         event_id: SIMULATED_EVENT.to_owned(),
         column_id: settings.column_id.clone(),
         stamp: origin,
+        vehicle: String::new(),
         impact,
     };
     let message = ImpactEvent {

@@ -238,17 +238,18 @@ impl LiveHandle {
     }
 
     /// Predicts the outcome of an impact on the column in its current state, in the thread of the caller. An empty
-    /// `column_id` means the column of this twin.
+    /// `column_id` means the column of this twin, an empty `vehicle` that of the parameters.
     ///
     /// # Errors
     /// The impact would be rejected, its response cannot be computed, or the solver does not answer in time.
     pub fn predict(
         &self,
         column_id: &str,
+        vehicle: &str,
         impact: &ImpactSpecification,
     ) -> Result<Prediction, Refusal> {
         self.snapshot()?
-            .predict(column_id, impact, &monotonic_nanos)
+            .predict(column_id, vehicle, impact, &monotonic_nanos)
     }
 
     /// Statistics since the start.

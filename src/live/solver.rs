@@ -274,6 +274,7 @@ mod tests {
             event_id: event_id.to_owned(),
             column_id: "column".to_owned(),
             stamp: 0,
+            vehicle: String::new(),
             impact: ImpactSpecification {
                 mass: 1500.0,
                 velocity: 10.0,

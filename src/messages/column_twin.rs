@@ -3,7 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use ros_interface::BoundedSequence;
+
 use super::std_msgs::Header;
+use crate::column::MAX_MASSES;
+
+/// One value for each mass of a compliant vehicle, or for the spring in front of it, front first.
+pub type PerMass = BoundedSequence<f64, MAX_MASSES>;
 
 /// A vehicle is about to hit the column, or has just hit it.
 ///
@@ -15,6 +21,7 @@ pub struct ImpactEvent {
     pub header: Header,
     pub column_id: String,
     pub event_id: String,
+    pub vehicle: String,
     pub mass: f64,
     pub velocity: f64,
     pub gap: f64,
@@ -23,12 +30,13 @@ pub struct ImpactEvent {
 }
 
 impl Default for ImpactEvent {
-    /// Leaves all optional values to the parameters; mass and velocity must be given.
+    /// Leaves all optional values to the parameters; the velocity must be given, and the mass of a rigid vehicle.
     fn default() -> Self {
         Self {
             header: Header::default(),
             column_id: String::new(),
             event_id: String::new(),
+            vehicle: String::new(),
             mass: 0.0,
             velocity: 0.0,
             gap: f64::NAN,
@@ -211,6 +219,12 @@ pub struct ColumnState {
     pub damping_work: f64,
     pub load_work: f64,
     pub ledger_residual: f64,
+    pub vehicle_velocity: PerMass,
+    pub crush: PerMass,
+    pub permanent_crush: PerMass,
+    pub spring_force: PerMass,
+    pub vehicle_dissipated: PerMass,
+    pub vehicle_elastic_energy: f64,
 }
 
 impl ColumnState {
@@ -221,6 +235,7 @@ impl ColumnState {
     pub const REST: u8 = 4;
     pub const COLLAPSED: u8 = 5;
     pub const FAULTED: u8 = 6;
+    pub const SEVERED: u8 = 7;
 }
 
 /// Forces and deformations of the hinges at one instant.
@@ -241,6 +256,7 @@ pub struct HingeForces {
     pub plastic_elongation: [f64; 4],
     pub utilisation: [f64; 4],
     pub state: [u8; 4],
+    pub dynamic_factor: [f64; 4],
 }
 
 impl HingeForces {
@@ -253,6 +269,27 @@ impl HingeForces {
     pub const UNLOADED: u8 = 2;
 }
 
+/// One criterion of an assessment.
+///
+/// ```text
+#[doc = include_str!("../../msg/AssessmentCriterion.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AssessmentCriterion {
+    pub name: String,
+    pub edition: String,
+    pub value: f64,
+    pub limit: f64,
+    pub margin: f64,
+    pub unit: String,
+    pub tag: String,
+    pub evaluated: bool,
+    pub exceeded: bool,
+    pub severity: u8,
+    pub decides: bool,
+    pub statement: String,
+}
+
 /// The outcome of one impact.
 ///
 /// ```text
@@ -263,6 +300,9 @@ pub struct ImpactReport {
     pub header: Header,
     pub column_id: String,
     pub event_id: String,
+    pub vehicle: String,
+    pub mass: f64,
+    pub velocity: f64,
     pub kind: u8,
     pub outcome: u8,
     pub max_v1: f64,
@@ -283,6 +323,21 @@ pub struct ImpactReport {
     pub plastic_rotation: [f64; 4],
     pub end: u8,
     pub end_time: f64,
+    pub max_crush: PerMass,
+    pub permanent_crush: PerMass,
+    pub vehicle_dissipated: PerMass,
+    pub vehicle_velocity: PerMass,
+    pub max_dynamic_factor: [f64; 4],
+    pub virgin_capacity: f64,
+    pub residual_capacity: f64,
+    pub capacity_ratio: f64,
+    pub reserve: f64,
+    pub severity: u8,
+    pub deciding_criterion: String,
+    pub severity_reason: String,
+    pub criteria: Vec<AssessmentCriterion>,
+    pub error_estimate: f64,
+    pub dt: f64,
 }
 
 impl ImpactReport {
@@ -296,9 +351,17 @@ impl ImpactReport {
     pub const ELASTIC: u8 = 0;
     pub const PLASTIC: u8 = 1;
     pub const COLLAPSED: u8 = 2;
+    pub const SEVERED: u8 = 3;
     pub const END_AT_REST: u8 = 0;
     pub const END_DURATION_REACHED: u8 = 1;
     pub const END_COLLAPSED: u8 = 2;
+    pub const END_SEVERED: u8 = 3;
+    pub const SEVERITY_NONE: u8 = 0;
+    pub const SEVERITY_INSPECT: u8 = 1;
+    pub const SEVERITY_RESTRICT: u8 = 2;
+    pub const SEVERITY_PROP: u8 = 3;
+    pub const SEVERITY_EVACUATE: u8 = 4;
+    pub const SEVERITY_UNKNOWN: u8 = 255;
 }
 
 /// State of the twin.
@@ -332,6 +395,15 @@ pub struct TwinStatus {
     pub plastic_work_since_reset: f64,
     pub plastic_rotation: [f64; 4],
     pub plastic_elongation: [f64; 4],
+    pub virgin_capacity: f64,
+    pub residual_capacity: f64,
+    pub capacity_ratio: f64,
+    pub reserve: f64,
+    pub severity: u8,
+    pub deciding_criterion: String,
+    pub severity_reason: String,
+    pub crush: PerMass,
+    pub error_estimate: f64,
 }
 
 impl TwinStatus {
@@ -346,6 +418,7 @@ impl TwinStatus {
     pub const REST: u8 = 4;
     pub const COLLAPSED: u8 = 5;
     pub const FAULTED: u8 = 6;
+    pub const SEVERED: u8 = 7;
     pub const REFUSED_NONE: u16 = 0;
     pub const REFUSED_OTHER_COLUMN: u16 = 1;
     pub const REFUSED_EVENT_ID_INVALID: u16 = 2;
@@ -367,6 +440,14 @@ impl TwinStatus {
     pub const REFUSED_QUEUE_FULL: u16 = 18;
     pub const REFUSED_NO_ANSWER: u16 = 19;
     pub const REFUSED_STOPPING: u16 = 20;
+    pub const REFUSED_VEHICLE_INVALID: u16 = 21;
+    pub const REFUSED_COLUMN_SEVERED: u16 = 22;
+    pub const SEVERITY_NONE: u8 = 0;
+    pub const SEVERITY_INSPECT: u8 = 1;
+    pub const SEVERITY_RESTRICT: u8 = 2;
+    pub const SEVERITY_PROP: u8 = 3;
+    pub const SEVERITY_EVACUATE: u8 = 4;
+    pub const SEVERITY_UNKNOWN: u8 = 255;
 }
 
 /// Request for a prediction of an impact.
@@ -378,6 +459,7 @@ impl TwinStatus {
 pub struct PredictImpactRequest {
     pub column_id: String,
     pub event_id: String,
+    pub vehicle: String,
     pub mass: f64,
     pub velocity: f64,
     pub gap: f64,

@@ -3,16 +3,18 @@
 //! The mechanics knows neither header nor column nor event, which are left empty. The conversions allocate nothing.
 
 use crate::column::{
-    End, HINGES, HingeSample, HingeState, ImpactSpecification, Outcome, Phase, Report, Sample,
+    End, HINGES, HingeSample, HingeState, Impact, ImpactSpecification, Outcome, Phase, Report,
+    Sample,
 };
 
 use super::column_twin::{
-    ColumnState, HingeForces, ImpactEvent, ImpactReport, PredictImpactRequest,
+    ColumnState, HingeForces, ImpactEvent, ImpactReport, PerMass, PredictImpactRequest,
 };
 
 impl From<&Sample> for ColumnState {
     /// Leaves header, column and event empty.
     fn from(sample: &Sample) -> Self {
+        let vehicle = &sample.vehicle;
         Self {
             phase: phase_code(sample.phase),
             time: sample.time,
@@ -36,6 +38,12 @@ impl From<&Sample> for ColumnState {
             damping_work: sample.damping_work,
             load_work: sample.load_work,
             ledger_residual: sample.ledger_residual,
+            vehicle_velocity: PerMass::first(&vehicle.velocity, vehicle.masses),
+            crush: PerMass::first(&vehicle.crush, vehicle.masses),
+            permanent_crush: PerMass::first(&vehicle.permanent_crush, vehicle.masses),
+            spring_force: PerMass::first(&vehicle.force, vehicle.masses),
+            vehicle_dissipated: PerMass::first(&vehicle.dissipated, vehicle.masses),
+            vehicle_elastic_energy: vehicle.elastic_energy,
             ..Self::default()
         }
     }
@@ -54,14 +62,17 @@ impl From<&Sample> for HingeForces {
             plastic_elongation: of(|hinge| hinge.plastic_elongation),
             utilisation: of(|hinge| hinge.utilisation),
             state: each_hinge(&sample.hinges, |hinge| hinge_state_code(hinge.state)),
+            dynamic_factor: of(|hinge| hinge.dynamic_factor),
             ..Self::default()
         }
     }
 }
 
 impl From<&Report> for ImpactReport {
-    /// Leaves header, column and event empty, and sets the kind FORECAST and no compute time (NaN).
+    /// Leaves header, column, event and what hits it empty, and sets the kind FORECAST, no compute time (NaN), and no
+    /// assessment.
     fn from(report: &Report) -> Self {
+        let vehicle = &report.vehicle;
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Self {
             kind: Self::FORECAST,
@@ -84,7 +95,31 @@ impl From<&Report> for ImpactReport {
             plastic_rotation: each_hinge(&report.hinges, |hinge| hinge.plastic_rotation),
             end: end_code(report.end),
             end_time: report.end_time,
+            max_crush: PerMass::first(&vehicle.max_crush, vehicle.masses),
+            permanent_crush: PerMass::first(&vehicle.permanent_crush, vehicle.masses),
+            vehicle_dissipated: PerMass::first(&vehicle.dissipated, vehicle.masses),
+            vehicle_velocity: PerMass::first(&vehicle.velocity, vehicle.masses),
+            max_dynamic_factor: report.max_dynamic_factor,
+            virgin_capacity: f64::NAN,
+            residual_capacity: f64::NAN,
+            capacity_ratio: f64::NAN,
+            reserve: f64::NAN,
+            severity: Self::SEVERITY_UNKNOWN,
+            error_estimate: f64::NAN,
             ..Self::default()
+        }
+    }
+}
+
+impl ImpactReport {
+    /// The report with what hit the column.
+    #[must_use]
+    pub fn of_impact(self, vehicle: &str, impact: &Impact) -> Self {
+        Self {
+            vehicle: vehicle.to_owned(),
+            mass: impact.mass,
+            velocity: impact.velocity,
+            ..self
         }
     }
 }
@@ -158,7 +193,7 @@ fn outcome_code(outcome: Outcome) -> u8 {
         Outcome::Elastic => ImpactReport::ELASTIC,
         Outcome::Plastic => ImpactReport::PLASTIC,
         Outcome::Collapsed => ImpactReport::COLLAPSED,
-        Outcome::Severed => 3, // SEVERED
+        Outcome::Severed => ImpactReport::SEVERED,
     }
 }
 
@@ -167,7 +202,7 @@ fn end_code(end: End) -> u8 {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
-        End::Severed => 3, // END_SEVERED
+        End::Severed => ImpactReport::END_SEVERED,
     }
 }
 

@@ -31,5 +31,5 @@ pub mod std_msgs;
 pub mod std_srvs;
 pub mod visualization_msgs;
 
-pub use ros_interface::{Interface, Message, cdr, idl, interface, type_hash};
+pub use ros_interface::{BoundedSequence, Interface, Message, cdr, idl, interface, type_hash};
 pub use table::{INTERFACES, find};

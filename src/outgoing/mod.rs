@@ -18,6 +18,7 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
+use crate::shape::VehicleBody;
 use crate::twin::{
     Journal, Lengths, Output, RefusalCode, ReportOutput, StateOutput, Status, TwinPhase,
 };
@@ -264,7 +265,8 @@ impl Outgoing {
         }
         if self.markers.passes(*stamp, running) {
             let lengths = lengths.unwrap_or(self.lengths);
-            put(Message::Markers(markers(&header, lengths, sample)));
+            let body = VehicleBody::of_sample(&sample.vehicle);
+            put(Message::Markers(markers(&header, lengths, &body, sample)));
         }
     }
 
@@ -276,6 +278,7 @@ impl Outgoing {
             kind,
             compute_time: output.compute_time,
             ..ImpactReport::from(&output.report)
+                .of_impact(&output.striking.vehicle, &output.striking.impact)
         }
     }
 

@@ -39,7 +39,9 @@ pub struct ImpactOptions {
     pub column_id: String,
     /// Identifier of the event; `None`: a new one.
     pub event_id: Option<String>,
-    /// What hits the column; the twin's parameters give what is left open.
+    /// Name of the vehicle; empty: that of the twin's parameters.
+    pub vehicle: String,
+    /// With which mass and how fast it hits the column; the twin's parameters give what is left open.
     pub impact: ImpactSpecification,
     /// Timeout for finding a twin.
     pub match_timeout: Duration,
@@ -414,6 +416,7 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
             .event_id
             .clone()
             .unwrap_or_else(|| format!("impact-{stamp}")),
+        vehicle: options.vehicle.clone(),
         ..ImpactEvent::from(&options.impact)
     }
 }
@@ -472,6 +475,7 @@ mod tests {
         let options = ImpactOptions {
             column_id: "column".to_owned(),
             event_id: None,
+            vehicle: "mid_car".to_owned(),
             impact: ImpactSpecification {
                 mass: 1500.0,
                 velocity: 10.0,
@@ -485,5 +489,6 @@ mod tests {
         let event = event(&options);
         assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);
         assert!(event.event_id.starts_with("impact-1"));
+        assert_eq!(event.vehicle, "mid_car");
     }
 }

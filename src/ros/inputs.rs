@@ -298,7 +298,7 @@ fn reset(twin: &LiveTwin) -> TriggerResponse {
 fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
     let parameters = twin.parameters();
     let settings = parameters.settings();
-    match twin.predict(&request.column_id, &request.into()) {
+    match twin.predict(&request.column_id, &request.vehicle, &request.into()) {
         Ok(prediction) => PredictImpactResponse {
             success: true,
             report: ImpactReport {
@@ -311,6 +311,7 @@ fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactRe
                 kind: ImpactReport::PREDICTION,
                 compute_time: prediction.compute_time,
                 ..ImpactReport::from(&prediction.report)
+                    .of_impact(&prediction.striking.vehicle, &prediction.striking.impact)
             },
             ..PredictImpactResponse::default()
         },
@@ -356,6 +357,7 @@ fn impact_command(event: ImpactEvent) -> ImpactCommand {
     ImpactCommand {
         stamp: nanos(event.header.stamp),
         impact: (&event).into(),
+        vehicle: event.vehicle,
         event_id: event.event_id,
         column_id: event.column_id,
     }

@@ -195,16 +195,17 @@ impl LiveTwin {
     }
 
     /// Predicts the outcome of an impact on the column in its current state, in the thread of the caller. An empty
-    /// `column_id` means the column of this twin.
+    /// `column_id` means the column of this twin, an empty `vehicle` that of the parameters.
     ///
     /// # Errors
     /// The impact would be rejected, or the solver does not answer.
     pub fn predict(
         &self,
         column_id: &str,
+        vehicle: &str,
         impact: &ImpactSpecification,
     ) -> Result<Prediction, Refusal> {
-        self.ask(|handle| handle.predict(column_id, impact))
+        self.ask(|handle| handle.predict(column_id, vehicle, impact))
     }
 
     /// The identifier of the column.

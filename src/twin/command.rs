@@ -51,7 +51,10 @@ pub struct ImpactCommand {
     pub column_id: String,
     /// Instant of contact, or the instant at which the gap was measured where it is not zero.
     pub stamp: Nanos,
-    /// What hits the column, how fast and where.
+    /// Name of the vehicle, at most [`MAX_VEHICLE_NAME_CHARS`](super::MAX_VEHICLE_NAME_CHARS) characters; empty: the one of
+    /// the parameters.
+    pub vehicle: String,
+    /// With which mass it hits the column, how fast and where.
     #[serde(with = "ExactSpecification")]
     pub impact: ImpactSpecification,
 }

@@ -15,7 +15,7 @@ use super::command::{Command, Nanos};
 use super::plant::Condition;
 use super::refusal::Refusal;
 use super::registry::{Counts, LastRefusal, Life};
-use crate::column::State;
+use crate::column::{Impact, State};
 use crate::parameters::Parameters;
 
 /// A twin at rest gives out a checkpoint at least this often \[ns\].
@@ -87,6 +87,9 @@ pub struct CommandRecord {
     pub command: Command,
     /// Why it was refused; `None`: it was accepted.
     pub refusal: Option<Refusal>,
+    /// An accepted impact with what the parameters and the catalogue of vehicles have added, so that a program with another
+    /// catalogue notices.
+    pub impact: Option<Impact>,
     /// It belongs into a response that was over, which was taken up again.
     pub taken_back: bool,
 }
@@ -123,6 +126,8 @@ pub(super) struct JournalClock {
     checkpoint_due: bool,
     /// The present command belongs into a response that was over.
     pub taken_back: bool,
+    /// The impact of the present command, once it is accepted.
+    pub impact: Option<Impact>,
 }
 
 impl JournalClock {
@@ -133,6 +138,7 @@ impl JournalClock {
             last_checkpoint: now,
             checkpoint_due: true,
             taken_back: false,
+            impact: None,
         }
     }
 
@@ -188,6 +194,7 @@ impl JournalClock {
             position,
             command,
             refusal,
+            impact: self.impact.take(),
             taken_back: std::mem::take(&mut self.taken_back),
         }))
     }

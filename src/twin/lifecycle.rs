@@ -12,7 +12,7 @@ use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
 use super::saved_state::SavedState;
 use super::status::{Status, StatusClock, TwinPhase};
 use super::timeline::{Advanced, History, Outlook, Timeline};
-use super::what_if::ColumnSnapshot;
+use super::what_if::{ColumnSnapshot, Striking};
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
 use crate::column::{End, ModelError, StepError};
 use crate::parameters::Parameters;
@@ -39,6 +39,7 @@ pub struct Twin {
 #[derive(Debug)]
 pub(super) struct ActiveResponse {
     pub event_id: Arc<str>,
+    pub striking: Striking,
     pub timeline: Timeline,
 }
 
@@ -221,7 +222,12 @@ impl Twin {
 
     /// Carries the forecast on by at most `max_steps`, and gives it out when it is complete.
     pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let Some(ActiveResponse { event_id, timeline }) = &mut self.response else {
+        let Some(ActiveResponse {
+            event_id,
+            striking,
+            timeline,
+        }) = &mut self.response
+        else {
             return;
         };
         let Some((outlook, compute_nanos)) = timeline.look_ahead(max_steps, &self.stopwatch) else {
@@ -233,6 +239,7 @@ impl Twin {
                 out.put(Output::Forecast(ReportOutput {
                     stamp: timeline.origin(),
                     event_id: Arc::clone(event_id),
+                    striking: striking.clone(),
                     report,
                     compute_time: seconds(compute_nanos),
                 }));
@@ -331,19 +338,21 @@ impl Twin {
             event_id,
             column_id,
             stamp,
+            vehicle,
             impact: specification,
         } = command;
         check_column_id(self.registry.column_id(), column_id)?;
         self.registry.check_event_id(event_id)?;
         check_stamp(*stamp, now, self.parameters.current())?;
         let snapshot = self.snapshot();
-        let impact = snapshot.complete(specification)?;
+        let striking = snapshot.complete(vehicle, specification)?;
+        let impact = striking.impact;
         let struck = snapshot.strike(impact, specification.height)?;
         let event_id: Arc<str> = event_id.as_str().into();
         let pending = PendingImpact {
             event_id: Arc::clone(&event_id),
             stamp: *stamp,
-            impact,
+            striking,
             height: specification.height,
         };
         let response = self.response.as_ref().map(|response| &response.timeline);
@@ -352,7 +361,7 @@ impl Twin {
                 Some(step) => {
                     self.hit_moving_column(pending, step, OBSOLETE_REPORT, now, out);
                 }
-                None => self.begin(pending.event_id, *stamp, struck, now, out),
+                None => self.begin(pending, struck, now, out),
             },
             Some((_, Some(step), reached)) if step <= reached => {
                 self.hit_moving_column(pending, step, NO_REPORT, now, out);
@@ -368,6 +377,7 @@ impl Twin {
             }
         }
         self.registry.accept(event_id);
+        self.journal.impact = Some(impact);
         self.status.set_changed();
         Ok(Accepted::Applied)
     }
@@ -437,17 +447,12 @@ impl Twin {
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        let PendingImpact {
-            event_id,
-            stamp,
-            impact,
-            height,
-        } = pending;
-        match self.snapshot_of(plant).strike(impact, height) {
-            Ok(struck) => self.begin(event_id, stamp, struck, now, out),
+        let snapshot = self.snapshot_of(plant);
+        match snapshot.strike(pending.striking.impact, pending.height) {
+            Ok(struck) => self.begin(pending, struck, now, out),
             Err(refusal) => {
                 self.registry.withdraw();
-                self.refuse_impact(&event_id, refusal, now, out);
+                self.refuse_impact(&pending.event_id, refusal, now, out);
             }
         }
     }
@@ -466,12 +471,17 @@ impl Twin {
 
     fn begin(
         &mut self,
-        event_id: Arc<str>,
-        stamp: Nanos,
+        pending: PendingImpact,
         struck: Struck,
         now: Nanos,
         out: &mut impl Outputs,
     ) {
+        let PendingImpact {
+            event_id,
+            stamp,
+            striking,
+            ..
+        } = pending;
         out.notice(
             Severity::Info,
             now,
@@ -487,6 +497,7 @@ impl Twin {
         });
         self.response = Some(ActiveResponse {
             event_id,
+            striking,
             timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
         });
         self.status.set_changed();
@@ -552,6 +563,7 @@ impl Twin {
         out.put(Output::Report(ReportOutput {
             stamp: response.timeline.origin(),
             event_id: Arc::clone(&response.event_id),
+            striking: response.striking.clone(),
             report,
             compute_time: seconds(response.timeline.compute_nanos()),
         }));

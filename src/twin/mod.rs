@@ -71,7 +71,7 @@ pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;
 pub use status::{Status, TwinPhase};
 pub use timeline::MAX_LOOK_AHEAD_STEPS;
-pub use what_if::{ColumnSnapshot, Prediction};
+pub use what_if::{ColumnSnapshot, MAX_VEHICLE_NAME_CHARS, Prediction, Striking};
 
 /// A status is reported at least this often \[ns\].
 pub const STATUS_PERIOD: Nanos = NANOS_PER_SECOND;

@@ -7,6 +7,7 @@ use super::journal::Journal;
 use super::registry::Refused;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
+use super::what_if::Striking;
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
 
@@ -66,6 +67,8 @@ pub struct ReportOutput {
     pub stamp: Nanos,
     /// The impact.
     pub event_id: Arc<str>,
+    /// What hits the column.
+    pub striking: Striking,
     /// Its outcome.
     pub report: Report,
     /// What computing it took \[s\].

@@ -74,6 +74,10 @@ refusal_codes! {
     NoAnswer = 19 "no_answer";
     /// The node is stopping.
     Stopping = 20 "stopping";
+    /// The vehicle is unknown, its name is too long or has control characters, or the mass does not fit to it.
+    VehicleInvalid = 21 "vehicle_invalid";
+    /// A hinge of the column has passed its ultimate rotation.
+    ColumnSevered = 22 "column_severed";
 }
 
 impl RefusalCode {

@@ -9,7 +9,7 @@ use super::command::Nanos;
 use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
 use super::seen_ids::SeenIds;
-use crate::column::Impact;
+use super::what_if::Striking;
 use crate::parameters::Parameters;
 
 /// Longest identifier of an event in characters.
@@ -84,7 +84,7 @@ pub struct Refused {
 pub(super) struct PendingImpact {
     pub event_id: Arc<str>,
     pub stamp: Nanos,
-    pub impact: Impact,
+    pub striking: Striking,
     /// Above the base \[m\]; `None`: where the parameters have it.
     pub height: Option<f64>,
 }

@@ -4,11 +4,19 @@ use std::sync::Arc;
 
 use super::plant::{Plant, Struck, is_same_height, with_impact_height};
 use super::refusal::{Refusal, RefusalCode};
-use super::registry::check_column_id;
+use super::registry::{check_column_id, printable};
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
-use crate::column::{ColumnProperties, Impact, ImpactSpecification, Report};
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
+};
 use crate::parameters::{Parameter, Parameters, Value};
+
+/// The paper's rigid mass.
+const RIGID: &str = "rigid";
+
+/// Longest name of a vehicle in characters.
+pub const MAX_VEHICLE_NAME_CHARS: usize = 64;
 
 /// The column at one instant with its parameters: all that a what-if needs.
 #[derive(Debug, Clone)]
@@ -18,9 +26,20 @@ pub struct ColumnSnapshot {
     pub(super) plant: Plant,
 }
 
+/// What hits the column: an impact with everything that its specification left open.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Striking {
+    /// Name of the vehicle in the catalogue; empty: the one that the parameters give by numbers.
+    pub vehicle: Arc<str>,
+    /// The impact.
+    pub impact: Impact,
+}
+
 /// The forecast of an impact that has not happened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
+    /// What would hit the column.
+    pub striking: Striking,
     /// What the impact would do.
     pub report: Report,
     /// What computing it took \[s\].
@@ -28,24 +47,32 @@ pub struct Prediction {
 }
 
 impl ColumnSnapshot {
-    /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column;
-    /// `stopwatch` gives monotonic nanoseconds.
+    /// The parameters that hold.
+    #[must_use]
+    pub fn parameters(&self) -> &Arc<Parameters> {
+        &self.parameters
+    }
+
+    /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column,
+    /// and an empty `vehicle` that of the parameters; `stopwatch` gives monotonic nanoseconds.
     ///
     /// # Errors
     /// The impact would be refused, or its response cannot be computed to its end.
     pub fn predict(
         &self,
         column_id: &str,
+        vehicle: &str,
         specification: &ImpactSpecification,
         stopwatch: &dyn Fn() -> u64,
     ) -> Result<Prediction, Refusal> {
         if !column_id.is_empty() {
             check_column_id(&self.column_id, column_id)?;
         }
-        let impact = self.complete(specification)?;
-        let mut ahead = LookAhead::new(self.strike(impact, specification.height)?);
+        let striking = self.complete(vehicle, specification)?;
+        let mut ahead = LookAhead::new(self.strike(striking.impact, specification.height)?);
         match ahead.run(u64::MAX, stopwatch) {
             Outlook::Over { report, .. } => Ok(Prediction {
+                striking,
                 report,
                 compute_time: seconds(ahead.compute_nanos()),
             }),
@@ -57,16 +84,40 @@ impl ColumnSnapshot {
         }
     }
 
-    /// The impact with what its specification leaves open taken from the parameters, every number checked against the
-    /// one table.
+    /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means
+    /// that of the parameters.
     ///
     /// # Errors
-    /// All numbers that are not finite or out of range.
-    pub(super) fn complete(&self, specification: &ImpactSpecification) -> Result<Impact, Refusal> {
-        let defaults = self.parameters.impact();
+    /// The impact would be refused.
+    pub fn struck(
+        &self,
+        vehicle: &str,
+        specification: &ImpactSpecification,
+    ) -> Result<(Model, State, Response), Refusal> {
+        let striking = self.complete(vehicle, specification)?;
+        let Struck {
+            model,
+            state,
+            response,
+        } = self.strike(striking.impact, specification.height)?;
+        Ok((model, state, response))
+    }
+
+    /// The impact with what its specification leaves open taken from the parameters and the catalogue of vehicles, every
+    /// number checked against the one table.
+    ///
+    /// # Errors
+    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range.
+    pub(super) fn complete(
+        &self,
+        vehicle: &str,
+        specification: &ImpactSpecification,
+    ) -> Result<Striking, Refusal> {
+        let invalid = |reason| Refusal::new(RefusalCode::VehicleInvalid, reason);
+        let (name, vehicle) = self.vehicle_named(vehicle).map_err(invalid)?;
         let impact = specification
-            .complete(&defaults, defaults.vehicle)
-            .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error.to_string()))?;
+            .complete(&self.parameters.impact(), vehicle)
+            .map_err(|error| invalid(error.to_string()))?;
         // A mass that is left open is that of a compliant vehicle, which is complete by now.
         let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
             let mass = impact.mass;
@@ -82,10 +133,34 @@ impl ColumnSnapshot {
         .flatten()
         .collect();
         match faults.is_empty() {
-            true => Ok(impact),
+            true => Ok(Striking {
+                vehicle: name,
+                impact,
+            }),
             false => Err(Refusal::new(
                 RefusalCode::ImpactOutOfRange,
                 faults.join("; "),
+            )),
+        }
+    }
+
+    /// Name and mechanics of a vehicle; `None` is a rigid mass.
+    ///
+    /// # Errors
+    /// Why there is no such vehicle.
+    fn vehicle_named(&self, name: &str) -> Result<(Arc<str>, Option<Vehicle>), String> {
+        let chars = name.chars().take(MAX_VEHICLE_NAME_CHARS + 1).count();
+        if chars > MAX_VEHICLE_NAME_CHARS || name.chars().any(char::is_control) {
+            return Err(format!(
+                "the name of the vehicle is too long or contains control characters; \
+                 allowed: up to {MAX_VEHICLE_NAME_CHARS} characters, no control characters"
+            ));
+        }
+        match name {
+            "" | RIGID => Ok((RIGID.into(), None)),
+            other => Err(format!(
+                "the vehicle `{}` is not known; known: {RIGID}",
+                printable(other)
             )),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::column::{HingeSample, HingeState, Phase, Report, Sample};
+use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Report, Sample, VehicleSample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
@@ -144,7 +144,7 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         plastic_rotation: forces.plastic_rotation[index],
         plastic_elongation: forces.plastic_elongation[index],
         utilisation: forces.utilisation[index],
-        dynamic_factor: 1.0,
+        dynamic_factor: forces.dynamic_factor[index],
         state: match forces.state[index] {
             HingeForces::PLASTIC => HingeState::Plastic,
             HingeForces::UNLOADED => HingeState::Unloaded,
@@ -179,9 +179,22 @@ fn sample(state: &ColumnState, forces: &HingeForces) -> Sample {
         damping_work: state.damping_work,
         load_work: state.load_work,
         ledger_residual: state.ledger_residual,
-        vehicle: Default::default(),
+        vehicle: VehicleSample {
+            masses: state.crush.len(),
+            velocity: per_mass(&state.vehicle_velocity),
+            crush: per_mass(&state.crush),
+            permanent_crush: per_mass(&state.permanent_crush),
+            force: per_mass(&state.spring_force),
+            dissipated: per_mass(&state.vehicle_dissipated),
+            elastic_energy: state.vehicle_elastic_energy,
+        },
         hinges: std::array::from_fn(hinge),
     }
+}
+
+/// The values of a message that may have fewer than a sample has places.
+fn per_mass(values: &[f64]) -> [f64; MAX_MASSES] {
+    std::array::from_fn(|index| values.get(index).copied().unwrap_or_default())
 }
 
 #[cfg(test)]

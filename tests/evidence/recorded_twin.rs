@@ -28,6 +28,7 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
+        vehicle: String::new(),
         impact: ImpactSpecification {
             mass: 1500.0,
             velocity: 5.0,

@@ -2,6 +2,7 @@
 
 use column_twin::column::{
     End, HINGES, HingeReport, HingeSample, HingeState, Outcome, Phase, Report, Sample,
+    VehicleReport,
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
@@ -44,7 +45,9 @@ fn sample() -> Sample {
         hinges,
         ..Sample::default()
     };
-    serde_json::from_value(numbered(serde_json::to_value(sample).unwrap(), &mut 0.0)).unwrap()
+    let mut numbered = numbered(serde_json::to_value(sample).unwrap(), &mut 0.0);
+    numbered["vehicle"]["masses"] = json!(2);
+    serde_json::from_value(numbered).unwrap()
 }
 
 fn fields(message: impl serde::Serialize) -> Map<String, Value> {
@@ -61,10 +64,37 @@ fn column_state_has_every_value_of_the_sample() {
     assert_eq!(message.event_id, "");
     assert_eq!(message.phase, ColumnState::CONTACT);
     let expected = fields(sample);
+    let of_vehicle = fields(sample.vehicle);
     for (name, value) in fields(&message) {
-        if !["header", "column_id", "event_id", "phase"].contains(&name.as_str()) {
-            assert_eq!(value, expected[&name], "{name}");
-        }
+        let expected = match name.as_str() {
+            "header" | "column_id" | "event_id" | "phase" => continue,
+            "vehicle_elastic_energy" => of_vehicle["elastic_energy"].clone(),
+            "vehicle_velocity" => of_both_masses(&of_vehicle["velocity"]),
+            "spring_force" => of_both_masses(&of_vehicle["force"]),
+            "vehicle_dissipated" => of_both_masses(&of_vehicle["dissipated"]),
+            "crush" | "permanent_crush" => of_both_masses(&of_vehicle[&name]),
+            _ => expected[&name].clone(),
+        };
+        assert_eq!(value, expected, "{name}");
+    }
+}
+
+/// The vehicle of the sample has two masses of three.
+fn of_both_masses(values: &Value) -> Value {
+    Value::Array(values.as_array().unwrap()[..2].to_vec())
+}
+
+#[test]
+fn a_rigid_vehicle_has_neither_masses_nor_springs() {
+    let message = ColumnState::from(&Sample::default());
+    for values in [
+        message.vehicle_velocity,
+        message.crush,
+        message.permanent_crush,
+        message.spring_force,
+        message.vehicle_dissipated,
+    ] {
+        assert!(values.is_empty());
     }
 }
 
@@ -150,7 +180,7 @@ fn report() -> Report {
         damping_work: 21.0,
         load_work: 22.0,
         ledger_residual: 23.0,
-        max_dynamic_factor: [1.0; HINGES],
+        max_dynamic_factor: [90.0, 91.0, 92.0, 93.0],
         steps: 24,
         hinges: std::array::from_fn::<_, HINGES, _>(|index| HingeReport {
             first_yield: (index != 2).then_some(30.0 + index as f64),
@@ -158,7 +188,14 @@ fn report() -> Report {
             plastic_rotation: 50.0 + index as f64,
             plastic_elongation: 60.0 + index as f64,
         }),
-        vehicle: Default::default(),
+        vehicle: VehicleReport {
+            masses: 2,
+            max_crush: [70.0, 71.0, 72.0],
+            permanent_crush: [73.0, 74.0, 75.0],
+            dissipated: [76.0, 77.0, 78.0],
+            velocity: [79.0, 80.0, 81.0],
+            elastic_energy: 82.0,
+        },
     }
 }
 
@@ -170,6 +207,10 @@ fn impact_report_has_the_values_of_the_report() {
     assert_eq!(message.end, ImpactReport::END_DURATION_REACHED);
     assert_eq!(message.impactor_rebound, report.impactor_velocity);
     assert!(message.compute_time.is_nan());
+    assert_eq!(*message.max_crush, [70.0, 71.0]);
+    assert_eq!(*message.permanent_crush, [73.0, 74.0]);
+    assert_eq!(*message.vehicle_dissipated, [76.0, 77.0]);
+    assert_eq!(*message.vehicle_velocity, [79.0, 80.0]);
     assert_eq!(message.max_utilisation, [40.0, 41.0, 42.0, 43.0]);
     assert_eq!(message.plastic_rotation, [50.0, 51.0, 52.0, 53.0]);
     assert_eq!(
@@ -190,6 +231,7 @@ fn impact_report_has_the_values_of_the_report() {
         "plastic_work",
         "impact_loss",
         "ledger_residual",
+        "max_dynamic_factor",
     ];
     let found = fields(&message);
     for name in same_name {

@@ -23,6 +23,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ($($type:ty),* $(,)?) => { $(visitor.visit::<$type>();)* };
     }
     visit!(
+        ours::AssessmentCriterion,
         ours::ColumnParameters,
         ours::ColumnState,
         ours::HingeForces,

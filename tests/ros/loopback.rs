@@ -24,7 +24,7 @@ pub fn now() -> i64 {
     i64::try_from(since.as_nanos()).unwrap()
 }
 
-/// An event for the default column that leaves gap, restitution and height open.
+/// An event for the default column that leaves vehicle, gap, restitution and height open.
 pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEvent {
     ImpactEvent {
         header: Header {
@@ -35,9 +35,7 @@ pub fn event(event_id: &str, stamp: i64, mass: f64, velocity: f64) -> ImpactEven
         event_id: event_id.to_owned(),
         mass,
         velocity,
-        gap: f64::NAN,
-        restitution: f64::NAN,
-        height: f64::NAN,
+        ..ImpactEvent::default()
     }
 }
 
@@ -133,6 +131,7 @@ pub fn impact(
     let options = ImpactOptions {
         column_id: "column".to_owned(),
         event_id: None,
+        vehicle: String::new(),
         impact: ImpactSpecification {
             mass,
             velocity: 1.0,

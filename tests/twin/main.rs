@@ -177,6 +177,7 @@ pub(crate) fn event(id: &str, stamp: Nanos) -> ImpactCommand {
         event_id: id.to_owned(),
         column_id: "column".to_owned(),
         stamp,
+        vehicle: String::new(),
         impact: ImpactSpecification {
             mass: 1500.0,
             velocity: 10.0,

@@ -385,13 +385,13 @@ fn a_prediction_does_not_change_the_twin() {
         bench
             .twin
             .snapshot()
-            .predict("", &event("x", 0).impact, &|| 0),
+            .predict("", "", &event("x", 0).impact, &|| 0),
         bench.status(),
     );
     let snapshot = bench.twin.snapshot();
     let second = event("b", bench.now);
     let predicted = snapshot
-        .predict("column", &second.impact, &|| 0)
+        .predict("column", "", &second.impact, &|| 0)
         .expect("a prediction");
     assert_eq!(Ok(&predicted), before.0.as_ref());
     assert_eq!(bench.status(), before.1);
@@ -400,6 +400,7 @@ fn a_prediction_does_not_change_the_twin() {
     assert_eq!(bench.reports()[1].report, predicted.report);
     let snapshot = bench.twin.snapshot();
     let faults = snapshot.predict(
+        "",
         "",
         &ImpactSpecification {
             velocity: 0.0,
@@ -415,7 +416,7 @@ fn a_prediction_does_not_change_the_twin() {
     );
     assert!(
         snapshot
-            .predict("other", &event("x", 0).impact, &|| 0)
+            .predict("other", "", &event("x", 0).impact, &|| 0)
             .is_err()
     );
 }

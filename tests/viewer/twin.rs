@@ -79,6 +79,7 @@ impl LiveColumn {
             event_id: format!("impact-{}", self.impacts),
             column_id: "column".to_owned(),
             stamp,
+            vehicle: String::new(),
             impact: ImpactSpecification {
                 mass: 1500.0,
                 velocity,

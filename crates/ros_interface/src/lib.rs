@@ -28,9 +28,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bounded_sequence;
 pub mod cdr;
 pub mod idl;
 pub mod interface;
 pub mod type_hash;
 
+pub use bounded_sequence::BoundedSequence;
 pub use interface::{Definitions, Interface, Message, Part, find};
