@@ -2,6 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::assessed::Assessed;
+use super::assessment_section;
 use super::document::fact;
 use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
@@ -10,7 +12,7 @@ use super::verdict::Verdict;
 use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
-use crate::figures::{FigureError, draw_svg};
+use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
 use crate::shape::HINGE_PLACES;
 use crate::twin::Nanos;
 
@@ -25,22 +27,29 @@ pub(super) fn markup(
         impact_number: number,
         count: 0,
     };
-    let verdict = Verdict::of(impact);
+    let assessed = Assessed::of(impact);
+    if let Ok(assessed) = &assessed {
+        let curves = PushDownCurves {
+            title: &impact.title,
+            virgin: &assessed.virgin,
+            now: &assessed.now,
+            remaining: &assessed.remaining,
+        };
+        figures
+            .drawings
+            .push(("push_down".to_owned(), push_down_svg(&curves)?));
+    }
+    let verdict = Verdict::of(impact, &assessed);
     let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
     Ok(html! {
         section.impact id=(anchor) {
-            div.verdict.(verdict.tone.class()) {
-                p.headline { (verdict.headline) }
-                p { (verdict.reason) }
-                @if let Some(reservation) = &verdict.reservation { p { strong { (reservation) } } }
-            }
-            h1 {
-                @if let Some(number) = number { "Impact " (number) ": " } @else { "Impact report: " }
-                (impact.title)
-            }
+            @if let Some(number) = number { h1 { "Impact " (number) ": " (impact.title) } }
+            (verdict.markup(""))
+            @if number.is_none() { h1 { "Impact report: " (impact.title) } }
             @for remark in &impact.remarks { p.note { (remark) } }
-            (what_hit_what(impact))
-            (capacity(impact))
+            (what_hit_what(impact, &assessed))
+            @if let Ok(assessed) = &assessed { (assessment_section::criteria(assessed)) }
+            (capacity(&assessed, &mut figures))
             (response(impact))
             (figures.markup("deformed_shape", "Shape of the column before the impact, at its largest displacement and at rest."))
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
@@ -93,7 +102,7 @@ impl Figures {
     }
 }
 
-fn what_hit_what(impact: &ReportedImpact) -> Markup {
+fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
     let parameters = &impact.parameters;
     let settings = parameters.settings();
     let section = parameters.section();
@@ -116,6 +125,10 @@ fn what_hit_what(impact: &ReportedImpact) -> Markup {
                     significant(properties.length_below + properties.length_above, 4),
                     support(&properties.base), support(&properties.top))))
                 (fact("Axial load carried", force(properties.top_load)))
+                @if let Ok(assessed) = assessed {
+                    (fact("Plastic plateau of the column", format!("F0 = {}: the force at the impact point at which its hinges \
+                        form a mechanism", force(assessed.plateau))))
+                }
                 (fact("Vehicle", vehicle_in_words(impact)))
                 (fact("Speed", format!("{} m/s ({} km/h)", significant(impact.impact.velocity, 4),
                     significant(3.6 * impact.impact.velocity, 4))))
@@ -165,10 +178,16 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
     }
 }
 
-fn capacity(_impact: &ReportedImpact) -> Markup {
+fn capacity(assessed: &Result<Assessed, String>, figures: &mut Figures) -> Markup {
     html! {
-        h3 { "Remaining capacity" }
-        p.note { "This report does not state what load the column can still carry." }
+        h3 { "Remaining axial capacity" }
+        @match assessed {
+            Ok(assessed) => {
+                (assessment_section::capacity(assessed))
+                (figures.markup("push_down", "Axial force over the shortening of the column, virgin and as it is."))
+            }
+            Err(reason) => { p.note { "Not computed: " (reason) "." } }
+        }
     }
 }
 
