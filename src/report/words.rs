@@ -42,8 +42,17 @@ pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> Str
 }
 
 /// Four significant digits without trailing zeros.
-pub(super) fn short(value: f64) -> String {
+#[must_use]
+pub fn short(value: f64) -> String {
     let text = significant(value, 4);
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
+}
+
+/// The text with a capital letter at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
