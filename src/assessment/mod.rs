@@ -39,9 +39,6 @@ pub use rotation_limits::{HingeSlenderness, RotationLimits, ULTIMATE_ROTATION};
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
 
-/// The criterion that decides about a severed column, whatever the user chooses.
-const DECIDES_IF_SEVERED: &str = "ultimate_rotation";
-
 /// What has to be done, least severe first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -152,7 +149,6 @@ pub fn assess(input: &AssessmentInput) -> Assessment {
 
 fn evaluated(definition: &Definition, input: &AssessmentInput) -> Criterion {
     let decides = definition.name == ALWAYS_DECIDES
-        || (input.severed && definition.name == DECIDES_IF_SEVERED)
         || input.deciding.iter().any(|name| name == definition.name);
     let mut criterion = Criterion {
         name: definition.name,

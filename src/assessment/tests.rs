@@ -132,7 +132,7 @@ fn a_torn_hinge_always_evacuates() {
     let (assessment, outcome) = assessed_as_nothing(&parameters);
     assert_eq!(outcome, Outcome::Severed);
     assert_eq!(assessment.severity, Severity::Evacuate);
-    assert_eq!(assessment.deciding_criterion, "ultimate_rotation");
+    assert_eq!(assessment.deciding_criterion, "collapse");
 }
 
 /// The assessment of an impact after which the column carries nothing, and its outcome.
