@@ -214,7 +214,8 @@ impl Case {
         let parameters = parameters_of(&arguments.config, &arguments.parameter, &arguments.impact)?;
         let properties = parameters.column_properties();
         let impact = parameters.impact();
-        let title = title(&parameters, &impact, properties.length_below);
+        let vehicle = &parameters.settings().vehicle.name;
+        let title = title(&parameters, vehicle, &impact, properties.length_below);
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,

@@ -254,21 +254,6 @@ impl Parameters {
         self.settings.vehicle.vehicle_named(name)
     }
 
-    /// The vehicle in words: the name in the catalogue of the one whose springs these are, or how it is given.
-    #[must_use]
-    pub fn vehicle_in_words(&self, vehicle: Option<&Vehicle>) -> &'static str {
-        let Some(vehicle) = vehicle else {
-            return "rigid mass";
-        };
-        let is_this = |name: &&'static str| {
-            let named = self.vehicle_named(name).ok().flatten();
-            named.is_some_and(|it| it.springs() == vehicle.springs())
-        };
-        vehicle_names()
-            .find(is_this)
-            .unwrap_or("vehicle by numbers")
-    }
-
     /// Maximum duration of a response \[s\].
     #[must_use]
     pub fn response_duration(&self) -> f64 {

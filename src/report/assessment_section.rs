@@ -79,13 +79,22 @@ fn row(criterion: &Criterion, is_deciding: bool) -> Markup {
             td.number {
                 @match (criterion.margin, criterion.limit) {
                     (Some(_), Some(limit)) if limit == 0.0 => { @if exceeded { "exceeded" } @else { "met" } }
-                    (Some(margin), _) => { (format!("{:+.0} %", 100.0 * margin)) }
+                    (Some(margin), _) => { (margin_in_words(margin)) }
                     (None, _) => { "not evaluated" }
                 }
             }
             td { "[" (criterion.tag) "]" }
             td { (criterion.severity) }
         }
+    }
+}
+
+/// A margin in per cent, with a decimal where it is small.
+fn margin_in_words(margin: f64) -> String {
+    let percent = 100.0 * margin;
+    match percent.abs() < 10.0 {
+        true => format!("{percent:+.1} %"),
+        false => format!("{percent:+.0} %"),
     }
 }
 

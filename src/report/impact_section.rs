@@ -13,6 +13,7 @@ use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
+use crate::parameters::CatalogueVehicle;
 use crate::shape::HINGE_PLACES;
 use crate::twin::Nanos;
 
@@ -130,6 +131,9 @@ fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -
                         form a mechanism", force(assessed.plateau))))
                 }
                 (fact("Vehicle", vehicle_in_words(impact)))
+                @if let Some(sources) = vehicle_sources(&impact.vehicle) {
+                    (fact("Sources of the vehicle", sources))
+                }
                 (fact("Speed", format!("{} m/s ({} km/h)", significant(impact.impact.velocity, 4),
                     significant(3.6 * impact.impact.velocity, 4))))
                 (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
@@ -161,21 +165,48 @@ fn support(support: &Support) -> String {
 
 fn vehicle_in_words(impact: &ReportedImpact) -> String {
     let mass = significant(impact.impact.mass, 4);
-    match &impact.impact.vehicle {
-        None => format!(
+    let Some(vehicle) = &impact.impact.vehicle else {
+        return format!(
             "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates what a real vehicle does",
             significant(impact.impact.restitution, 3)
-        ),
-        Some(vehicle) => format!(
-            "crushable, {mass} kg in {} mass{}",
-            vehicle.masses().len(),
-            if vehicle.masses().len() == 1 {
-                ""
-            } else {
-                "es"
-            }
-        ),
-    }
+        );
+    };
+    let described = CatalogueVehicle::named(&impact.vehicle);
+    let name = described.map_or("given by numbers".to_owned(), |it| {
+        format!("{}: {}", it.name, it.description)
+    });
+    let masses: Vec<_> = vehicle
+        .masses()
+        .iter()
+        .map(|mass| significant(*mass, 4))
+        .collect();
+    format!(
+        "{name}; {} kg, with a front that crushes",
+        masses.join(" + ")
+    )
+}
+
+/// Where the numbers of a vehicle of the catalogue come from.
+fn vehicle_sources(name: &str) -> Option<String> {
+    let vehicle = CatalogueVehicle::named(name)?;
+    let springs = vehicle.springs.iter().enumerate();
+    let sources = springs.map(|(index, spring)| {
+        format!(
+            "spring {} [{}] {}",
+            index + 1,
+            spring.tag.letter(),
+            spring.source
+        )
+    });
+    let masses = &vehicle.masses;
+    let all: Vec<_> = std::iter::once(format!(
+        "masses [{}] {}",
+        masses.tag.letter(),
+        masses.source
+    ))
+    .chain(sources)
+    .collect();
+    Some(all.join("; "))
 }
 
 fn capacity(assessed: &Result<Assessed, String>, figures: &mut Figures) -> Markup {
@@ -205,7 +236,7 @@ fn response(impact: &ReportedImpact) -> Markup {
     };
     html! {
         h3 { "Response" }
-        table {
+        table.compact {
             caption { "Times count from the event. The response ended at " (time(report.end_time)) " (" (end_in_words(report.end)) ")." }
             thead { tr { th { "quantity" } th.number { "value" } th.number { "time" } } }
             tbody {
@@ -230,7 +261,7 @@ fn hinges(impact: &ReportedImpact) -> Markup {
     let dynamic = impact.model.properties.rate.is_some();
     html! {
         h3 { "Hinges" }
-        table {
+        table.compact {
             thead {
                 tr { th { "hinge" } th.number { "first yield" } th.number { "plastic rotation" } th.number { "utilisation" }
                     @if dynamic { th.number { "strength by strain rate" } } }
@@ -258,7 +289,7 @@ fn vehicle(impact: &ReportedImpact, figures: &mut Figures) -> Markup {
     html! {
         @if crushed.masses > 0 {
             h3 { "Vehicle" }
-            table {
+            table.compact {
                 thead {
                     tr {
                         th { "spring, front first" } th.number { "largest crush" } th.number { "permanent crush" }
@@ -299,7 +330,7 @@ fn energy(impact: &ReportedImpact, figures: &mut Figures) -> Markup {
     };
     html! {
         h3 { "Energy" }
-        table {
+        table.compact {
             thead { tr { th { "at the end" } th.number { "J" } th.number { "% of the supply" } } }
             tbody {
                 @for entry in &balance.spent { tr { (row(&entry.name, entry.energy)) } }

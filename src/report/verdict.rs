@@ -74,7 +74,7 @@ impl Verdict {
                 p.headline { (before) (self.headline) }
                 p { strong { (self.action) } }
                 p { (self.outcome) }
-                @for reservation in &self.reservations { p.reservation { (reservation) } }
+                @for reservation in self.reservations.iter().filter(|it| !it.is_empty()) { p.reservation { (reservation) } }
             }
         }
     }
