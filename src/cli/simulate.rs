@@ -13,11 +13,9 @@ use clap::Args;
 use super::failure::{Exit, Failure, unless_closed};
 use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
-use super::summary::{Accuracy, Summary};
-use column_twin::column::{
-    ColumnProperties, Impact, Model, Report, Sample, SimulationError, error_estimate, respond,
-    simulate, with_half_the_step,
-};
+use super::summary::Summary;
+use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
+use column_twin::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
 #[cfg(feature = "viewer")]
@@ -154,10 +152,13 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     // The first run is timed and writes nothing; histories come from further runs, which are equal bit for bit. Their length
     // is known by then, so that a history of any length fits in a bounded memory.
     let start = Instant::now();
-    let report =
-        respond(&case.properties, &case.impact, case.max_duration).map_err(SimulateError::from)?;
+    let ended = respond_and_rest(&case.properties, &case.impact, case.max_duration)
+        .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
-    let accuracy = case.accuracy(&report)?;
+    let report = ended.0;
+    let evaluation =
+        ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)
+            .map_err(SimulateError::from)?;
 
     let mut files = String::new();
     if history_to_output {
@@ -186,8 +187,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     }
     let summary = Summary {
         title: &case.title,
-        report: &report,
-        accuracy,
+        vehicle_name: &case.parameters.settings().vehicle.name,
+        evaluation: &evaluation,
         solve_time,
     };
     let text = match arguments.json {
@@ -234,20 +235,6 @@ impl Case {
         )?)
     }
 
-    /// The step of `report`, and the error estimated from a second run with half of it.
-    fn accuracy(&self, report: &Report) -> Result<Accuracy, SimulateError> {
-        let model = Model::new(&self.properties).map_err(SimulationError::from)?;
-        let half = with_half_the_step(&model.properties)
-            .and_then(|half| respond(&half, &self.impact, self.max_duration).ok())
-            .filter(|half| half.outcome == report.outcome);
-        Ok(Accuracy {
-            dt: model.step_secs,
-            error_estimate: half
-                .map(|half| error_estimate(report.max_v1, half.max_v1))
-                .filter(|error| error.is_finite()),
-        })
-    }
-
     fn write_history_file(&self, path: &Path) -> Result<(), SimulateError> {
         let fault = |reason| SimulateError::History {
             path: path.to_path_buf(),
@@ -261,7 +248,8 @@ impl Case {
 
     /// Writes the history and returns the target.
     fn write_history<W: Write>(&self, target: W) -> io::Result<W> {
-        let mut writer = HistoryWriter::new(target)?;
+        let masses = self.impact.vehicle.map_or(0, |it| it.masses().len());
+        let mut writer = HistoryWriter::new(target, masses)?;
         let mut fault = None;
         let simulated = self.simulate(&mut |sample| {
             if fault.is_none() {
