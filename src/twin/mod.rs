@@ -36,6 +36,7 @@
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
+mod assessed;
 mod command;
 mod exact_number;
 mod journal;
@@ -54,6 +55,7 @@ mod status;
 mod timeline;
 mod what_if;
 
+pub use assessed::{Assessed, LastImpact};
 pub use command::{Accepted, Command, ImpactCommand, Nanos};
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
