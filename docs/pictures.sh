@@ -24,7 +24,7 @@ for moment in before first_yield peak rest; do
   # The viewer needs a free port, although no program connects to it.
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
   HOME=$home XDG_CONFIG_HOME=$home XDG_RUNTIME_DIR=$work RUST_LOG=error \
-    timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1400x850 --bind 127.0.0.1 --port "$port" \
+    timeout 120 "$viewer" "$work/$moment.rrd" --headless --window-size 1600x1000 --bind 127.0.0.1 --port "$port" \
     --screenshot-to "$folder/viewer_$moment.png" >"$work/log" 2>&1 || {
     cat "$work/log" >&2
     printf 'pictures: no picture of %s\n' "$moment" >&2

@@ -29,6 +29,8 @@ pub mod outgoing;
 pub mod parameters;
 #[cfg(feature = "record")]
 pub mod recording;
+#[cfg(feature = "cli")]
+pub mod report;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;

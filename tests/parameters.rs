@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use column_twin::column::{ElasticLaw, Scheme, Support, YieldExponents};
+use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
     Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
+    vehicle_names,
 };
 use proptest::prelude::*;
 
@@ -76,11 +77,35 @@ fn the_paper_as_printed() {
 fn the_same_column_computed_is_the_default() {
     let parameters = Parameters::load(&[in_repository("config/heb220_s355.yaml")], &[])
         .expect("the shipped file");
+    // Without the strain rate and with the rigid mass it is the default.
+    let idealised = [
+        ("rate.law", Value::from("none")),
+        ("vehicle.name", "rigid".into()),
+        ("impact.mass", 1500.0.into()),
+    ];
+    let idealised = parameters.with_changes(idealised).expect("right");
     assert_eq!(
-        parameters.column_properties(),
+        idealised.column_properties(),
         Parameters::default().column_properties()
     );
-    assert_eq!(parameters.impact(), Parameters::default().impact());
+    assert_eq!(idealised.impact(), Parameters::default().impact());
+    let rate = parameters.column_properties().rate.expect("on");
+    let RateLaw::Logarithmic { c, reference } = rate.law else {
+        panic!("{rate:?}")
+    };
+    assert!((c * 355e6 - 6e6).abs() < 1e-3);
+    assert_eq!((reference, rate.time_constant), (5e-5, 1e-3));
+    assert_eq!(
+        (rate.max_factor, rate.section_height, rate.hinge_length),
+        (1.25, 0.22, 0.22)
+    );
+    let car = parameters.impact();
+    assert_eq!((car.mass, car.velocity), (1719.0, 10.0));
+    assert_eq!(
+        car.vehicle,
+        parameters.vehicle_named("mid_car").expect("known")
+    );
+    assert!(parameters.settings().vehicle.narrow_object);
     let (section, steel) = (parameters.section(), parameters.steel());
     assert_eq!((section.name, steel.grade), (Some("HEB220"), Some("S355")));
     assert_eq!(format!("{:.2}", section.area * 1e4), "91.04");
@@ -181,7 +206,7 @@ const WRONG_LISTED: &str = r#"17 faults in the parameters
   wrong.yaml:14:13: top.load: `.nan` is not a finite number; allowed: 0 to 1e9 N
   wrong.yaml:15:7: top.load is given a second time; the first is in line 14; remove one of the two
   wrong.yaml:17:7: impact.velocty is not a parameter (did you mean impact.velocity?)
-  wrong.yaml:18:13: impact.mass: `1500 kg` is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg
+  wrong.yaml:18:13: impact.mass: `1500 kg` is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg, or 0 or NaN (the vehicle's own mass; not for a rigid one)
   wrong.yaml:19:7: impact.gap has no value; allowed: 0 to 100 m
   wrong.yaml:20:16: solver.dt: `1.00005e-5` is not a whole number of nanoseconds; the nearest is 1.0001e-5
   wrong.yaml:21:5: colour is not a parameter; docs/parameters.md lists all parameters
@@ -394,7 +419,7 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
             Just(Value::Double(max))
         ]
         .boxed(),
-        Admissible::RealOrZero { min, max, .. } => {
+        Admissible::RealOrZero { min, max, .. } | Admissible::RealOrOpen { min, max, .. } => {
             prop_oneof![real(min, max), Just(Value::Double(0.0))].boxed()
         }
         Admissible::WholeNanoseconds { min, max } => ((min * 1e9) as u64..=(max * 1e9) as u64)
@@ -421,6 +446,9 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
                 .collect();
             prop::sample::select(names).prop_map(Value::from).boxed()
         }
+        Admissible::VehicleName => prop::sample::select(vehicle_names().collect::<Vec<_>>())
+            .prop_map(Value::from)
+            .boxed(),
         Admissible::SteelGrade => prop::sample::select(STEEL_GRADES)
             .prop_map(|grade| Value::from(grade.name))
             .boxed(),
@@ -432,8 +460,8 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
             min_len,
             max_len,
         } => prop::collection::vec(admissible(of), min_len..=max_len)
-            .prop_map(|elements| match elements.first() {
-                Some(Value::Double(_)) => {
+            .prop_map(move |elements| match of {
+                Admissible::Real { .. } => {
                     Value::DoubleArray(elements.iter().filter_map(number).collect())
                 }
                 _ => Value::StringArray(elements.iter().map(Value::plain).collect()),

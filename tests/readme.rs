@@ -21,7 +21,7 @@ fn example() -> Result<(), Box<dyn std::error::Error>> {
         1e3 * report.max_v1,
         1e-3 * peak_moment
     );
-    assert_eq!(report.outcome, Outcome::Plastic);
+    assert_eq!(report.outcome, Outcome::Elastic);
     Ok(())
 }
 // README ends

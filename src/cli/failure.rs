@@ -32,7 +32,6 @@ impl Failure {
     }
 
     /// A failure with an error or a message.
-    #[cfg(any(feature = "ros", feature = "record"))]
     pub fn plain(exit: Exit, fault: impl std::fmt::Display) -> Self {
         Self {
             exit,
@@ -76,7 +75,6 @@ pub(super) fn unless_closed(written: io::Result<()>) -> io::Result<()> {
 }
 
 /// The end of a command that has printed something.
-#[cfg(any(feature = "ros", feature = "record"))]
 pub(super) fn printed(written: io::Result<()>) -> Result<(), Failure> {
     unless_closed(written)
         .map_err(|error| Failure::plain(Exit::Failed, format!("cannot print: {error}")))

@@ -16,7 +16,7 @@ use column_twin::ros::{
 /// Arguments of `column-twin impact`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-#[command(mut_arg("mass", |it| it.required(true)), mut_arg("velocity", |it| it.required(true)))]
+#[command(mut_arg("mass", |it| it.required_unless_present("vehicle")), mut_arg("velocity", |it| it.required(true)))]
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
@@ -53,7 +53,7 @@ pub fn run(
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
         event_id: arguments.event.clone(),
-        vehicle: String::new(),
+        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
         impact: arguments.impact.specification(),
         match_timeout: timeout,
         answer_timeout: timeout,

@@ -4,12 +4,16 @@ use clap::Args;
 
 #[cfg(feature = "ros")]
 use column_twin::column::ImpactSpecification;
+use column_twin::parameters::{CatalogueVehicle, Value};
 
 /// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct ImpactSpecificationArgs {
-    /// Mass of the vehicle [kg]
+    /// Vehicle: rigid, or one that `column-twin vehicles` lists; default: parameter vehicle.name
+    #[arg(long, value_name = "NAME")]
+    vehicle: Option<String>,
+    /// Total mass of the vehicle [kg]; default: with --vehicle its own mass, otherwise parameter impact.mass
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
     /// Speed of the vehicle over the ground [m/s]
@@ -32,6 +36,19 @@ impl ImpactSpecificationArgs {
         self.height
     }
 
+    /// The name of the vehicle, if given.
+    #[cfg(feature = "ros")]
+    pub fn vehicle(&self) -> Option<&str> {
+        self.vehicle.as_deref()
+    }
+
+    /// The override that the options imply and that any other one takes precedence over: a vehicle named without a mass has
+    /// its own, whatever mass a parameter file gives to another one.
+    pub fn implied_override(&self) -> Option<String> {
+        let compliant = CatalogueVehicle::named(self.vehicle.as_deref()?).is_some();
+        (compliant && self.mass.is_none()).then(|| "impact.mass:=0.0".to_owned())
+    }
+
     /// The options as overrides of parameters, so that the one table of parameters validates them. The height, which two
     /// parameters determine, is not among them.
     pub fn overrides(&self) -> Vec<String> {
@@ -41,10 +58,12 @@ impl ImpactSpecificationArgs {
             ("impact.gap", self.gap),
             ("impact.restitution", self.restitution),
         ];
-        options
+        let vehicle = self.vehicle.as_ref();
+        let vehicle = vehicle.map(|name| format!("vehicle.name:={}", Value::from(name.as_str())));
+        let numbers = options
             .into_iter()
-            .filter_map(|(name, value)| Some(format!("{name}:={}", yaml(value?))))
-            .collect()
+            .filter_map(|(name, value)| Some(format!("{name}:={}", yaml(value?))));
+        vehicle.into_iter().chain(numbers).collect()
     }
 
     /// The options as an impact for a twin, for a command that requires mass and velocity.

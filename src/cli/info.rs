@@ -4,12 +4,11 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use jiff::Timestamp;
 use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::recording::{
-    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError,
+    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, instant,
 };
 
 /// Arguments of `column-twin info`.
@@ -218,13 +217,6 @@ fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> i
     }
 }
 
-/// A time as a date in UTC, to the millisecond.
-fn instant(nanos: i64) -> String {
-    // Every 64-bit number of nanoseconds is a valid date.
-    let time = Timestamp::from_nanosecond(i128::from(nanos)).unwrap_or_default();
-    time.strftime("%Y-%m-%d %H:%M:%S%.3f UTC").to_string()
-}
-
 fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
     let topics = reader.topics().iter().map(|topic| {
         json!({
@@ -250,19 +242,4 @@ fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
         "topics": topics.collect::<Vec<_>>(),
         "impacts": events.as_ref().map(|it| &it.0).ok(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_instant_is_a_date() {
-        assert_eq!(instant(0), "1970-01-01 00:00:00.000 UTC");
-        assert_eq!(
-            instant(1_795_246_800_123_999_999),
-            "2026-11-21 07:40:00.123 UTC"
-        );
-        assert_eq!(instant(i64::MAX), "2262-04-11 23:47:16.854 UTC");
-    }
 }

@@ -23,12 +23,15 @@ mod reference;
 mod repair;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod replay;
+#[cfg(feature = "record")]
+mod report;
 #[cfg(feature = "ros")]
 mod run;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+mod vehicles;
 #[cfg(feature = "record")]
 mod verify;
 #[cfg(feature = "ros")]
@@ -61,6 +64,8 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
+    /// List the vehicles of the catalogue with the source of every number
+    Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
     #[cfg(feature = "ros")]
     Run(run::RunArgs),
@@ -82,6 +87,9 @@ enum CliCommand {
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
+    /// Write a report about the impacts of a recording, for people: one HTML file, verified by recomputation
+    #[cfg(feature = "record")]
+    Report(report::ReportArgs),
     /// Repair a recording that was cut off or damaged; the original is kept
     #[cfg(feature = "record")]
     Repair(repair::RepairArgs),
@@ -119,6 +127,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
@@ -133,6 +142,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "record")]
+        CliCommand::Report(arguments) => report::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
         CliCommand::Repair(arguments) => repair::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]

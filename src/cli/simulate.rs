@@ -19,16 +19,18 @@ use column_twin::column::{
 };
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
-use column_twin::figures::units::significant;
-use column_twin::figures::{self, FigureError, HistoryThinning};
+#[cfg(feature = "viewer")]
+use column_twin::figures::HistoryThinning;
+use column_twin::figures::{self, FigureError};
 use column_twin::parameters::{
-    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
+    Fault, NodeName, ParameterFaults, Parameters, RIGID, Source, parse_override,
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
+use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
-use column_twin::whole_file::WholeFile;
+use column_twin::whole_file::{self, WholeFile};
 
 /// Arguments of `column-twin simulate`.
 #[derive(Debug, Args)]
@@ -52,6 +54,9 @@ pub struct SimulateArgs {
     /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Write a report for people: one HTML file with verdict, figures and provenance, which prints on A4
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Record what a node would publish to this new folder, as an MCAP recording that ROS tools can read
     #[cfg(feature = "record")]
     #[arg(long, value_name = "DIR")]
@@ -67,10 +72,12 @@ pub struct SimulateArgs {
 }
 
 const EXAMPLE: &str = "\
-Without --mass or --velocity, the parameters impact.mass and impact.velocity apply.
+Without an option, the parameter of its name applies: vehicle.name, impact.mass, impact.velocity.
 
-Example: a car of 1.5 t hits the paper's column at 36 km/h; with figures
+Example: the paper's rigid mass of 1.5 t hits the paper's column at 36 km/h; with figures
   column-twin simulate --config config/heb220_paper.yaml --mass 1500 --velocity 10 --plots plots
+Example: a real car hits a real column at the same speed
+  column-twin simulate --config config/heb220_s355.yaml --vehicle mid_car --velocity 10
 Example: record an impact, and verify the recording by recomputation
   column-twin simulate --mass 1500 --velocity 10 --record impact && column-twin verify impact
 
@@ -91,6 +98,9 @@ enum SimulateError {
     #[error("cannot write the history to {}: {reason}", path.display())]
     #[diagnostic(help("name a file in an existing, writable folder"))]
     History { path: PathBuf, reason: io::Error },
+    #[error("cannot write the report to {}: {reason}", path.display())]
+    #[diagnostic(help("name a file in an existing, writable folder"))]
+    Report { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
     #[cfg(feature = "record")]
@@ -126,7 +136,6 @@ impl From<SimulateError> for Failure {
 /// An impact on a column.
 struct Case {
     title: String,
-    #[cfg(any(feature = "record", feature = "viewer"))]
     parameters: Parameters,
     properties: ColumnProperties,
     impact: Impact,
@@ -161,8 +170,12 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         files += &format!("Recording  {}\n", directory.display());
     }
     if let Some(folder) = &arguments.plots {
-        let count = case.draw(&report, folder)?.len();
+        let count = case.draw(folder)?.len();
         files += &format!("Figures    {count} files in {}\n", folder.display());
+    }
+    if let Some(path) = &arguments.report {
+        case.write_report(path)?;
+        files += &format!("Report     {}\n", path.display());
     }
     #[cfg(feature = "viewer")]
     if let Some(path) = &arguments.rrd {
@@ -194,7 +207,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
-        let mut overrides = arguments.parameter.clone();
+        let mut overrides: Vec<_> = arguments.impact.implied_override().into_iter().collect();
+        overrides.extend(arguments.parameter.iter().cloned());
         overrides.extend(arguments.impact.overrides());
         let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
         for warning in &warnings {
@@ -212,18 +226,10 @@ impl Case {
         }
         let properties = parameters.column_properties();
         let impact = parameters.impact();
-        let title = format!(
-            "{}: {} kg at {} m/s ({} km/h), {} m above the base",
-            column_name(&parameters),
-            short(impact.mass),
-            short(impact.velocity),
-            short(3.6 * impact.velocity),
-            short(properties.length_below),
-        );
+        let title = title(&parameters, &impact, properties.length_below);
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,
-            #[cfg(any(feature = "record", feature = "viewer"))]
             parameters,
             properties,
             impact,
@@ -295,27 +301,22 @@ impl Case {
         )?)
     }
 
-    fn draw(&self, report: &Report, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
-        let mut thinning = HistoryThinning::new(report.steps, report.end_time);
-        self.simulate(&mut |sample| thinning.push(sample))?;
-        let samples = thinning.finish();
-        let response = figures::ResponseHistory {
-            title: &self.title,
-            samples: &samples,
-            report,
-            yield_surface: self.properties.yield_surface,
-            resistance_moment: self.properties.resistance_moment,
-            resistance_axial: self.properties.resistance_axial,
-        };
-        Ok(figures::draw_all(folder, &response)?)
+    fn draw(&self, folder: &Path) -> Result<Vec<PathBuf>, SimulateError> {
+        let impact = ReportedImpact::simulated(&self.parameters)?;
+        Ok(figures::draw_all(folder, &impact.history())?)
     }
-}
 
-/// A number for a title: four significant digits without trailing zeros.
-fn short(value: f64) -> String {
-    let text = significant(value, 4);
-    text.parse::<f64>()
-        .map_or(text, |rounded| rounded.to_string())
+    fn write_report(&self, path: &Path) -> Result<(), SimulateError> {
+        let document = ReportDocument {
+            origin: Origin::Simulation,
+            impacts: vec![ReportedImpact::simulated(&self.parameters)?],
+        };
+        let html = document.html()?;
+        whole_file::write(path, html.as_bytes()).map_err(|reason| SimulateError::Report {
+            path: path.to_path_buf(),
+            reason,
+        })
+    }
 }
 
 /// Loads the parameters of the files with the overrides.
@@ -329,12 +330,4 @@ fn load(
         .iter()
         .map(|text| Source::Override(parse_override(text)));
     Parameters::load_in_order(&NodeName::default(), files.chain(overrides))
-}
-
-/// The name of the section, or the `column_id` if the section has none.
-fn column_name(parameters: &Parameters) -> &str {
-    parameters
-        .section()
-        .name
-        .unwrap_or(&parameters.settings().column_id)
 }

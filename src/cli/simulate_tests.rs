@@ -43,12 +43,12 @@ fn history_and_figures_are_written() {
     ]);
     assert!(ended.is_ok(), "{ended:?}");
     assert!(
-        output.contains("history.csv") && output.contains("20 files"),
+        output.contains("history.csv") && output.contains("22 files"),
         "{output}"
     );
     let rows = csv::Reader::from_path(csv).unwrap().records().count();
     assert!(rows > 500);
-    assert_eq!(fs::read_dir(plots).unwrap().count(), 20);
+    assert_eq!(fs::read_dir(plots).unwrap().count(), 22);
 }
 
 #[test]
@@ -110,11 +110,14 @@ fn bad_input_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("history.csv");
     let csv = csv.to_str().unwrap();
-    let lines: [&[&str]; 7] = [
+    let lines: [&[&str]; 10] = [
         &["--csv", csv, "--config", "missing.yaml"],
         &["--csv", csv, "--height", "7"],
         &["--csv", csv, "--height", "NaN"],
         &["--csv", csv, "--mass", "NaN"],
+        &["--csv", csv, "--vehicle", "rigid", "--mass", "0"],
+        &["--csv", csv, "--vehicle", "mid_cra"],
+        &["--csv", csv, "--vehicle", "lorry_8t", "--mass", "5000"],
         &["--csv", csv, "--velocity", "-10"],
         &["--csv", csv, "-p", "impact.mas:=3"],
         &["--csv", "-", "--json"],
@@ -146,4 +149,40 @@ fn unwritable_places_are_named() {
         );
         assert!(output.is_empty());
     }
+}
+
+/// The report is one file that refers to nothing outside of itself, and whatever the parameters contain is text in it.
+#[test]
+fn the_report_is_one_file_and_escapes_every_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.html");
+    let (output, ended) = typed(&[
+        "--report",
+        path.to_str().unwrap(),
+        "-p",
+        "column_id:=<script>alert(\"x\")</script>&amp;",
+    ]);
+    assert!(ended.is_ok(), "{ended:?}");
+    assert!(output.contains("report.html"), "{output}");
+    let html = fs::read_to_string(path).unwrap();
+    assert!(html.starts_with("<!DOCTYPE html>"));
+    assert!(!html.contains("<script"), "a script");
+    assert!(html.contains("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt;&amp;amp;"));
+    for outside in ["src=", "href=\"http", "url(", "@import", "<link", "<iframe"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    assert!(html.matches("<svg").count() >= 8);
+}
+
+/// The same command gives the same bytes: a report contains no date of its own.
+#[test]
+fn a_report_is_reproducible() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["a.html", "b.html"].map(|name| {
+        let path = folder.path().join(name);
+        let (_, ended) = typed(&["--report", path.to_str().unwrap(), "--mass", "900"]);
+        assert!(ended.is_ok(), "{ended:?}");
+        fs::read(path).unwrap()
+    });
+    assert!(first == second);
 }

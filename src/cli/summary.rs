@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use column_twin::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
 use column_twin::figures::units::{Unit, significant};
+use column_twin::report::{EnergyBalance, end_in_words, outcome_in_words};
 use column_twin::shape::HINGE_PLACES;
 
 /// The summary of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
@@ -112,18 +113,8 @@ impl Summary<'_> {
 
     fn outcome(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let report = self.report;
-        let verdict = match report.outcome {
-            Outcome::Elastic => "elastic: no hinge has yielded",
-            Outcome::Plastic => "plastic: hinges have yielded and the column remains standing",
-            Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
-            Outcome::Severed => "SEVERED: a hinge has passed its ultimate rotation and is torn",
-        };
-        let end = match report.end {
-            End::AtRest => "at rest",
-            End::DurationReached => "stopped at response.duration, not at rest",
-            End::Collapsed => "collapsed",
-            End::Severed => "severed",
-        };
+        let verdict = outcome_in_words(report.outcome);
+        let end = end_in_words(report.end);
         writeln!(f, "Outcome    {verdict}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
     }
@@ -246,19 +237,8 @@ impl Summary<'_> {
 
     fn energy(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let report = self.report;
-        let supplied = report.input_energy + report.load_work;
-        let entries = [
-            ("plastic work in the hinges", report.plastic_work),
-            ("lost in percussions", report.impact_loss),
-            ("damping", report.damping_work),
-            ("kinetic energy of the column", report.column_kinetic_energy),
-            (
-                "kinetic energy of the impactor",
-                report.impactor_kinetic_energy,
-            ),
-            ("change of the elastic energy", report.elastic_energy_change),
-        ];
-        let spent: f64 = entries.iter().map(|entry| entry.1).sum();
+        let balance = EnergyBalance::from(report);
+        let supplied = balance.supplied();
         let row = |f: &mut Formatter<'_>, name: &str, energy: f64| {
             let part = if supplied > 0.0 {
                 100.0 * energy / supplied
@@ -272,12 +252,13 @@ impl Summary<'_> {
             )
         };
         writeln!(f, "\nEnergy balance at the end")?;
-        entries
+        balance
+            .spent
             .iter()
-            .try_for_each(|(name, energy)| row(f, name, *energy))?;
-        row(f, "sum", spent)?;
-        row(f, "supplied by the impactor", report.input_energy)?;
-        row(f, "supplied by the load", report.load_work)?;
+            .try_for_each(|entry| row(f, &entry.name, entry.energy))?;
+        row(f, "sum", balance.sum())?;
+        row(f, "supplied by the impactor", balance.by_impactor)?;
+        row(f, "supplied by the load", balance.by_load)?;
         row(f, "supplied in total", supplied)?;
         writeln!(
             f,

@@ -1,7 +1,9 @@
 //! The program that made a recording.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
 use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
@@ -48,8 +50,19 @@ pub fn build() -> &'static str {
     })
 }
 
-fn program_hash() -> std::io::Result<String> {
-    let mut file = std::fs::File::open(std::env::current_exe()?)?;
+fn program_hash() -> io::Result<String> {
+    const DIGITS: usize = 32;
+    let mut hash = sha256_of_file(&std::env::current_exe()?)?;
+    hash.truncate(DIGITS);
+    Ok(hash)
+}
+
+/// The SHA-256 of a file, in hexadecimal digits.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn sha256_of_file(path: &Path) -> io::Result<String> {
+    let mut file = File::open(path)?;
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 20];
     loop {
@@ -59,5 +72,5 @@ fn program_hash() -> std::io::Result<String> {
         }
     }
     let hex = |byte: &u8| format!("{byte:02x}");
-    Ok(hash.finalize().iter().take(16).map(hex).collect())
+    Ok(hash.finalize().iter().map(hex).collect())
 }

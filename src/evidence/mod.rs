@@ -19,11 +19,11 @@ mod topics;
 mod verification;
 mod verify;
 
-pub use about::{About, build};
+pub use about::{About, build, sha256_of_file};
 pub use comparison::Difference;
 pub use journal_line::{JOURNAL_FORMAT, JOURNAL_VERSION, JournalEntry, JournalError, JournalLine};
 pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, Topics};
 pub use verification::{TopicCheck, Verification};
-pub use verify::{VerifyError, verify};
+pub use verify::{Observed, VerifyError, verify, verify_observed};

@@ -28,6 +28,10 @@ pub(super) struct Replayer {
     next_number: Option<u64>,
     /// No numbered entry has followed the first checkpoint yet.
     is_beginning: bool,
+    /// Whether the outputs of the twin are kept for [`take_outputs`](Self::take_outputs).
+    keeps_outputs: bool,
+    /// Kept outputs of twins whose replay has ended.
+    outputs: Vec<Output>,
     verification: Verification,
 }
 
@@ -37,6 +41,8 @@ struct ReplayedTwin {
     outgoing: Outgoing,
     /// Computed messages for which no recorded message has been found yet.
     computed: [VecDeque<Computed>; Topic::COUNT],
+    /// Outputs kept for an observer; `None` if there is no observer.
+    outputs: Option<Vec<Output>>,
     /// Number of computed messages.
     count: u64,
     /// Number of the newest computed message for which a recorded one was found.
@@ -61,6 +67,24 @@ struct Computed {
 }
 
 impl Replayer {
+    /// A replayer that keeps the recomputed states and reports.
+    pub fn keeping_outputs() -> Self {
+        Self {
+            keeps_outputs: true,
+            ..Self::default()
+        }
+    }
+
+    /// The states and reports that were recomputed since the last call.
+    pub fn take_outputs(&mut self) -> Vec<Output> {
+        let mut outputs = std::mem::take(&mut self.outputs);
+        let replayed = self.replayed.as_mut();
+        if let Some(kept) = replayed.and_then(|replayed| replayed.outputs.as_mut()) {
+            outputs.append(kept);
+        }
+        outputs
+    }
+
     /// Takes an entry of the journal on the topic `name`.
     pub fn journal(&mut self, entry: &JournalEntry, name: &str, log_time: i64) {
         let place = Place {
@@ -115,7 +139,10 @@ impl Replayer {
     fn start_from(&mut self, checkpoint: &Checkpoint, place: &Place<'_>) {
         self.end_replay();
         match ReplayedTwin::new(checkpoint) {
-            Ok(replayed) => self.replayed = Some(replayed),
+            Ok(mut replayed) => {
+                replayed.outputs = self.keeps_outputs.then(Vec::new);
+                self.replayed = Some(replayed);
+            }
             Err(error) => self.verification.note_unchecked(format!(
                 "the checkpoint at {} s describes an impossible column: {error}",
                 seconds(place.log_time)
@@ -286,6 +313,8 @@ impl Replayer {
         let Some(mut replayed) = self.replayed.take() else {
             return;
         };
+        self.outputs
+            .extend(replayed.outputs.take().into_iter().flatten());
         for topic in Topic::ALL {
             let check = &mut self.verification.topics[topic.index()];
             check.missing += replayed.take_missing(topic);
@@ -312,6 +341,7 @@ impl ReplayedTwin {
             twin: Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos))?,
             outgoing: Outgoing::new(&checkpoint.parameters),
             computed: Default::default(),
+            outputs: None,
             count: 0,
             newest_found: 0,
             unexpected: Unexpected::default(),
@@ -338,6 +368,10 @@ impl ReplayedTwin {
         for output in outputs {
             if !matches!(output, Output::Journal(_)) {
                 self.convert(output);
+            }
+            if let (Some(kept), Output::State(_) | Output::Report(_)) = (&mut self.outputs, output)
+            {
+                kept.push(output.clone());
             }
         }
     }

@@ -4,12 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::about::About;
-use super::journal_line::{JournalError, JournalLine};
+use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::replayer::{RecordedBytes, Replayer};
 use super::verification::Verification;
 use crate::endpoints;
 use crate::outgoing::Topic;
 use crate::recording::{self, Reader, RecordingError};
+use crate::twin::Output;
 
 /// Why a recording cannot be verified.
 #[derive(Debug, thiserror::Error)]
@@ -39,19 +40,46 @@ pub enum VerifyError {
     },
 }
 
+/// What an observer of a verification is shown, in the order of the recording.
+#[derive(Debug)]
+pub enum Observed<'a> {
+    /// An entry of the journal.
+    Entry(&'a JournalEntry),
+    /// A state or a report that was recomputed.
+    Recomputed(&'a Output),
+}
+
 /// Recomputes a recording, given by its directory or its MCAP file, and compares every value.
 ///
 /// # Errors
 /// The recording cannot be read, or has no journal that this program can read.
 pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
-    let reader = Reader::open(path)?;
+    verify_with(&Reader::open(path)?, Replayer::default(), &mut |_| ())
+}
+
+/// As [`verify`](fn@verify) of an open recording, and shows an observer the journal and what is recomputed from it: the
+/// outputs that precede an entry first.
+///
+/// # Errors
+/// As [`verify`](fn@verify).
+pub fn verify_observed(
+    reader: &Reader,
+    observe: &mut dyn FnMut(Observed<'_>),
+) -> Result<Verification, VerifyError> {
+    verify_with(reader, Replayer::keeping_outputs(), observe)
+}
+
+fn verify_with(
+    reader: &Reader,
+    mut replayer: Replayer,
+    observe: &mut dyn FnMut(Observed<'_>),
+) -> Result<Verification, VerifyError> {
     let journal = reader
         .topics()
         .iter()
         .find(|it| recording::is_journal(it))
         .map(|it| Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
-    let mut replayer = Replayer::default();
     let mut about: Option<About> = None;
     let mut early = [0_u64; Topic::COUNT];
     for message in reader.messages() {
@@ -62,6 +90,8 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
                 about.get_or_insert_with(|| found.clone());
             }
             replayer.journal(&line.entry, &journal, message.log_time);
+            show_outputs(&mut replayer, observe);
+            observe(Observed::Entry(&line.entry));
             continue;
         }
         let Some(topic) = topic_of(about.as_ref(), &message.topic, &message.type_name) else {
@@ -77,6 +107,7 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
             log_time: message.log_time,
             bytes: &message.data,
         });
+        show_outputs(&mut replayer, observe);
     }
     let mut verification = replayer.finish();
     let wholeness = reader.wholeness();
@@ -101,6 +132,12 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     let lost = reader.lost_messages().unwrap_or_default();
     verification.declared_losses = verification.declared_losses.saturating_add(lost);
     Ok(verification)
+}
+
+fn show_outputs(replayer: &mut Replayer, observe: &mut dyn FnMut(Observed<'_>)) {
+    for output in &replayer.take_outputs() {
+        observe(Observed::Recomputed(output));
+    }
 }
 
 /// Finds the twin's topic for a recorded topic: by the names in the journal or, before its first checkpoint, by type and

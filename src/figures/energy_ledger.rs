@@ -8,15 +8,21 @@ use crate::column::Sample;
 
 /// The entries of the stack from the bottom: dissipated energy is below stored energy.
 type LedgerEntry = (&'static str, plotters::style::RGBColor, fn(&Sample) -> f64);
-const LEDGER_ENTRIES: [LedgerEntry; 5] = [
+const LEDGER_ENTRIES: [LedgerEntry; 7] = [
     ("lost in percussions", colour::IMPACT_LOSS, |sample| {
         sample.impact_loss
     }),
     ("plastic work", colour::PLASTIC, |sample| {
         sample.plastic_work
     }),
+    ("crush of the vehicle", colour::CRUSH, |sample| {
+        sample.vehicle.dissipated.iter().sum()
+    }),
     ("damping", colour::DAMPING, |sample| sample.damping_work),
     ("elastic", colour::ELASTIC, |sample| sample.elastic_energy),
+    ("elastic in the vehicle", colour::VEHICLE_ELASTIC, |sample| {
+        sample.vehicle.elastic_energy
+    }),
     ("kinetic", colour::KINETIC, |sample| sample.kinetic_energy),
 ];
 

@@ -1,13 +1,16 @@
-//! The figures of one impact: the paper's Figures 5 to 8, the energy ledger, the contact force and the path of every hinge
-//! in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
+//! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force, the
+//! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 
 mod axis;
 mod chart;
+mod deformed_shape;
 mod energy_ledger;
+mod force_crush;
 mod histories;
 mod page;
+mod path_chart;
 mod raster;
 mod response_history;
 mod thinning;
@@ -71,7 +74,7 @@ pub fn draw_all(
     folder: &Path,
     response: &ResponseHistory<'_>,
 ) -> Result<Vec<PathBuf>, FigureError> {
-    let drawings = svg_figures(response)?;
+    let drawings = draw_svg(response)?;
     fs::create_dir_all(folder).map_err(|reason| FigureError::Folder {
         folder: folder.to_path_buf(),
         reason,
@@ -95,8 +98,11 @@ pub fn draw_all(
     Ok(files)
 }
 
-/// Every figure as SVG, by its name.
-fn svg_figures(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, FigureError> {
+/// Every figure as SVG, by its name. There is no figure `force_crush` of a rigid vehicle.
+///
+/// # Errors
+/// The history has no sample, or the plotting library fails.
+pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, FigureError> {
     if response.samples.is_empty() {
         return Err(FigureError::NoSamples);
     }
@@ -125,7 +131,14 @@ fn svg_figures(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>, 
             "energy_ledger".to_owned(),
             energy_ledger::energy_ledger(response),
         ),
+        (
+            "deformed_shape".to_owned(),
+            deformed_shape::deformed_shape(response),
+        ),
     ];
+    if let Some(drawn) = force_crush::force_crush(response) {
+        figures.push(("force_crush".to_owned(), drawn));
+    }
     for (hinge, name) in HINGE_NAMES.iter().enumerate() {
         let name = format!("mn_path_{name}");
         figures.push((name, yield_path::yield_path(response, hinge)));

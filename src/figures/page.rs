@@ -57,8 +57,17 @@ pub(super) mod colour {
         RGBColor(213, 94, 0),
     ];
 
+    /// Colours of the springs of a vehicle, front first.
+    pub const SPRINGS: [RGBColor; 3] = [
+        RGBColor(213, 94, 0),
+        RGBColor(0, 114, 178),
+        RGBColor(0, 158, 115),
+    ];
+
     pub const IMPACT_LOSS: RGBColor = RGBColor(204, 121, 167);
     pub const PLASTIC: RGBColor = RGBColor(230, 159, 0);
+    pub const CRUSH: RGBColor = RGBColor(213, 94, 0);
+    pub const VEHICLE_ELASTIC: RGBColor = RGBColor(240, 228, 66);
     pub const DAMPING: RGBColor = RGBColor(150, 150, 150);
     pub const ELASTIC: RGBColor = RGBColor(0, 158, 115);
     pub const KINETIC: RGBColor = RGBColor(86, 180, 233);

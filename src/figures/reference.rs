@@ -7,6 +7,7 @@ use crate::column::{
     YieldExponents,
 };
 use crate::figures::ResponseHistory;
+use crate::twin::Lengths;
 
 /// A reference response, read from `tests/data`.
 pub(crate) struct Reference {
@@ -52,6 +53,11 @@ impl Reference {
             yield_surface: self.yield_surface,
             resistance_moment: RESISTANCE_MOMENT,
             resistance_axial: RESISTANCE_AXIAL,
+            lengths: Lengths {
+                below: 1.0,
+                above: 3.0,
+            },
+            vehicle: None,
         }
     }
 

@@ -1,7 +1,8 @@
 //! The history of a response, from which the figures are drawn.
 
 use super::units::Unit;
-use crate::column::{Outcome, Report, Sample, YieldExponents};
+use crate::column::{Outcome, Report, Sample, Vehicle, YieldExponents};
+use crate::twin::Lengths;
 
 /// The history of a response with its outcome and what is known of the hinges.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +19,10 @@ pub struct ResponseHistory<'a> {
     pub resistance_moment: f64,
     /// `N^p` \[N\].
     pub resistance_axial: f64,
+    /// Undeformed lengths of the bars.
+    pub lengths: Lengths,
+    /// The compliant vehicle; `None` for a rigid one.
+    pub vehicle: Option<Vehicle>,
 }
 
 impl ResponseHistory<'_> {
@@ -63,7 +68,7 @@ impl ResponseHistory<'_> {
     pub(super) fn outcome(&self) -> &'static str {
         match self.report.outcome {
             Outcome::Elastic => "stays elastic",
-            Outcome::Plastic => "deforms plastically and remains standing",
+            Outcome::Plastic => "deforms plastically",
             Outcome::Collapsed => "collapses",
             Outcome::Severed => "is severed",
         }

@@ -67,7 +67,7 @@ fn texts(tree: &Tree) -> Vec<(String, resvg::tiny_skia::Rect)> {
 #[test]
 fn every_text_is_on_the_page_and_none_overlaps_another() {
     for reference in [Reference::ellipse(), Reference::duan_chen()] {
-        for (name, svg) in svg_figures(&reference.response()).unwrap() {
+        for (name, svg) in draw_svg(&reference.response()).unwrap() {
             let tree = tree(&svg);
             let (width, height) = (tree.size().width(), tree.size().height());
             let texts = texts(&tree);
@@ -93,7 +93,7 @@ fn every_text_is_on_the_page_and_none_overlaps_another() {
 #[test]
 fn the_curve_of_v1_peaks_where_the_reference_does() {
     let reference = Reference::ellipse();
-    let figures = svg_figures(&reference.response()).unwrap();
+    let figures = draw_svg(&reference.response()).unwrap();
     let tree = tree(svg(&figures, "fig5_horizontal_displacement"));
     let points = stroke_points(&tree, page::colour::IMPACT_POINT);
     // The line of the legend is to the left of the axis or above the plot; the curve starts at time zero.
@@ -141,8 +141,8 @@ fn every_file_is_written_completely() {
     let folder = folder.path().join("new/plots");
     let reference = Reference::ellipse();
     let files = draw_all(&folder, &reference.response()).unwrap();
-    assert_eq!(files.len(), 20);
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 20);
+    assert_eq!(files.len(), 22);
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 22);
     for file in &files {
         let content = fs::read(file).unwrap();
         if file.extension().is_some_and(|ending| ending == "png") {
@@ -162,7 +162,7 @@ fn every_file_is_written_completely() {
     }
     // Drawing again gives the same bytes.
     let path = folder.join("mn_path_1a.png");
-    let again = svg_figures(&reference.response()).unwrap();
+    let again = draw_svg(&reference.response()).unwrap();
     let again = RASTER.png(svg(&again, "mn_path_1a")).unwrap();
     assert_eq!(fs::read(path).unwrap(), again);
 }
@@ -192,8 +192,9 @@ fn draws(samples: &[Sample], report: &Report) {
         },
         resistance_moment: 1.0,
         resistance_axial: 1e9,
+        ..Reference::ellipse().response()
     };
-    for (name, svg) in svg_figures(&response).unwrap() {
+    for (name, svg) in draw_svg(&response).unwrap() {
         // Layout finds every possible fault; rendering takes longer.
         if name == "contact_force" {
             RASTER.png(&svg).unwrap();
@@ -261,7 +262,7 @@ fn degenerate_histories_can_be_drawn() {
         &report,
     );
     assert!(matches!(
-        svg_figures(&ResponseHistory {
+        draw_svg(&ResponseHistory {
             samples: &[],
             ..Reference::ellipse().response()
         }),

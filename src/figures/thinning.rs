@@ -86,7 +86,7 @@ impl HistoryThinning {
     }
 }
 
-const QUANTITIES: usize = 18;
+const QUANTITIES: usize = 24;
 
 /// The quantities of a sample that the figures draw.
 fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
@@ -110,6 +110,12 @@ fn drawn(sample: &Sample) -> [f64; QUANTITIES] {
         hinge_1b.moment,
         hinge_2.moment,
         hinge_3.moment,
+        sample.vehicle.crush[0],
+        sample.vehicle.crush[1],
+        sample.vehicle.crush[2],
+        sample.vehicle.force[0],
+        sample.vehicle.force[1],
+        sample.vehicle.force[2],
     ]
 }
 

@@ -6,7 +6,7 @@ use crate::column::{HingeState, Phase, Sample};
 use crate::messages::geometry_msgs::{Point, Pose, Vector3};
 use crate::messages::std_msgs::{ColorRGBA, Header};
 use crate::messages::visualization_msgs::{Marker, MarkerArray};
-use crate::shape::{Joints, PlanePoint};
+use crate::shape::{Joints, PlanePoint, VehicleBody};
 use crate::twin::Lengths;
 
 /// Width of the column's line \[m\].
@@ -18,8 +18,8 @@ const HINGE_DIAMETER: f64 = 0.25;
 /// Displayed distance of hinges 1a and 1b below and above the impact point \[m\].
 const HINGE_OFFSET: f64 = 0.1;
 
-/// Length, width and height of the vehicle \[m\].
-const VEHICLE: [f64; 3] = [2.0, 1.6, 1.2];
+/// Colours of the boxes of the vehicle: nose, hull, what is above it, engine, second and third mass.
+const VEHICLE_BOXES: [ColorRGBA; 6] = [CAR, CAR, CAR, ENGINE, CARGO, CARGO];
 
 /// Contact force per length of its arrow \[N/m\].
 const FORCE_PER_METRE: f64 = 1e6;
@@ -32,6 +32,10 @@ const ELASTIC: ColorRGBA = color(0.2, 0.7, 0.3);
 const PLASTIC: ColorRGBA = color(0.9, 0.15, 0.1);
 const UNLOADED: ColorRGBA = color(0.95, 0.6, 0.1);
 const CAR: ColorRGBA = color(0.2, 0.4, 0.8);
+/// The nose when all of it is crushed.
+const CRUSHED: ColorRGBA = color(0.95, 0.5, 0.15);
+const ENGINE: ColorRGBA = color(0.75, 0.77, 0.8);
+const CARGO: ColorRGBA = color(0.8, 0.6, 0.35);
 const FORCE: ColorRGBA = color(0.8, 0.1, 0.6);
 
 const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
@@ -39,7 +43,12 @@ const fn color(r: f32, g: f32, b: f32) -> ColorRGBA {
 }
 
 /// All markers of a sample. The markers of an absent vehicle or force are deleted.
-pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> MarkerArray {
+pub(super) fn markers(
+    header: &Header,
+    lengths: Lengths,
+    body: &VehicleBody,
+    sample: &Sample,
+) -> MarkerArray {
     let joints = Joints::new(lengths, sample, 1.0);
     let mut column = marker(header, "column", 0, Marker::LINE_STRIP, STEEL);
     column.scale.x = COLUMN_WIDTH;
@@ -60,21 +69,62 @@ pub(super) fn markers(header: &Header, lengths: Lengths, sample: &Sample) -> Mar
         sphere.scale = vector([HINGE_DIAMETER; 3]);
         markers.push(sphere);
     }
-    markers.push(vehicle(header, sample, &joints));
+    let road = body.road(lengths.below);
+    markers.extend(vehicle(header, body, road, sample, &joints));
     markers.push(force(header, sample, in_space(joints.impact)));
     MarkerArray { markers }
 }
 
-fn vehicle(header: &Header, sample: &Sample, joints: &Joints) -> Marker {
-    let mut cube = marker(header, "vehicle", 0, Marker::CUBE, CAR);
-    if sample.phase == Phase::Idle {
-        cube.action = Marker::DELETE;
-    }
+/// The vehicle as boxes of its real size; its nose is as long as its crush leaves it. A box that it does not have is deleted.
+fn vehicle(
+    header: &Header,
+    body: &VehicleBody,
+    road: f64,
+    sample: &Sample,
+    joints: &Joints,
+) -> Vec<Marker> {
     // Its front touches the face of the column, half a width before its axis.
     let front = joints.impactor_front(sample, 0.5 * COLUMN_WIDTH);
-    cube.pose.position = in_space(PlanePoint::new(front - 0.5 * VEHICLE[0], joints.impact.z));
-    cube.scale = vector(VEHICLE);
-    cube
+    let crushed = body.crushed(&sample.vehicle);
+    let half_width = 0.5 * body.width();
+    let mut boxes = crushed
+        .hull_boxes()
+        .map(|(extent, heights)| Some((extent, heights, half_width)))
+        .to_vec();
+    let mut others = crushed.boxes();
+    boxes.push(body.engine.and_then(|_| others.next()));
+    boxes.extend([others.next(), others.next()]);
+    let slots = (0..).zip(VEHICLE_BOXES).zip(boxes);
+    slots
+        .map(|((id, color), it)| {
+            let mut cube = marker(header, "vehicle", id, Marker::CUBE, color);
+            if id == 0 {
+                cube.color = between(CAR, CRUSHED, crushed.crushed_share());
+            }
+            let is_there = |it: &([f64; 2], [f64; 2], f64)| it.0[1] > it.0[0];
+            let it = it.filter(is_there).filter(|_| sample.phase != Phase::Idle);
+            let Some((extent, heights, half_width)) = it else {
+                cube.action = Marker::DELETE;
+                return cube;
+            };
+            cube.pose.position = in_space(PlanePoint::new(
+                front - 0.5 * (extent[0] + extent[1]),
+                road + 0.5 * (heights[0] + heights[1]),
+            ));
+            cube.scale = vector([
+                extent[1] - extent[0],
+                2.0 * half_width,
+                heights[1] - heights[0],
+            ]);
+            cube
+        })
+        .collect()
+}
+
+/// The colour at `part` of the way from one to another.
+fn between(one: ColorRGBA, other: ColorRGBA, part: f64) -> ColorRGBA {
+    let at = |one: f32, other: f32| one + part as f32 * (other - one);
+    color(at(one.r, other.r), at(one.g, other.g), at(one.b, other.b))
 }
 
 fn force(header: &Header, sample: &Sample, at: Point) -> Marker {
@@ -134,7 +184,11 @@ mod tests {
     };
 
     fn of(sample: &Sample) -> Vec<Marker> {
-        markers(&Header::default(), LENGTHS, sample).markers
+        of_body(&VehicleBody::rigid_mass(), sample)
+    }
+
+    fn of_body(body: &VehicleBody, sample: &Sample) -> Vec<Marker> {
+        markers(&Header::default(), LENGTHS, body, sample).markers
     }
 
     fn by_name<'a>(markers: &'a [Marker], ns: &str) -> &'a Marker {
@@ -170,9 +224,70 @@ mod tests {
         let arrow = by_name(&contact, "contact_force");
         assert_eq!(arrow.action, Marker::ADD);
         assert_eq!(arrow.points, [point(0.0, 1.0), point(0.5, 1.0)]);
-        let car = by_name(&contact, "vehicle");
-        let front = car.pose.position.x + 0.5 * car.scale.x;
-        assert!((front - (0.5 - 0.5 * COLUMN_WIDTH)).abs() < 1e-12);
+        // A rigid mass has one box; the others are deleted.
+        let boxes = boxes(&contact);
+        assert_eq!(boxes.len(), 1);
+        assert!((front(&boxes) - (0.5 - 0.5 * COLUMN_WIDTH)).abs() < 1e-12);
+        let centre = boxes[0].pose.position;
+        assert!((centre.z - LENGTHS.below).abs() < 1e-12);
+    }
+
+    /// The boxes of the vehicle that are shown.
+    fn boxes(markers: &[Marker]) -> Vec<&Marker> {
+        let shown = |it: &&Marker| it.ns == "vehicle" && it.action == Marker::ADD;
+        markers.iter().filter(shown).collect()
+    }
+
+    /// Front end of some boxes \[m\].
+    fn front(boxes: &[&Marker]) -> f64 {
+        let ends = boxes.iter().map(|it| it.pose.position.x + 0.5 * it.scale.x);
+        ends.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Overall length of some boxes \[m\].
+    fn length(boxes: &[&Marker]) -> f64 {
+        let ends = boxes.iter().map(|it| it.pose.position.x - 0.5 * it.scale.x);
+        front(boxes) - ends.fold(f64::INFINITY, f64::min)
+    }
+
+    /// A car has its real size, its nose is shorter by its crush, and its front is at the column.
+    #[test]
+    fn the_nose_of_a_car_shortens() {
+        let body = VehicleBody::assumed(1_500.0, &[0.0]);
+        let mut sample = Sample {
+            phase: Phase::Contact,
+            contact_force: 2e5,
+            v1: 0.01,
+            impactor_position: 0.01,
+            ..Sample::default()
+        };
+        sample.vehicle.masses = 1;
+        let whole = of_body(&body, &sample);
+        assert!((length(&boxes(&whole)) - body.length()).abs() < 1e-12);
+        sample.vehicle.crush[0] = 0.3;
+        let crushed = of_body(&body, &sample);
+        assert!((length(&boxes(&crushed)) - (body.length() - 0.3)).abs() < 1e-12);
+        let nose = |markers: &[Marker]| boxes(markers)[0].scale.x;
+        assert!((nose(&whole) - nose(&crushed) - 0.3).abs() < 1e-12);
+        for markers in [&whole, &crushed] {
+            let expected = 0.01 - 0.5 * COLUMN_WIDTH;
+            assert!((front(&boxes(markers)) - expected).abs() < 1e-12);
+        }
+        assert_ne!(boxes(&whole)[0].color, boxes(&crushed)[0].color);
+    }
+
+    /// A lorry with a load shows nose, frame, cab, engine and load.
+    #[test]
+    fn engine_and_load_of_a_lorry_are_shown() {
+        let body = VehicleBody::assumed(8_000.0, &[0.0, 0.0]);
+        let mut sample = Sample {
+            phase: Phase::Contact,
+            ..Sample::default()
+        };
+        sample.vehicle.masses = 2;
+        let markers = of_body(&body, &sample);
+        assert_eq!(boxes(&markers).len(), 5);
+        assert!((length(&boxes(&markers)) - body.length()).abs() < 1e-9);
     }
 
     #[test]

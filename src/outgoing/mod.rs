@@ -4,6 +4,7 @@
 //! Every state with its hinge forces, every report, forecast and status becomes a message. Joint states and markers serve
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
+mod assessment;
 mod joint_states;
 mod markers;
 mod tap;
@@ -18,6 +19,7 @@ use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
+use crate::shape::VehicleBody;
 use crate::twin::{
     Journal, Lengths, Output, RefusalCode, ReportOutput, StateOutput, Status, TwinPhase,
 };
@@ -264,7 +266,8 @@ impl Outgoing {
         }
         if self.markers.passes(*stamp, running) {
             let lengths = lengths.unwrap_or(self.lengths);
-            put(Message::Markers(markers(&header, lengths, sample)));
+            let body = VehicleBody::of_sample(&sample.vehicle);
+            put(Message::Markers(markers(&header, lengths, &body, sample)));
         }
     }
 
@@ -274,9 +277,7 @@ impl Outgoing {
             column_id: self.column_id.clone(),
             event_id: output.event_id.to_string(),
             kind,
-            compute_time: output.compute_time,
-            ..ImpactReport::from(&output.report)
-                .of_impact(&output.striking.vehicle, &output.striking.impact)
+            ..ImpactReport::from(output)
         }
     }
 
@@ -304,6 +305,7 @@ impl Outgoing {
             plastic_elongation: status.plastic_elongation,
             ..TwinStatus::default()
         }
+        .assessed(status)
     }
 
     /// The header of a message with this stamp, in the frame of the column.
@@ -326,6 +328,7 @@ pub fn phase_code(phase: TwinPhase) -> u8 {
         TwinPhase::Free => TwinStatus::FREE,
         TwinPhase::Rest => TwinStatus::REST,
         TwinPhase::Collapsed => TwinStatus::COLLAPSED,
+        TwinPhase::Severed => TwinStatus::SEVERED,
         TwinPhase::Faulted => TwinStatus::FAULTED,
     }
 }

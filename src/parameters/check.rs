@@ -8,6 +8,7 @@ use super::processors::{MAX_PROCESSOR, processors};
 use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::value::{Kind, Value, readable};
+use super::vehicles::{nearest_vehicle_name, vehicle_name, vehicle_names};
 
 impl Parameter {
     /// The value in the form in which it is kept: a whole number as `Double` where a double is expected, the name of a
@@ -104,6 +105,7 @@ impl Parameter {
             (
                 Admissible::Choice(_)
                 | Admissible::SectionName
+                | Admissible::VehicleName
                 | Admissible::SteelGrade
                 | Admissible::Processors,
                 _,
@@ -135,6 +137,11 @@ impl Parameter {
     }
 
     fn check_real(&self, admissible: &Admissible, number: f64) -> Result<Value, Problem> {
+        if let Admissible::RealOrOpen { .. } = admissible
+            && number.is_nan()
+        {
+            return Ok(Value::Double(0.0));
+        }
         if !number.is_finite() {
             return Err(Problem::NotFinite {
                 expected: self.expectation_of(admissible),
@@ -142,7 +149,7 @@ impl Parameter {
         }
         let within = match *admissible {
             Admissible::Real { min, max } => (min..=max).contains(&number),
-            Admissible::RealOrZero { min, max, .. } => {
+            Admissible::RealOrZero { min, max, .. } | Admissible::RealOrOpen { min, max, .. } => {
                 number == 0.0 || (min..=max).contains(&number)
             }
             Admissible::WholeNanoseconds { min, max } => {
@@ -187,6 +194,11 @@ impl Parameter {
             Admissible::SectionName => match CatalogueSection::named(text) {
                 Some(section) => Ok(Value::from(section.name.as_str())),
                 None => Err(unknown(CatalogueSection::nearest(text))),
+            },
+            Admissible::VehicleName if text.trim().is_empty() => Ok(Value::from("")),
+            Admissible::VehicleName => match vehicle_name(text) {
+                Some(name) => Ok(Value::from(name)),
+                None => Err(unknown(nearest_vehicle_name(text).into_iter().collect())),
             },
             Admissible::SteelGrade if text.trim().is_empty() => Ok(Value::from("")),
             Admissible::SteelGrade => match SteelGrade::named(text) {
@@ -237,6 +249,9 @@ impl Parameter {
             Admissible::RealOrZero { min, max, zero } => {
                 format!("{}, or 0 ({zero})", range(min, max))
             }
+            Admissible::RealOrOpen { min, max, open } => {
+                format!("{}, or 0 or NaN ({open})", range(min, max))
+            }
             Admissible::WholeNanoseconds { min, max } => {
                 format!("{}, a whole number of nanoseconds", range(min, max))
             }
@@ -251,6 +266,10 @@ impl Parameter {
             }
             Admissible::SectionName => {
                 "HEA, HEB or HEM 100 to 1000, IPE 80 to 600, or \"\" and numbers".to_owned()
+            }
+            Admissible::VehicleName => {
+                let names: Vec<_> = vehicle_names().collect();
+                format!("{}, or \"\" and numbers", either(&names))
             }
             Admissible::SteelGrade => {
                 let names: Vec<_> = STEEL_GRADES.iter().map(|grade| grade.name).collect();
@@ -345,6 +364,23 @@ mod tests {
                     }
                     continue;
                 }
+                Admissible::RealOrOpen { min, max, .. } => {
+                    let open = parameter.check(&Value::Double(f64::NAN));
+                    assert_eq!(open, Ok(Value::Double(0.0)), "{}", parameter.name);
+                    for (number, fits) in [
+                        (0.0, true),
+                        (min, true),
+                        (max, true),
+                        (min.next_down(), false),
+                        (max.next_up(), false),
+                        (f64::INFINITY, false),
+                        (f64::NEG_INFINITY, false),
+                    ] {
+                        let value = Value::Double(number);
+                        assert_eq!(parameter.check(&value).is_ok(), fits, "{}", parameter.name);
+                    }
+                    continue;
+                }
                 _ => continue,
             };
             for (number, fits) in [
@@ -403,6 +439,8 @@ mod tests {
         assert_eq!(check("section.name", "he 220 b"), Ok(Value::from("HEB220")));
         assert_eq!(check("steel.grade", "s355"), Ok(Value::from("S355")));
         assert_eq!(check("section.name", ""), Ok(Value::from("")));
+        assert_eq!(check("vehicle.name", "Mid Car"), Ok(Value::from("mid_car")));
+        assert_eq!(check("vehicle.name", ""), Ok(Value::from("")));
     }
 
     #[test]
@@ -443,6 +481,11 @@ mod tests {
                 "support.base",
                 Value::from("Built-In"),
                 "did you mean built_in?); allowed: built_in, pinned or semi_rigid",
+            ),
+            (
+                "vehicle.name",
+                Value::from("mid-cra"),
+                "did you mean mid_car?); allowed: rigid, en1991_elastic, small_car,",
             ),
             (
                 "section.name",

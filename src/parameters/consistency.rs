@@ -2,9 +2,12 @@
 //!
 //! Whether the column carries its load is checked by the mechanics.
 
-use super::settings::{Settings, SupportKind};
+use super::settings::{RateLawKind, Settings, SpringSettings, SupportKind};
 use super::value::readable;
-use crate::column::{ElasticLaw, MAX_IMPERFECTION};
+use super::vehicles::VehicleFault;
+use crate::column::{
+    CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError,
+};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +25,8 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<Inconsistency> {
     supports_have_their_stiffness(settings, &mut found);
     hinge_stiffness_has_its_law(settings, &mut found);
     rate_suits_the_step(settings, &mut found);
+    vehicle_is_complete(settings, &mut found);
+    strain_rate_has_a_height(settings, &mut found);
     imperfection_suits_the_height(settings, &mut found);
     found
 }
@@ -188,6 +193,243 @@ fn imperfection_suits_the_height(settings: &Settings, found: &mut Vec<Inconsiste
     }
 }
 
+/// Crush, force and unloading stiffness of each spring.
+const SPRINGS: [[&str; 3]; 3] = [
+    [
+        "vehicle.spring_1.crush",
+        "vehicle.spring_1.force",
+        "vehicle.spring_1.unloading_stiffness",
+    ],
+    [
+        "vehicle.spring_2.crush",
+        "vehicle.spring_2.force",
+        "vehicle.spring_2.unloading_stiffness",
+    ],
+    [
+        "vehicle.spring_3.crush",
+        "vehicle.spring_3.force",
+        "vehicle.spring_3.unloading_stiffness",
+    ],
+];
+
+fn vehicle_is_complete(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let vehicle = &settings.vehicle;
+    let before = found.len();
+    if vehicle.name.is_empty() {
+        numbers_are_a_vehicle(settings, found);
+    } else if let Some(name) = first_number(settings) {
+        found.push(Inconsistency {
+            names: vec![name, "vehicle.name"],
+            message: format!(
+                "describes a vehicle given by numbers, but vehicle.name is {}; write vehicle.name: \"\", or omit the numbers",
+                vehicle.name
+            ),
+        });
+    }
+    if found.len() == before {
+        mass_suits_the_vehicle(settings, found);
+    }
+}
+
+/// The first parameter of a vehicle by numbers that is given.
+fn first_number(settings: &Settings) -> Option<&'static str> {
+    let vehicle = &settings.vehicle;
+    let springs = vehicle.springs().into_iter().zip(SPRINGS);
+    let of_springs = springs.flat_map(|(spring, [crush, force, stiffness])| {
+        [
+            (crush, spring.crush.is_empty()),
+            (force, spring.force.is_empty()),
+            (stiffness, spring.unloading_stiffness == 0.0),
+        ]
+    });
+    [
+        ("vehicle.masses", vehicle.masses.is_empty()),
+        ("vehicle.slack", vehicle.slack.is_empty()),
+    ]
+    .into_iter()
+    .chain(of_springs)
+    .find(|(_, is_open)| !is_open)
+    .map(|(name, _)| name)
+}
+
+fn numbers_are_a_vehicle(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let vehicle = &settings.vehicle;
+    let masses = vehicle.masses.len();
+    if masses == 0 {
+        found.push(Inconsistency {
+            names: vec!["vehicle.masses", "vehicle.name"],
+            message: "is required, because vehicle.name is empty; give the masses in kg, front first, or name the vehicle"
+                .to_owned(),
+        });
+    }
+    for (index, (spring, names)) in vehicle.springs().into_iter().zip(SPRINGS).enumerate() {
+        let number = index + 1;
+        if number <= masses {
+            spring_is_complete(number, spring, names, found);
+        } else if masses > 0 && !spring.is_open() {
+            found.push(Inconsistency {
+                names: vec![names[0], "vehicle.masses", names[1], names[2]],
+                message: format!(
+                    "belongs to a spring in front of mass {number}, but vehicle.masses has {masses}; add the mass, or omit the spring"
+                ),
+            });
+        }
+    }
+    let slack = vehicle.slack.len();
+    if slack > 0 && slack + 1 != masses && masses > 0 {
+        found.push(Inconsistency {
+            names: vec!["vehicle.slack", "vehicle.masses"],
+            message: format!(
+                "has {slack} elements for {masses} masses; give one for each spring from the second on, which is {}, or omit it",
+                masses - 1
+            ),
+        });
+    }
+}
+
+fn spring_is_complete(
+    number: usize,
+    spring: &SpringSettings,
+    [crush, force, stiffness]: [&'static str; 3],
+    found: &mut Vec<Inconsistency>,
+) {
+    let names = |first: &'static str| {
+        let others = [crush, force, stiffness, "vehicle.masses", "vehicle.name"];
+        std::iter::once(first)
+            .chain(others.into_iter().filter(|it| *it != first))
+            .collect()
+    };
+    let mut reject = |first, message| {
+        found.push(Inconsistency {
+            names: names(first),
+            message,
+        });
+    };
+    for (name, is_open, what) in [
+        (crush, spring.crush.is_empty(), "crush [m] of its points"),
+        (force, spring.force.is_empty(), "force [N] at its points"),
+        (
+            stiffness,
+            spring.unloading_stiffness == 0.0,
+            "stiffness [N/m] of its unloading",
+        ),
+    ] {
+        if is_open {
+            reject(
+                name,
+                format!(
+                    "is required, because a spring is in front of mass {number}; give the {what}"
+                ),
+            );
+        }
+    }
+    let (crushes, forces) = (spring.crush.len(), spring.force.len());
+    if crushes == 0 || forces == 0 {
+        return;
+    }
+    if crushes != forces {
+        reject(
+            force,
+            format!(
+                "has {forces} elements and {crush} has {crushes}; give one force for each crush"
+            ),
+        );
+        return;
+    }
+    match CrushCurve::new(&spring.points()) {
+        Ok(curve) => {
+            let given = spring.unloading_stiffness;
+            let alone = CrushSpring {
+                envelope: curve,
+                unloading_stiffness: given,
+                slack: 0.0,
+            };
+            if let Err(VehicleError::UnloadingTooSoft { steepest, .. }) =
+                Vehicle::new(&[1.0], &[alone])
+                && given > 0.0
+            {
+                reject(
+                    stiffness,
+                    format!(
+                        "is {} N/m, but the curve of the spring has slopes up to {} N/m; give at least that",
+                        readable(given),
+                        readable(steepest)
+                    ),
+                );
+            }
+        }
+        Err(VehicleError::CrushNotIncreasing {
+            number,
+            found,
+            before,
+        }) => reject(
+            crush,
+            format!(
+                "has {} m (element {number}) after {} m; give values that increase from 0",
+                readable(found),
+                readable(before)
+            ),
+        ),
+        Err(other) => reject(force, format!("is not a curve: {other}")),
+    }
+}
+
+fn mass_suits_the_vehicle(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let mass = settings.impact.mass;
+    match settings.vehicle.vehicle() {
+        Ok(None) if mass == 0.0 => found.push(Inconsistency {
+            names: vec!["impact.mass", "vehicle.name"],
+            message: "is required, because a rigid vehicle has no mass of its own; give it in kg".to_owned(),
+        }),
+        Ok(Some(vehicle)) if mass > 0.0 => {
+            if let Err(VehicleError::LighterThanFront { total, front }) =
+                vehicle.with_total_mass(mass)
+            {
+                found.push(Inconsistency {
+                    names: vec!["impact.mass", "vehicle.name", "vehicle.masses"],
+                    message: format!(
+                        "is {} kg in total, but the front masses of the vehicle weigh {} kg alone; give more than that, or 0 for the \
+                         vehicle's own mass of {} kg",
+                        readable(total),
+                        readable(front),
+                        readable(vehicle.total_mass())
+                    ),
+                });
+            }
+        }
+        Ok(_) => {}
+        // The curve itself was checked, so that it is the ramp from half of the force to all of it that is too steep.
+        Err(VehicleFault::Numbers(VehicleError::UnloadingTooSoft {
+            found: given,
+            steepest,
+            ..
+        })) => found.push(Inconsistency {
+            names: vec![SPRINGS[0][2], "vehicle.narrow_object", "vehicle.name"],
+            message: format!(
+                "is {} N/m, but with vehicle.narrow_object the curve has slopes up to {} N/m; give at least that",
+                readable(given),
+                readable(steepest)
+            ),
+        }),
+        Err(fault) => found.push(Inconsistency {
+            names: vec!["vehicle.name", "vehicle.narrow_object"],
+            message: format!("gives no vehicle: {fault}"),
+        }),
+    }
+}
+
+fn strain_rate_has_a_height(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    let section = &settings.section;
+    if settings.rate.law != RateLawKind::None && section.name.is_empty() && section.height == 0.0 {
+        found.push(Inconsistency {
+            names: vec!["section.height", "section.name", "rate.law"],
+            message: "is required for the strain rate, because a section given by numbers has no height; give it in m, \
+                      name the section, or write rate.law: none"
+                .to_owned(),
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{Parameters, Value};
@@ -298,6 +540,181 @@ mod tests {
             faults(&[("solver.dt", 1e-3.into()), ("publish_rate", 1001.0.into())]),
             ["publish_rate"]
         );
+    }
+
+    /// The faults that these changes to the defaults cause, in one text.
+    fn text(changes: &[(&str, Value)]) -> String {
+        Parameters::from_values(changes.iter().cloned())
+            .expect_err("inconsistent")
+            .to_string()
+    }
+
+    /// A vehicle of one mass by numbers, with some of them replaced.
+    fn one_mass(replaced: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
+        let mut numbers = vec![
+            ("vehicle.masses", Value::from(vec![1500.0])),
+            ("vehicle.spring_1.crush", vec![0.2, 0.5].into()),
+            ("vehicle.spring_1.force", vec![1e5, 4e5].into()),
+            ("vehicle.spring_1.unloading_stiffness", 1e7.into()),
+        ];
+        numbers.extend(replaced.iter().cloned());
+        numbers
+    }
+
+    #[test]
+    fn a_vehicle_by_numbers_is_complete() {
+        let parameters = Parameters::from_values(one_mass(&[])).expect("complete");
+        assert_eq!(parameters.settings().vehicle.name, "");
+        let impact = parameters.impact();
+        assert_eq!(impact.mass, 1500.0);
+        assert_eq!(impact.vehicle.map(|it| it.total_mass()), Some(1500.0));
+        assert_eq!(faults(&[("vehicle.name", "".into())]), ["vehicle.masses"]);
+        assert_eq!(
+            faults(&[("vehicle.masses", vec![1.0, 2.0].into())]),
+            [
+                "vehicle.spring_1.crush",
+                "vehicle.spring_1.force",
+                "vehicle.spring_1.unloading_stiffness",
+                "vehicle.spring_2.crush",
+                "vehicle.spring_2.force",
+                "vehicle.spring_2.unloading_stiffness"
+            ]
+        );
+        let two = [
+            ("vehicle.masses", Value::from(vec![500.0, 1000.0])),
+            ("vehicle.spring_2.crush", vec![0.1].into()),
+            ("vehicle.spring_2.force", vec![1e5].into()),
+            ("vehicle.spring_2.unloading_stiffness", 1e6.into()),
+        ];
+        assert!(faults(&one_mass(&two)).is_empty());
+        let slack = ("vehicle.slack", Value::from(vec![0.3, 0.4]));
+        assert_eq!(
+            faults(&one_mass(&[two.as_slice(), &[slack]].concat())),
+            ["vehicle.slack"]
+        );
+        assert_eq!(
+            faults(&one_mass(&two[1..])),
+            ["vehicle.spring_2.crush"],
+            "a spring without a mass"
+        );
+    }
+
+    /// Each wrong curve is rejected with the reason and what would be right, and all of them at once.
+    #[test]
+    fn wrong_curves_are_rejected_with_the_reason() {
+        for (name, value, expected) in [
+            (
+                "vehicle.spring_1.crush",
+                Value::from(vec![0.2, 0.2]),
+                "vehicle.spring_1.crush has 0.2 m (element 2) after 0.2 m; give values that increase from 0",
+            ),
+            (
+                "vehicle.spring_1.force",
+                vec![0.0, 0.0].into(),
+                "vehicle.spring_1.force is not a curve: a force-crush curve has no force > 0",
+            ),
+            (
+                "vehicle.spring_1.force",
+                vec![1e5, -4e5].into(),
+                "vehicle.spring_1.force: `-400000.0` (element 2) is out of range; allowed: 0 to 1e9 N",
+            ),
+            (
+                "vehicle.spring_1.force",
+                vec![1e5].into(),
+                "vehicle.spring_1.force has 1 elements and vehicle.spring_1.crush has 2; give one force for each crush",
+            ),
+            (
+                "vehicle.spring_1.unloading_stiffness",
+                9e5.into(),
+                "vehicle.spring_1.unloading_stiffness is 9e5 N/m, but the curve of the spring has slopes up to 1e6 N/m; give at least that",
+            ),
+            (
+                "impact.mass",
+                (-1.0).into(),
+                "impact.mass: `-1.0` is out of range; allowed: 0.001 to 1e6 kg, or 0 or NaN (the vehicle's own mass",
+            ),
+        ] {
+            let text = text(&one_mass(&[(name, value)]));
+            assert!(text.contains(expected), "{text}");
+            assert_eq!(text.lines().count(), 2, "{text}");
+        }
+        let all = text(&one_mass(&[
+            ("vehicle.spring_1.crush", vec![0.2, 0.1].into()),
+            ("vehicle.spring_2.force", vec![1e5].into()),
+            ("vehicle.slack", vec![0.1].into()),
+        ]));
+        assert_eq!(all.lines().count(), 4, "{all}");
+        // The ramp of a narrow object is steeper than this curve.
+        let narrow = text(&one_mass(&[
+            ("vehicle.spring_1.crush", vec![1.0].into()),
+            ("vehicle.spring_1.force", vec![4e5].into()),
+            ("vehicle.spring_1.unloading_stiffness", 4e5.into()),
+            ("vehicle.narrow_object", true.into()),
+        ]));
+        let expected = "vehicle.spring_1.unloading_stiffness is 4e5 N/m, but with vehicle.narrow_object the curve has slopes up to";
+        assert!(narrow.contains(expected), "{narrow}");
+    }
+
+    #[test]
+    fn the_mass_suits_the_vehicle() {
+        let named = |name: &str, mass: f64| {
+            [
+                ("vehicle.name", Value::from(name)),
+                ("impact.mass", mass.into()),
+            ]
+        };
+        assert!(faults(&named("lorry_8t", 6000.0)).is_empty());
+        assert!(faults(&named("lorry_8t", 0.0)).is_empty());
+        assert!(
+            text(&named("lorry_8t", 5500.0)).contains(
+                "impact.mass is 5500 kg in total, but the front masses of the vehicle weigh 5500 kg alone; give more than that, or 0 for \
+                 the vehicle's own mass of 8000 kg"
+            )
+        );
+        for open in [0.0, f64::NAN] {
+            assert!(text(&named("rigid", open)).contains(
+                "impact.mass is required, because a rigid vehicle has no mass of its own"
+            ));
+            let parameters = Parameters::from_values(named("mid_car", open)).expect("right");
+            assert_eq!(parameters.impact().mass, 1719.0);
+        }
+        let alone = [("vehicle.name", Value::from("mid_car"))];
+        let parameters = Parameters::from_values(alone).expect("right");
+        assert_eq!(parameters.impact().mass, 1719.0);
+        assert_eq!(Parameters::default().impact().mass, 1500.0);
+    }
+
+    #[test]
+    fn numbers_and_a_name_exclude_each_other() {
+        assert!(
+            text(&one_mass(&[("vehicle.name", "suv".into())])).contains(
+                "vehicle.masses describes a vehicle given by numbers, but vehicle.name is suv; write vehicle.name: \"\", or omit the \
+                 numbers"
+            )
+        );
+        assert_eq!(
+            faults(&[
+                ("vehicle.name", "suvv".into()),
+                ("vehicle.masses", vec![1.0].into())
+            ]),
+            ["vehicle.name"]
+        );
+    }
+
+    #[test]
+    fn strain_rates_need_a_section_height() {
+        let rate = ("rate.law", Value::from("logarithmic"));
+        assert!(faults(&[rate.clone()]).is_empty());
+        let by_numbers = [
+            rate,
+            ("section.area", 0.01.into()),
+            ("section.second_moment", 1e-4.into()),
+            ("section.mass_per_length", 78.5.into()),
+            ("resistance.moment", 3e5.into()),
+        ];
+        assert_eq!(faults(&by_numbers), ["section.height"]);
+        let height = ("section.height", Value::from(0.22));
+        assert!(faults(&[by_numbers.as_slice(), &[height]].concat()).is_empty());
     }
 
     #[test]

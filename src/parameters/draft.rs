@@ -9,6 +9,7 @@ use super::parameter::Parameter;
 use super::settings::Settings;
 use super::table::PARAMETERS;
 use super::value::Value;
+use super::vehicles::{RIGID, narrow_by_default};
 
 /// Number of unknown names that are compared with all known ones; further ones come without a suggestion, so that a long
 /// list of wrong names is rejected quickly.
@@ -44,11 +45,19 @@ impl Draft {
     }
 
     pub(super) fn of_settings(settings: &Settings) -> Self {
-        Self {
+        let mut draft = Self {
             values: settings.values(),
             places: vec![Some(Origin::Direct); PARAMETERS.len()],
             ..Self::of_defaults()
+        };
+        // A value that its vehicle has by default follows a change of the vehicle.
+        let vehicle = &settings.vehicle;
+        if vehicle.narrow_object == narrow_by_default(&vehicle.name)
+            && let Some(index) = Parameter::index_of("vehicle.narrow_object")
+        {
+            draft.places[index] = None;
         }
+        draft
     }
 
     /// Applies the assignments of one source.
@@ -134,6 +143,23 @@ impl Draft {
             "steel.grade",
             &["steel.young_modulus", "steel.yield_strength"],
         );
+        self.drop_default_name(
+            "vehicle.name",
+            &[
+                "vehicle.masses",
+                "vehicle.slack",
+                "vehicle.spring_1.crush",
+                "vehicle.spring_1.force",
+                "vehicle.spring_1.unloading_stiffness",
+                "vehicle.spring_2.crush",
+                "vehicle.spring_2.force",
+                "vehicle.spring_2.unloading_stiffness",
+                "vehicle.spring_3.crush",
+                "vehicle.spring_3.force",
+                "vehicle.spring_3.unloading_stiffness",
+            ],
+        );
+        self.follow_vehicle();
         let settings =
             Settings::from_values(&self.values).expect("table and struct agree, which is tested");
         for inconsistency in inconsistencies(&settings) {
@@ -144,7 +170,25 @@ impl Draft {
         ParameterFaults::none_of(self.faults).map(|()| (settings, self.warnings))
     }
 
-    /// Numbers without a name describe another section or steel, not the default one with a few numbers changed.
+    /// What depends on the vehicle and is not given: whether a column is a narrow object for it, and its mass, which is its
+    /// own unless it is rigid.
+    fn follow_vehicle(&mut self) {
+        let vehicle = Parameter::index_of("vehicle.name").map(|index| self.values[index].plain());
+        let name = vehicle.unwrap_or_default();
+        let mut set_default = |parameter: &str, value: Value| {
+            if let Some(index) = Parameter::index_of(parameter)
+                && self.places[index].is_none()
+            {
+                self.values[index] = value;
+            }
+        };
+        set_default("vehicle.narrow_object", narrow_by_default(&name).into());
+        if name != RIGID {
+            set_default("impact.mass", 0.0.into());
+        }
+    }
+
+    /// Numbers without a name describe another section, steel or vehicle, not the default one with a few numbers changed.
     fn drop_default_name(&mut self, name: &str, numbers: &[&str]) {
         let Some(named) = Parameter::index_of(name).filter(|&index| self.places[index].is_none())
         else {
@@ -153,9 +197,9 @@ impl Draft {
         let mut numbers = numbers
             .iter()
             .filter_map(|number| Parameter::index_of(number));
-        if numbers
-            .any(|index| self.places[index].is_some() && self.values[index] != Value::Double(0.0))
-        {
+        if numbers.any(|index| {
+            self.places[index].is_some() && self.values[index] != PARAMETERS[index].default_value()
+        }) {
             self.values[named] = Value::from("");
         }
     }
@@ -211,71 +255,81 @@ mod tests {
         Parameters::from_yaml(Path::new("f.yaml"), &text).map_err(|faults| faults.to_string())
     }
 
-    fn numbers(parameters: &str) -> Vec<f64> {
-        let loaded = loaded(parameters).expect(parameters);
-        loaded.settings().example.numbers.clone()
+    /// A vehicle by numbers, of which the test gives the crush.
+    const SPRING: &str = "    vehicle.masses: [1500.0]\n    vehicle.spring_1.force: [1e5, 2e5, 3e5]\n    vehicle.spring_1.unloading_stiffness: 1e7\n";
+
+    fn crush(parameters: &str) -> Vec<f64> {
+        let loaded = loaded(&format!("{SPRING}{parameters}")).expect(parameters);
+        loaded.settings().vehicle.spring_1.crush.clone()
     }
 
     #[test]
     fn arrays_are_flow_or_block_sequences() {
-        assert_eq!(Parameters::default().settings().example.numbers, [1.0, 2.5]);
-        assert_eq!(numbers("    example.numbers: [3, 4.5]\n"), [3.0, 4.5]);
+        assert!(Parameters::default().settings().vehicle.masses.is_empty());
         assert_eq!(
-            numbers("    example:\n      numbers:\n      - 3.0\n      - 1e3\n      - 7\n"),
-            [3.0, 1e3, 7.0]
+            crush("    vehicle.spring_1.crush: [0.1, 0.25, 3]\n"),
+            [0.1, 0.25, 3.0]
         );
-        let words = loaded("    example: {nested: {words: [red, \"blue\"]}}\n").expect("right");
-        assert_eq!(words.settings().example.nested.words, ["red", "blue"]);
-        let empty = words.with_changes([("example.nested.words", Value::StringArray(vec![]))]);
         assert_eq!(
-            empty.expect("right").settings().example.nested.words.len(),
-            0
+            crush(
+                "    vehicle:\n      spring_1:\n        crush:\n        - 0.3\n        - 1e0\n        - 7\n"
+            ),
+            [0.3, 1.0, 7.0]
         );
-        let read = Parameters::from_yaml(Path::new("f.yaml"), &words.to_yaml());
-        assert_eq!(read, Ok(words.clone()));
-        let json = serde_json::to_string(&words).expect("serializes");
+        let words =
+            loaded("    assessment: {criteria: [collapse, \"damage_80\"]}\n").expect("right");
+        assert_eq!(
+            words.settings().assessment.criteria,
+            ["collapse", "damage_80"]
+        );
+        let both = loaded(&format!(
+            "{SPRING}    vehicle.spring_1.crush: [0.1, 0.2, 0.3]\n    assessment.criteria: [collapse]\n"
+        ))
+        .expect("right");
+        let read = Parameters::from_yaml(Path::new("f.yaml"), &both.to_yaml());
+        assert_eq!(read, Ok(both.clone()));
+        let json = serde_json::to_string(&both).expect("serializes");
         assert_eq!(
             serde_json::from_str::<Parameters>(&json).expect("reads"),
-            words
+            both
         );
     }
 
     #[test]
     fn a_wrong_element_has_its_own_place() {
         let faults = loaded(
-            "    example.numbers: [1.0, 0.1,\n      1 kg]\n    example.nested:\n      words:\n      - red\n      - rde\n      - [green]\n      -\n",
+            "    vehicle.masses: [1.0, 0.0,\n      1 kg]\n    assessment:\n      criteria:\n      - collapse\n      - damage_08\n      - [damage_80]\n      -\n",
         );
-        assert_eq!(
-            faults,
-            Err("\
-5 faults in the parameters
-  f.yaml:3:28: example.numbers: `0.1` (element 2) is out of range; allowed: 0.5 to 1e6 kg (an array of numbers)
-  f.yaml:4:7: example.numbers: `1 kg` (element 3) is a string, not a number; omit the unit; allowed: 0.5 to 1e6 kg
-  f.yaml:8:9: example.nested.words: `rde` (element 2) is not known (did you mean red?); allowed: red, green or blue
-  f.yaml:9:9: example.nested.words (element 3) is a list; allowed: red, green or blue
-  f.yaml:10:8: example.nested.words (element 4) has no value; allowed: red, green or blue"
-                .to_owned())
-        );
+        let faults = faults.expect_err("five wrong elements");
+        let lines: Vec<_> = faults.lines().collect();
+        let expected = [
+            "5 faults in the parameters",
+            "  f.yaml:3:27: vehicle.masses: `0.0` (element 2) is out of range; allowed: 0.001 to 1e6 kg (masses of a vehicle",
+            "  f.yaml:4:7: vehicle.masses: `1 kg` (element 3) is a string, not a number; omit the unit; allowed: 0.001 to 1e6 kg",
+            "  f.yaml:8:9: assessment.criteria: `damage_08` (element 2) is not known (did you mean damage_80?); allowed: collapse, ",
+            "  f.yaml:9:9: assessment.criteria (element 3) is a list; allowed: collapse, ",
+            "  f.yaml:10:8: assessment.criteria (element 4) has no value; allowed: collapse, ",
+        ];
+        assert_eq!(lines.len(), expected.len(), "{faults}");
+        for (line, expected) in lines.iter().zip(expected) {
+            assert!(line.starts_with(expected), "{line}");
+        }
     }
 
     #[test]
     fn wrong_arrays_are_rejected_as_a_whole() {
         for (given, expected) in [
             (
-                "example.numbers: []",
-                "f.yaml:3:5: example.numbers has 0 elements; allowed: a list of 1 to 3 elements, each 0.5 to 1e6 kg",
+                "vehicle.masses: [1, 2, 3, -4]",
+                "f.yaml:3:5: vehicle.masses has 4 elements; allowed: a list of 0 to 3 elements, each 0.001 to 1e6 kg",
             ),
             (
-                "example.numbers: [1, 2, 3, -4]",
-                "example.numbers has 4 elements",
+                "vehicle.masses: 5",
+                "f.yaml:3:21: vehicle.masses: `5` is not a list; write [5]; allowed: a list",
             ),
+            ("vehicle.masses:", "vehicle.masses has no value"),
             (
-                "example.numbers: 5",
-                "f.yaml:3:22: example.numbers: `5` is not a list; write [5]; allowed: a list",
-            ),
-            ("example.numbers:", "example.numbers has no value"),
-            (
-                "example.numbers: [.nan]",
+                "vehicle.masses: [.nan]",
                 "`.nan` (element 1) is not a finite number",
             ),
             ("top.load: [1.0]", "top.load is a list; allowed: 0 to 1e9 N"),
@@ -288,17 +342,26 @@ mod tests {
 
     #[test]
     fn arrays_are_given_on_the_command_line() {
-        let overrides = ["example.numbers:=[3, 4.5]", "example.nested.words:=[blue]"];
+        let overrides = [
+            "vehicle.masses:=[3, 4.5]",
+            "vehicle.spring_1.crush:=[1]",
+            "vehicle.spring_1.force:=[100]",
+            "vehicle.spring_1.unloading_stiffness:=100",
+            "vehicle.spring_2.crush:=[1]",
+            "vehicle.spring_2.force:=[100]",
+            "vehicle.spring_2.unloading_stiffness:=100",
+            "assessment.criteria:=[collapse]",
+        ];
         let parameters = Parameters::load(&[], &overrides.map(parse_override)).expect("right");
-        assert_eq!(parameters.settings().example.numbers, [3.0, 4.5]);
+        assert_eq!(parameters.settings().vehicle.masses, [3.0, 4.5]);
         assert_eq!(
-            parameters.get("example.nested.words"),
-            Some(Value::from(vec!["blue".to_owned()]))
+            parameters.get("assessment.criteria"),
+            Some(Value::from(vec!["collapse".to_owned()]))
         );
-        let wrong = Parameters::load(&[], &[parse_override("example.numbers:=[3, -4]")]);
+        let wrong = Parameters::load(&[], &[parse_override("vehicle.masses:=[3, -4]")]);
         let wrong = wrong.expect_err("an element is out of range").to_string();
         let expected =
-            "-p example.numbers:=[3, -4]: example.numbers: `-4` (element 2) is out of range";
+            "-p vehicle.masses:=[3, -4]: vehicle.masses: `-4` (element 2) is out of range";
         assert!(wrong.contains(expected), "{wrong}");
     }
 

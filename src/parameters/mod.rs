@@ -39,6 +39,7 @@ mod spelling;
 mod steel;
 mod table;
 mod value;
+mod vehicles;
 mod yaml;
 
 use std::path::{Path, PathBuf};
@@ -55,19 +56,29 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
-    GeometrySettings, HingeSettings, RealTimeSettings, RecordMode, RecordSettings,
-    ResistanceSettings, ResponseSettings, SectionSettings, Settings, SolverSettings, StateSettings,
-    SteelSettings, SupportKind, SupportSettings, TopSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings, GeometrySettings,
+    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
+    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
+    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
+    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value};
+pub use vehicles::{
+    CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID, Sourced,
+    SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, vehicle_catalogue,
+    vehicle_names,
+};
 
-use crate::column::{ColumnProperties, Impact, Support, YieldExponents};
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, RateLaw, RateProperties, Support, Vehicle,
+    YieldExponents,
+};
 use draft::Draft;
 use given::Assignment;
+use steel::{CEB_STRENGTH_PER_LOG_RATE, rate_factor_cap};
+use table::MAX_RATE_FACTOR;
 
 /// A complete and consistent set of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -96,6 +107,8 @@ pub struct ColumnSection {
     pub second_moment: f64,
     /// `m_l` \[kg/m\].
     pub mass_per_length: f64,
+    /// `h` \[m\] in the plane of bending; 0 if it is not known.
+    pub height: f64,
     /// `W_pl` \[m³\] of a named section.
     pub plastic_modulus: Option<f64>,
 }
@@ -223,17 +236,21 @@ impl Parameters {
         &self.settings
     }
 
-    /// The default impact, for what an impact event leaves open.
+    /// The default impact with its vehicle, for what an impact event leaves open.
     #[must_use]
     pub fn impact(&self) -> Impact {
-        let given = &self.settings.impact;
-        Impact {
-            mass: given.mass,
-            velocity: given.velocity,
-            gap: given.gap,
-            restitution: given.restitution,
-            vehicle: None,
-        }
+        impact_of(&self.settings).expect("the vehicle was checked with the other parameters")
+    }
+
+    /// The vehicle that an event names, as far as the mechanics knows it; `None` is a rigid mass. An empty name is the
+    /// vehicle of the parameters.
+    ///
+    /// [`ImpactSpecification::complete`] gives it the mass of the event.
+    ///
+    /// # Errors
+    /// An unknown name, with the nearest known one.
+    pub fn vehicle_named(&self, name: &str) -> Result<Option<Vehicle>, VehicleFault> {
+        self.settings.vehicle.vehicle_named(name)
     }
 
     /// Maximum duration of a response \[s\].
@@ -256,6 +273,7 @@ impl Parameters {
                 given.mass_per_length,
                 computed.map(|it| it.mass_per_length),
             ),
+            height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
             plastic_modulus: computed.map(|it| it.plastic_modulus),
         }
     }
@@ -290,6 +308,37 @@ impl Parameters {
         }
     }
 
+    /// Increase of the resistances with the strain rate, with its open numbers filled in; `None` without.
+    fn rate(&self) -> Option<RateProperties> {
+        let given = &self.settings.rate;
+        let yield_strength = self.steel().yield_strength;
+        let (law, max_factor) = match given.law {
+            RateLawKind::None => return None,
+            RateLawKind::CowperSymonds => {
+                let law = RateLaw::CowperSymonds {
+                    d: given.d,
+                    q: given.q,
+                };
+                (law, MAX_RATE_FACTOR)
+            }
+            RateLawKind::Logarithmic => {
+                let law = RateLaw::Logarithmic {
+                    c: or_else(given.c, CEB_STRENGTH_PER_LOG_RATE / yield_strength),
+                    reference: given.reference,
+                };
+                (law, rate_factor_cap(yield_strength))
+            }
+        };
+        let section_height = self.section().height;
+        Some(RateProperties {
+            law,
+            time_constant: given.time_constant,
+            max_factor: or_else(given.max_factor, max_factor),
+            hinge_length: or_else(given.hinge_length, section_height),
+            section_height,
+        })
+    }
+
     /// The column as the mechanics needs it.
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
@@ -301,6 +350,8 @@ impl Parameters {
             top,
             solver,
             damping,
+            hardening,
+            assessment,
             ..
         } = &self.settings;
         let (section, steel) = (self.section(), self.steel());
@@ -332,9 +383,9 @@ impl Parameters {
             top_mass: top.mass,
             top_load: top.load,
             damping_ratio: damping.ratio,
-            rate: None,
-            hardening_ratio: 0.0,
-            ultimate_rotation: 0.0,
+            rate: self.rate(),
+            hardening_ratio: hardening.ratio,
+            ultimate_rotation: assessment.ultimate_rotation,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
         }
@@ -383,13 +434,32 @@ impl From<Parameters> for Settings {
     }
 }
 
+/// The default impact of parameters that need not be consistent.
+///
+/// # Errors
+/// A vehicle that is none, or a total mass that is not above that of its front masses.
+fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
+    let given = &settings.impact;
+    let specification = ImpactSpecification {
+        mass: given.mass,
+        velocity: given.velocity,
+        gap: Some(given.gap),
+        restitution: Some(given.restitution),
+        height: None,
+    };
+    let vehicle = settings.vehicle.vehicle()?;
+    let rigid = Impact::rigid(given.mass, given.velocity);
+    Ok(specification.complete(&rigid, vehicle)?)
+}
+
 /// The given number, or else that of the named section or grade.
 fn or_of_name(number: f64, of_name: Option<f64>) -> f64 {
-    if number > 0.0 {
-        number
-    } else {
-        of_name.unwrap_or(0.0)
-    }
+    or_else(number, of_name.unwrap_or(0.0))
+}
+
+/// The given number, or else the one that takes the place of 0.
+fn or_else(number: f64, otherwise: f64) -> f64 {
+    if number > 0.0 { number } else { otherwise }
 }
 
 fn support_of(kind: SupportKind, stiffness: f64) -> Support {

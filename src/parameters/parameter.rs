@@ -64,6 +64,15 @@ pub enum Admissible {
         /// Meaning of 0.
         zero: &'static str,
     },
+    /// A finite number, or 0 or NaN, which both become 0: left open.
+    RealOrOpen {
+        /// Smallest apart from 0.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Meaning of 0.
+        open: &'static str,
+    },
     /// A duration in seconds that is a whole number of nanoseconds.
     WholeNanoseconds {
         /// Shortest \[s\].
@@ -82,6 +91,8 @@ pub enum Admissible {
     },
     /// A section of the [catalogue](super::catalogue()), or the empty string.
     SectionName,
+    /// [`RIGID`](super::RIGID), a vehicle of the [catalogue](super::vehicle_catalogue()), or the empty string.
+    VehicleName,
     /// One of the [steel grades](super::STEEL_GRADES), or the empty string.
     SteelGrade,
     /// A [list of processors](super::processors()), or the empty string.
@@ -143,12 +154,14 @@ impl Admissible {
         match self {
             Self::Switch => Kind::Bool,
             Self::Integer { .. } => Kind::Integer,
-            Self::Real { .. } | Self::RealOrZero { .. } | Self::WholeNanoseconds { .. } => {
-                Kind::Double
-            }
+            Self::Real { .. }
+            | Self::RealOrZero { .. }
+            | Self::RealOrOpen { .. }
+            | Self::WholeNanoseconds { .. } => Kind::Double,
             Self::Choice(_)
             | Self::Text { .. }
             | Self::SectionName
+            | Self::VehicleName
             | Self::SteelGrade
             | Self::Processors => Kind::String,
             Self::List { of, .. } => match of.kind() {

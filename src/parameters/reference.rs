@@ -7,6 +7,7 @@ use super::parameter::{Applies, Parameter};
 use super::steel::STEEL_GRADES;
 use super::table::PARAMETERS;
 use super::value::{Value, readable};
+use super::vehicles::{Provenance, vehicle_catalogue};
 
 /// The reference as Markdown, which is `docs/parameters.md`.
 #[must_use]
@@ -23,6 +24,7 @@ pub fn markdown() -> String {
     }
     text.push_str(&steels());
     text.push_str(&sections());
+    text.push_str(&vehicles());
     text
 }
 
@@ -43,7 +45,7 @@ column_twin:
 ```
 
 `/**:` instead of `column_twin:` applies to every node, `/garage/a3/column_twin:` to the node in that namespace.
-A whole number is accepted where a double is expected; NaN and infinity are rejected.
+A whole number is accepted where a double is expected; NaN (but for `impact.mass`) and infinity are rejected.
 Arrays are written `[1.0, 2.5]` or as a YAML block sequence; their range applies to each element.
 Ranges include their bounds; *or 0 (...)* gives the meaning of 0 where it is outside the range.
 *Applies* tells when a change takes effect in the running node; *restart* means read-only while it runs.
@@ -111,4 +113,74 @@ fn sections() -> String {
         );
     }
     text
+}
+
+fn vehicles() -> String {
+    let mut text = String::from(
+        "\n## Vehicles\n\nFrom `config/vehicles.json`; `rigid` is the paper's rigid mass.\nMasses and springs are listed from the front; \
+         each spring is in front of the mass of the same row.\nThe curve gives the force of the full width of the front over its crush, \
+         and its last slope continues; a narrow object meets half of it up to a crush of 0.40 m, rising to all of it at 0.55 m.\n\
+         Every number has the tag of its source: ",
+    );
+    let tags = [
+        Provenance::Read,
+        Provenance::Computed,
+        Provenance::Recalled,
+        Provenance::Assumed,
+    ]
+    .map(|tag| format!("[{}] {}", tag.letter(), tag.meaning()));
+    let _ = writeln!(
+        text,
+        "{}.\n`column-twin vehicles` prints the sources.\n\n\
+         | name | mass [kg] | crush [m] : force [kN] | unloading [MN/m] | narrow object | contact height [m] | scatter of the force |\n\
+         |---|---|---|---|---|---|---|",
+        tags.join(", ")
+    );
+    for vehicle in vehicle_catalogue() {
+        for (index, spring) in vehicle.springs.iter().enumerate() {
+            let mass = vehicle.masses.value.kg[index];
+            let curve: Vec<_> = spring.value.points.iter().map(curve_point).collect();
+            let _ = write!(
+                text,
+                "| {} | {mass} [{}] | {} [{}] | {} |",
+                if index == 0 {
+                    vehicle.name.as_str()
+                } else {
+                    ""
+                },
+                vehicle.masses.tag.letter(),
+                curve.join(", "),
+                spring.tag.letter(),
+                readable(spring.value.unloading_stiffness_n_m / 1e6),
+            );
+            let _ = match index {
+                0 => writeln!(
+                    text,
+                    " {} [{}] | {} [{}] | {} % [{}] |",
+                    if vehicle.narrow_object.value.on {
+                        "yes"
+                    } else {
+                        "no"
+                    },
+                    vehicle.narrow_object.tag.letter(),
+                    vehicle.contact_height.value.height_m,
+                    vehicle.contact_height.tag.letter(),
+                    (100.0 * vehicle.force_variation.value.coefficient).round(),
+                    vehicle.force_variation.tag.letter(),
+                ),
+                _ => writeln!(text, " | | |"),
+            };
+        }
+    }
+    text
+}
+
+/// A point of a force-crush curve: crush \[m\] and force \[kN\].
+fn curve_point([crush, force]: &[f64; 2]) -> String {
+    format!("{} : {}", rounded(*crush), rounded(force / 1e3))
+}
+
+/// Without the digits that only round-off fills.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }

@@ -25,7 +25,11 @@ pub struct Settings {
     pub top: TopSettings,
     /// Default impact, for what an impact event leaves open.
     pub impact: ImpactSettings,
+    /// The vehicle of an impact that names none.
+    pub vehicle: VehicleSettings,
     pub event: EventSettings,
+    pub rate: RateSettings,
+    pub hardening: HardeningSettings,
     pub solver: SolverSettings,
     pub damping: DampingSettings,
     pub response: ResponseSettings,
@@ -37,8 +41,6 @@ pub struct Settings {
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
-    #[cfg(test)]
-    pub example: ExampleSettings,
 }
 
 macro_rules! groups {
@@ -55,7 +57,7 @@ groups! {
     /// Lengths of the two bars.
     GeometrySettings { length_below: f64, length_above: f64 }
     /// The section as given: a name, numbers that override its properties, or numbers alone.
-    SectionSettings { name: String, area: f64, second_moment: f64, mass_per_length: f64 }
+    SectionSettings { name: String, area: f64, second_moment: f64, mass_per_length: f64, height: f64 }
     /// The steel as given: a grade, numbers that override its properties, or numbers alone.
     SteelSettings { grade: String, young_modulus: f64, yield_strength: f64 }
     /// Resistances as given; 0: computed.
@@ -70,6 +72,32 @@ groups! {
     TopSettings { spring_stiffness: f64, mass: f64, load: f64 }
     /// The default impact.
     ImpactSettings { mass: f64, velocity: f64, gap: f64, restitution: f64 }
+    /// The vehicle as given: a name, or numbers alone.
+    VehicleSettings {
+        name: String,
+        masses: Vec<f64>,
+        slack: Vec<f64>,
+        spring_1: SpringSettings,
+        spring_2: SpringSettings,
+        spring_3: SpringSettings,
+        narrow_object: bool,
+        force_factor: f64,
+    }
+    /// One spring of a vehicle that is given by numbers.
+    SpringSettings { crush: Vec<f64>, force: Vec<f64>, unloading_stiffness: f64 }
+    /// Increase of the yield surface with the strain rate.
+    RateSettings {
+        law: RateLawKind,
+        d: f64,
+        q: f64,
+        c: f64,
+        reference: f64,
+        time_constant: f64,
+        max_factor: f64,
+        hinge_length: f64,
+    }
+    /// Hardening of the steel.
+    HardeningSettings { ratio: f64 }
     /// Admissible stamps of impact events.
     EventSettings { max_age: f64, max_ahead: f64 }
     /// Time stepping.
@@ -81,7 +109,7 @@ groups! {
     /// Remaining axial capacity.
     CapacitySettings { imperfection: f64 }
     /// Assessment of an impact.
-    AssessmentSettings { criteria: Vec<String> }
+    AssessmentSettings { ultimate_rotation: f64, criteria: Vec<String> }
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.
@@ -107,12 +135,6 @@ groups! {
         memory_limit: u64,
         magnification: f64,
     }
-    /// Arrays, in unit tests only.
-    #[cfg(test)]
-    ExampleSettings { numbers: Vec<f64>, nested: NestedExampleSettings }
-    /// A group within a group, in unit tests only.
-    #[cfg(test)]
-    NestedExampleSettings { words: Vec<String> }
 }
 
 macro_rules! words {
@@ -133,6 +155,15 @@ words! {
         Pinned,
         /// A spring.
         SemiRigid,
+    }
+    /// Form of the dynamic increase factor, without its numbers.
+    RateLawKind {
+        /// No increase.
+        None,
+        /// Of Cowper and Symonds.
+        CowperSymonds,
+        /// Of the CEB.
+        Logarithmic,
     }
     /// What is recorded.
     RecordMode {

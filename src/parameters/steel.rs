@@ -23,6 +23,30 @@ pub const STEEL_GRADES: &[SteelGrade] = &[
     grade("S460", 460e6),
 ];
 
+/// Increase of the yield strength with the natural logarithm of the strain rate in the form of the CEB,
+/// `f_y + 6 MPa ln(e / 5e-5)` \[Pa\] (recalled, not verified).
+pub(super) const CEB_STRENGTH_PER_LOG_RATE: f64 = 6e6;
+
+/// Largest dynamic increase factor by yield strength \[Pa\], an assumption of this project: the stronger a steel, the less
+/// it gains with the strain rate.
+const RATE_FACTOR_CAPS: [[f64; 2]; 3] = [[235e6, 1.35], [355e6, 1.25], [460e6, 1.15]];
+
+/// The largest dynamic increase factor of a steel of this yield strength \[Pa\]: linear between the grades, constant beyond
+/// the weakest and the strongest.
+pub(super) fn rate_factor_cap(yield_strength: f64) -> f64 {
+    let [weakest, .., strongest] = RATE_FACTOR_CAPS;
+    if yield_strength <= weakest[0] {
+        return weakest[1];
+    }
+    for pair in RATE_FACTOR_CAPS.windows(2) {
+        let [[low, above], [high, below]] = [pair[0], pair[1]];
+        if yield_strength <= high {
+            return above + (below - above) * (yield_strength - low) / (high - low);
+        }
+    }
+    strongest[1]
+}
+
 const fn grade(name: &'static str, yield_strength: f64) -> SteelGrade {
     SteelGrade {
         name,
@@ -54,6 +78,21 @@ mod tests {
         );
         assert_eq!(SteelGrade::named("S350"), None);
         assert_eq!(SteelGrade::named(""), None);
+    }
+
+    #[test]
+    fn the_cap_of_the_rate_factor_falls_with_the_strength() {
+        for (yield_strength, cap) in [
+            (200e6, 1.35),
+            (235e6, 1.35),
+            (295e6, 1.30),
+            (355e6, 1.25),
+            (407.5e6, 1.20),
+            (460e6, 1.15),
+            (690e6, 1.15),
+        ] {
+            assert!((rate_factor_cap(yield_strength) - cap).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::spelling::may_be_misspelt;
+use crate::column::MAX_MASSES;
 
 impl Parameter {
     /// The parameter of this name.
@@ -102,6 +103,30 @@ const IDENTIFIER: Admissible = Admissible::Text {
     max_chars: 255,
 };
 
+/// Most points of a force-crush curve that parameters give: a narrow object adds some to them.
+const MAX_POINTS: usize = 16;
+const CURVE_CRUSH: Admissible = Admissible::List {
+    of: &Admissible::Real {
+        min: 1e-6,
+        max: 20.0,
+    },
+    min_len: 0,
+    max_len: MAX_POINTS,
+};
+const CURVE_FORCE: Admissible = Admissible::List {
+    of: &Admissible::Real { min: 0.0, max: 1e9 },
+    min_len: 0,
+    max_len: MAX_POINTS,
+};
+const UNLOADING_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e12,
+    zero: "not given",
+};
+
+/// Largest dynamic increase factor that may be asked for, and the limit of a law that has none of its own.
+pub(super) const MAX_RATE_FACTOR: f64 = 100.0;
+
 /// Every parameter, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter {
@@ -200,6 +225,18 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AfterResponse,
         meaning: "m_l: mass per length; overrides that of a named section",
+    },
+    Parameter {
+        name: "section.height",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.01,
+            max: 10.0,
+            zero: FROM_SECTION,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "h: height in the plane of bending, for strain rates; overrides that of a named section",
     },
     Parameter {
         name: "steel.grade",
@@ -388,12 +425,14 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "impact.mass",
         unit: "kg",
         default: DefaultValue::Double(1500.0),
-        admissible: Admissible::Real {
+        admissible: Admissible::RealOrOpen {
             min: 1e-3,
             max: 1e6,
+            open: "the vehicle's own mass; not for a rigid one",
         },
         applies: Applies::AtOnce,
-        meaning: "m_c: mass of the vehicle",
+        meaning: "m_c: total mass of the vehicle; of a compliant one, the rearmost mass takes the difference to its own. If it is not given \
+                  and vehicle.name is that of a compliant vehicle, it is 0",
     },
     Parameter {
         name: "impact.velocity",
@@ -426,6 +465,140 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "epsilon: coefficient of restitution of Newton's impact law; 0 is perfectly inelastic, 1 perfectly elastic",
     },
     Parameter {
+        name: "vehicle.name",
+        unit: "",
+        default: DefaultValue::Text("rigid"),
+        admissible: Admissible::VehicleName,
+        applies: Applies::AtOnce,
+        meaning: "vehicle of impacts that name none: the paper's rigid mass, or one of the catalogue; empty: the vehicle is given by \
+                  numbers. If files and overrides give one of the numbers but no name, the name is empty",
+    },
+    Parameter {
+        name: "vehicle.masses",
+        unit: "kg",
+        default: DefaultValue::Numbers(&[]),
+        admissible: Admissible::List {
+            of: &Admissible::Real {
+                min: 1e-3,
+                max: 1e6,
+            },
+            min_len: 0,
+            max_len: MAX_MASSES,
+        },
+        applies: Applies::AtOnce,
+        meaning: "masses of a vehicle given by numbers, front first, each with a spring in front of it; the rearmost takes the \
+                  difference to impact.mass",
+    },
+    Parameter {
+        name: "vehicle.slack",
+        unit: "m",
+        default: DefaultValue::Numbers(&[]),
+        admissible: Admissible::List {
+            of: &Admissible::Real {
+                min: 0.0,
+                max: 10.0,
+            },
+            min_len: 0,
+            max_len: MAX_MASSES - 1,
+        },
+        applies: Applies::AtOnce,
+        meaning: "distance that closes before a spring acts, one for each spring from the second on; empty: 0",
+    },
+    Parameter {
+        name: "vehicle.spring_1.crush",
+        unit: "m",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_CRUSH,
+        applies: Applies::AtOnce,
+        meaning: "spring 1, in front of mass 1: crush of the points of its force-crush curve after (0, 0), increasing",
+    },
+    Parameter {
+        name: "vehicle.spring_1.force",
+        unit: "N",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_FORCE,
+        applies: Applies::AtOnce,
+        meaning: "spring 1: force at each of these points; the last slope continues behind the last point",
+    },
+    Parameter {
+        name: "vehicle.spring_1.unloading_stiffness",
+        unit: "N/m",
+        default: DefaultValue::Double(0.0),
+        admissible: UNLOADING_STIFFNESS,
+        applies: Applies::AtOnce,
+        meaning: "spring 1: stiffness of unloading and reloading, at least the steepest slope of the curve; equal to the only slope, the spring is elastic",
+    },
+    Parameter {
+        name: "vehicle.spring_2.crush",
+        unit: "m",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_CRUSH,
+        applies: Applies::AtOnce,
+        meaning: "spring 2, in front of mass 2: crush of the points of its force-crush curve after (0, 0), increasing",
+    },
+    Parameter {
+        name: "vehicle.spring_2.force",
+        unit: "N",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_FORCE,
+        applies: Applies::AtOnce,
+        meaning: "spring 2: force at each of these points; the last slope continues behind the last point",
+    },
+    Parameter {
+        name: "vehicle.spring_2.unloading_stiffness",
+        unit: "N/m",
+        default: DefaultValue::Double(0.0),
+        admissible: UNLOADING_STIFFNESS,
+        applies: Applies::AtOnce,
+        meaning: "spring 2: stiffness of unloading and reloading, at least the steepest slope of the curve; equal to the only slope, the spring is elastic",
+    },
+    Parameter {
+        name: "vehicle.spring_3.crush",
+        unit: "m",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_CRUSH,
+        applies: Applies::AtOnce,
+        meaning: "spring 3, in front of mass 3: crush of the points of its force-crush curve after (0, 0), increasing",
+    },
+    Parameter {
+        name: "vehicle.spring_3.force",
+        unit: "N",
+        default: DefaultValue::Numbers(&[]),
+        admissible: CURVE_FORCE,
+        applies: Applies::AtOnce,
+        meaning: "spring 3: force at each of these points; the last slope continues behind the last point",
+    },
+    Parameter {
+        name: "vehicle.spring_3.unloading_stiffness",
+        unit: "N/m",
+        default: DefaultValue::Double(0.0),
+        admissible: UNLOADING_STIFFNESS,
+        applies: Applies::AtOnce,
+        meaning: "spring 3: stiffness of unloading and reloading, at least the steepest slope of the curve; equal to the only slope, the spring is elastic",
+    },
+    Parameter {
+        name: "vehicle.narrow_object",
+        unit: "",
+        default: DefaultValue::Bool(false),
+        admissible: Admissible::Switch,
+        applies: Applies::AtOnce,
+        meaning: "whether the column meets half of the front's force up to a crush of 0.40 m, rising to all of it at 0.55 m, where it \
+                  has reached the engine. If it is not given, it follows vehicle.name: true for cars of the catalogue, false for \
+                  all others and for a vehicle given by numbers. Another vehicle that an event names keeps its own default",
+    },
+    Parameter {
+        name: "vehicle.force_factor",
+        unit: "",
+        default: DefaultValue::Double(1.0),
+        admissible: Admissible::Real {
+            min: 0.01,
+            max: 100.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "factor of the forces and of the unloading stiffness of every compliant vehicle's front, for its scatter: lognormal, coefficient of \
+                  variation 20 % for cars (JCSS 2.18), 40 % for lorries (assumed)",
+    },
+    Parameter {
         name: "event.max_age",
         unit: "s",
         default: DefaultValue::Double(5.0),
@@ -447,6 +620,107 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "how far the stamp of an impact event may lie in the future; an event further ahead is rejected",
+    },
+    Parameter {
+        name: "rate.law",
+        unit: "",
+        default: DefaultValue::Text("none"),
+        admissible: Admissible::Choice(&["none", "cowper_symonds", "logarithmic"]),
+        applies: Applies::AfterResponse,
+        meaning: "increase of the yield surface with the filtered strain rate e of each hinge. none: the paper; cowper_symonds: \
+                  1 + (e/d)^(1/q); logarithmic: 1 + c ln(e/reference), not below 1, with its defaults the form of the CEB, \
+                  f_y + 6 MPa ln(e / 5e-5) (recalled, not verified)",
+    },
+    Parameter {
+        name: "rate.d",
+        unit: "1/s",
+        default: DefaultValue::Double(40.4),
+        admissible: Admissible::Real {
+            min: 1e-6,
+            max: 1e9,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "strain rate at which the law of Cowper and Symonds doubles the strength; 40.4 with q = 5 is for mild steel (recalled, not \
+                  verified) and overstates the increase for higher grades",
+    },
+    Parameter {
+        name: "rate.q",
+        unit: "",
+        default: DefaultValue::Double(5.0),
+        admissible: Admissible::Real {
+            min: 1.0,
+            max: 100.0,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "exponent of the law of Cowper and Symonds",
+    },
+    Parameter {
+        name: "rate.c",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-6,
+            max: 1.0,
+            zero: "6 MPa / f_y",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "factor of the logarithmic law",
+    },
+    Parameter {
+        name: "rate.reference",
+        unit: "1/s",
+        default: DefaultValue::Double(5e-5),
+        admissible: Admissible::Real {
+            min: 1e-9,
+            max: 1e3,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "strain rate below which the logarithmic law increases nothing",
+    },
+    Parameter {
+        name: "rate.time_constant",
+        unit: "s",
+        default: DefaultValue::Double(1e-3),
+        admissible: Admissible::Real {
+            min: 1e-5,
+            max: 1.0,
+        },
+        applies: Applies::AfterResponse,
+        meaning: "time constant of the low-pass filter of the strain rate, without which the law is ill-posed",
+    },
+    Parameter {
+        name: "rate.max_factor",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1.0,
+            max: MAX_RATE_FACTOR,
+            zero: "logarithmic: 1.35 for S235, 1.25 for S355, 1.15 for S460 (assumed), linear in f_y between them and constant beyond; \
+                   cowper_symonds: no limit below 100",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "largest dynamic increase factor",
+    },
+    Parameter {
+        name: "rate.hinge_length",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-3,
+            max: 100.0,
+            zero: "the section height",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "length over which the rotation of a plastic hinge is spread, for its strain rate",
+    },
+    Parameter {
+        name: "hardening.ratio",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::Real { min: 0.0, max: 0.1 },
+        applies: Applies::AfterResponse,
+        meaning: "b: slope of the stress-strain curve after yield over Young's modulus; 0 is on the safe side for displacements and on the \
+                  unsafe side for forces; about 0.01 is realistic",
     },
     Parameter {
         name: "solver.scheme",
@@ -497,6 +771,18 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "e0: bow of the column for its axial capacity, at most a tenth of its height",
+    },
+    Parameter {
+        name: "assessment.ultimate_rotation",
+        unit: "rad",
+        default: DefaultValue::Double(0.15),
+        admissible: Admissible::RealOrZero {
+            min: 1e-3,
+            max: 3.0,
+            zero: "no limit",
+        },
+        applies: Applies::AfterResponse,
+        meaning: "theta_u: plastic rotation at which a hinge is torn: the response ends there, and the column is severed (Lignos 2019)",
     },
     Parameter {
         name: "assessment.criteria",
@@ -694,33 +980,6 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "magnification factor of the displacements in the pictures; 1: true to scale",
-    },
-    // No array parameter is in use yet. These two take the same way as all others, in unit tests only.
-    #[cfg(test)]
-    Parameter {
-        name: "example.numbers",
-        unit: "kg",
-        default: DefaultValue::Numbers(&[1.0, 2.5]),
-        admissible: Admissible::List {
-            of: &Admissible::Real { min: 0.5, max: 1e6 },
-            min_len: 1,
-            max_len: 3,
-        },
-        applies: Applies::AfterResponse,
-        meaning: "an array of numbers",
-    },
-    #[cfg(test)]
-    Parameter {
-        name: "example.nested.words",
-        unit: "",
-        default: DefaultValue::Texts(&[]),
-        admissible: Admissible::List {
-            of: &Admissible::Choice(&["red", "green", "blue"]),
-            min_len: 0,
-            max_len: 4,
-        },
-        applies: Applies::AtOnce,
-        meaning: "an array of strings, in a group within a group",
     },
 ];
 

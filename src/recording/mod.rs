@@ -1,6 +1,7 @@
 //! The crate `rosbag2_mcap` with the names, message definitions and parameters of this program.
 
 mod event_summary;
+mod instant;
 
 use std::time::{Duration, SystemTime};
 
@@ -10,6 +11,7 @@ use crate::endpoints::{JOURNAL, Qos};
 use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
+pub use instant::instant;
 
 /// The names of recordings of this program, and of the metadata records in them, begin with this.
 pub const APPLICATION: &str = "column_twin";

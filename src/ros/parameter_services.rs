@@ -276,11 +276,12 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
             it.floating_point_range.push(reals(min, max));
         }
         // A range has no gap; the additional constraint describes the rest.
-        Admissible::RealOrZero { max, .. } => it.floating_point_range.push(reals(0.0, max)),
+        Admissible::RealOrZero { max, .. } | Admissible::RealOrOpen { max, .. } => it.floating_point_range.push(reals(0.0, max)),
         Admissible::Switch
         | Admissible::Choice(_)
         | Admissible::Text { .. }
         | Admissible::SectionName
+        | Admissible::VehicleName
         | Admissible::SteelGrade
         | Admissible::Processors
         | Admissible::List { .. } => {}

@@ -1,5 +1,5 @@
 //! The geometry that everything that draws the column shares: its joints, the outline of its section, the solid that this
-//! outline sweeps along the bent axis, and the yield surface of its hinges.
+//! outline sweeps along the bent axis, the yield surface of its hinges, and the vehicle that hits it.
 //!
 //! The frame has its origin at the base, `z` up, `x` in the vehicle's direction of travel and `y` along the flanges: the
 //! column bends in the plane of `x` and `z`, about the strong axis of its section. All lengths in \[m\].
@@ -13,6 +13,7 @@ mod joints;
 mod outline;
 mod round_number;
 mod solid;
+mod vehicle;
 mod yield_curve;
 
 pub use crate::twin::Lengths;
@@ -21,4 +22,5 @@ pub use joints::{HINGE_PLACES, Joints, PlanePoint};
 pub use outline::{Outline, drawn_section};
 pub use round_number::round_number;
 pub use solid::Solid;
+pub use vehicle::{BodyPart, BodyStyle, CrushedVehicle, Hull, VehicleBody, Wheel, hull_triangles};
 pub use yield_curve::yield_curve;

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{
-    Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, Verdicts,
-};
+use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -283,7 +281,12 @@ impl Twin {
                         error_estimate: None,
                     };
                     response.put_forecast(&foreseen, compute_nanos, out);
-                    out.verdict("forecast", &response.event_id, foreseen.assessed.as_deref(), now);
+                    out.verdict(
+                        "forecast",
+                        &response.event_id,
+                        foreseen.assessed.as_deref(),
+                        now,
+                    );
                     response.foreseen = Some(foreseen);
                     // Saved now: if the machine stops before the response is over, the damage is known all the same.
                     let mut expected = at_rest;
@@ -649,13 +652,19 @@ impl Twin {
         out.verdict("result", &response.event_id, assessed.as_deref(), now);
         self.registry.life.last_impact = Some(last);
         let parameters = Arc::clone(&response.parameters);
-        self.settle(response, settled, now, |twin| {
-            // Another set of parameters may have come into force.
-            match Arc::ptr_eq(&parameters, twin.parameters.current()) {
-                true => twin.assessed = assessed,
-                false => twin.assess(),
-            }
-        }, out);
+        self.settle(
+            response,
+            settled,
+            now,
+            |twin| {
+                // Another set of parameters may have come into force.
+                match Arc::ptr_eq(&parameters, twin.parameters.current()) {
+                    true => twin.assessed = assessed,
+                    false => twin.assess(),
+                }
+            },
+            out,
+        );
     }
 
     fn fail(&mut self, error: &StepError, now: Nanos, out: &mut impl Outputs) {

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
 use super::plant::{Plant, Struck, is_same_height, with_impact_height};
 use super::refusal::{Refusal, RefusalCode};
-use super::registry::{check_column_id, printable};
+use super::registry::check_column_id;
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
 use crate::assessment::imperfection;
-use crate::column::{ColumnProperties, Impact, ImpactSpecification, Report, Vehicle};
-use crate::parameters::{Parameter, Parameters, Value};
-
-/// The paper's rigid mass.
-const RIGID: &str = "rigid";
+use crate::column::{
+    ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
+};
+use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value};
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;
@@ -54,6 +53,12 @@ pub struct Prediction {
 }
 
 impl ColumnSnapshot {
+    /// The parameters that hold.
+    #[must_use]
+    pub fn parameters(&self) -> &Arc<Parameters> {
+        &self.parameters
+    }
+
     /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column,
     /// and an empty `vehicle` that of the parameters; `stopwatch` gives monotonic nanoseconds.
     ///
@@ -101,6 +106,25 @@ impl ColumnSnapshot {
         })
     }
 
+    /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means
+    /// that of the parameters.
+    ///
+    /// # Errors
+    /// The impact would be refused.
+    pub fn struck(
+        &self,
+        vehicle: &str,
+        specification: &ImpactSpecification,
+    ) -> Result<(Model, State, Response), Refusal> {
+        let striking = self.complete(vehicle, specification)?;
+        let Struck {
+            model,
+            state,
+            response,
+        } = self.strike(striking.impact, specification.height)?;
+        Ok((model, state, response))
+    }
+
     /// The impact with what its specification leaves open taken from the parameters and the catalogue of vehicles, every
     /// number checked against the one table.
     ///
@@ -116,8 +140,13 @@ impl ColumnSnapshot {
         let impact = specification
             .complete(&self.parameters.impact(), vehicle)
             .map_err(|error| invalid(error.to_string()))?;
+        // A mass that is left open is that of a compliant vehicle, which is complete by now.
+        let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
+            let mass = impact.mass;
+            format!("mass = {mass}: is required, because a rigid vehicle has no mass of its own")
+        });
         let faults: Vec<_> = [
-            fault_of("mass", "impact.mass", impact.mass),
+            open.or_else(|| fault_of("mass", "impact.mass", impact.mass)),
             fault_of("velocity", "impact.velocity", impact.velocity),
             fault_of("gap", "impact.gap", impact.gap),
             fault_of("restitution", "impact.restitution", impact.restitution),
@@ -149,13 +178,13 @@ impl ColumnSnapshot {
                  allowed: up to {MAX_VEHICLE_NAME_CHARS} characters, no control characters"
             ));
         }
-        match name {
-            "" | RIGID => Ok((RIGID.into(), None)),
-            other => Err(format!(
-                "the vehicle `{}` is not known; known: {RIGID}",
-                printable(other)
-            )),
-        }
+        let vehicle = self.parameters.vehicle_named(name);
+        let vehicle = vehicle.map_err(|fault| fault.to_string())?;
+        let name = match name.trim() {
+            "" => self.parameters.settings().vehicle.name.as_str(),
+            _ => CatalogueVehicle::named(name).map_or(RIGID, |row| row.name.as_str()),
+        };
+        Ok((name.into(), vehicle))
     }
 
     /// A copy of the column with an impactor on its way to this height above the base \[m\]; `None`: where the

@@ -1,5 +1,5 @@
-//! The layout of the viewer, for a laptop screen: column and log on the left, curves in the middle, yield surfaces on the
-//! right.
+//! The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield surfaces on
+//! the right. Crush and force-crush diagram are shown if the vehicle crushes.
 //!
 //! Rerun's blueprint API for Rust can set neither the eye nor the bounds of a view nor the range of an axis. This module
 //! therefore logs the blueprint archetypes one by one, as the API itself does.
@@ -22,6 +22,8 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
+use super::force_crush;
+use super::panel::PANEL;
 use super::plots::{self, PLOTS};
 use super::rerun_types::color;
 use super::scene::Drawing;
@@ -40,8 +42,11 @@ const ROOT: u8 = 1;
 const LEFT: u8 = 2;
 const MIDDLE: u8 = 3;
 const RIGHT: u8 = 4;
+const BELOW: u8 = 5;
 const SCENE: u8 = 10;
 const LOG: u8 = 11;
+const TEXT: u8 = 12;
+const FORCE_CRUSH: u8 = 13;
 const FIRST_PLOT: u8 = 20;
 const FIRST_HINGE: u8 = 40;
 
@@ -55,23 +60,7 @@ pub fn send(
     axes: &[[f64; 2]; PLOTS],
     follows: bool,
 ) -> RecordingStreamResult<()> {
-    let (stream, storage) = RecordingStreamBuilder::new(APPLICATION)
-        .enabled(true)
-        .blueprint()
-        .memory()?;
-    stream.set_time_sequence("blueprint", 0);
-    let blueprint = Blueprint { stream };
-    blueprint.layout()?;
-    blueprint.scene(drawing)?;
-    blueprint.log()?;
-    for (number, axis) in (0..).zip(axes) {
-        blueprint.plot(number, *axis)?;
-    }
-    for hinge in 0..HINGES {
-        blueprint.yield_surface(hinge)?;
-    }
-    blueprint.panels(follows)?;
-    let messages = storage.take();
+    let messages = messages(drawing, axes, follows)?;
     let store = messages.iter().find_map(|message| match message {
         LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
         _ => None,
@@ -85,6 +74,43 @@ pub fn send(
         recording.send_blueprint(messages, activation);
     }
     Ok(())
+}
+
+/// The data of the blueprint.
+fn messages(
+    drawing: &Drawing,
+    axes: &[[f64; 2]; PLOTS],
+    follows: bool,
+) -> RecordingStreamResult<Vec<LogMsg>> {
+    let (stream, storage) = RecordingStreamBuilder::new(APPLICATION)
+        .enabled(true)
+        .blueprint()
+        .memory()?;
+    stream.set_time_sequence("blueprint", 0);
+    let blueprint = Blueprint { stream };
+    let crushes = drawing.vehicle.is_real();
+    blueprint.layout(crushes)?;
+    blueprint.scene(drawing)?;
+    blueprint.panel()?;
+    blueprint.log()?;
+    for (number, axis) in (0..).zip(axes) {
+        if shown(number, crushes) {
+            blueprint.plot(number, *axis)?;
+        }
+    }
+    if crushes {
+        blueprint.force_crush(drawing)?;
+    }
+    for hinge in 0..HINGES {
+        blueprint.yield_surface(hinge)?;
+    }
+    blueprint.panels(follows)?;
+    Ok(storage.take())
+}
+
+/// Whether the plot of this number is shown, for a vehicle that crushes or not.
+fn shown(plot: u8, crushes: bool) -> bool {
+    crushes || !plots::ALL[usize::from(plot)].of_vehicle
 }
 
 struct Blueprint {
@@ -115,8 +141,10 @@ impl Blueprint {
         self.stream.log(path, what)
     }
 
-    fn layout(&self) -> RecordingStreamResult<()> {
-        let plots = (0..PLOTS as u8).map(|number| view(FIRST_PLOT + number));
+    fn layout(&self, crushes: bool) -> RecordingStreamResult<()> {
+        let plots = (0..PLOTS as u8).filter(|number| shown(*number, crushes));
+        let plots = plots.map(|number| view(FIRST_PLOT + number));
+        let plots = plots.chain(crushes.then(|| view(FORCE_CRUSH)));
         let hinges = (0..HINGES as u8).map(|hinge| view(FIRST_HINGE + hinge));
         let contents = |paths: Vec<String>| {
             let paths = paths.into_iter();
@@ -125,9 +153,13 @@ impl Blueprint {
                 .collect::<Vec<_>>()
         };
         let left = ContainerBlueprint::new(ContainerKind::Vertical)
-            .with_contents(contents(vec![view(SCENE), view(LOG)]))
-            .with_row_shares([0.74_f32, 0.26]);
+            .with_contents(contents(vec![view(SCENE), container(BELOW)]))
+            .with_row_shares([0.62_f32, 0.38]);
         self.write(&container(LEFT), &left)?;
+        let below = ContainerBlueprint::new(ContainerKind::Horizontal)
+            .with_contents(contents(vec![view(TEXT), view(LOG)]))
+            .with_col_shares([0.6_f32, 0.4]);
+        self.write(&container(BELOW), &below)?;
         let middle = ContainerBlueprint::new(ContainerKind::Grid)
             .with_contents(contents(plots.collect()))
             .with_grid_columns(2_u32);
@@ -141,7 +173,7 @@ impl Blueprint {
                 container(MIDDLE),
                 container(RIGHT),
             ]))
-            .with_col_shares([0.37_f32, 0.45, 0.18]);
+            .with_col_shares([0.45_f32, 0.39, 0.16]);
         self.write(&container(ROOT), &root)?;
         let viewport = ViewportBlueprint::new()
             .with_root_container(RootContainer(uuid_bytes(ROOT).into()))
@@ -176,7 +208,7 @@ impl Blueprint {
         self.write(&format!("{}/{name}", view(number)), what)
     }
 
-    /// Looks along the flanges, from slightly above and in front of the vehicle, so that the column bends in the image plane.
+    /// The column and the vehicle, from where all of it is in the picture.
     fn scene(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
         let title = if drawing.magnification == 1.0 {
             format!("{}, to scale", drawing.section)
@@ -186,17 +218,16 @@ impl Blueprint {
                 drawing.section, drawing.magnification
             )
         };
-        let contents = ["column", "top", "supports", "ghost", "vehicle", "legend"]
+        let contents = ["column", "top", "supports", "ghost", "vehicle"]
             .iter()
             .map(|it| format!("+ /{it}/**"))
             .collect::<Vec<_>>();
         self.view(SCENE, "3D", &title, "/", &contents)?;
-        let height = drawing.lengths.total() as f32;
-        let middle = [0.01 * height, 0.0, 0.53 * height];
+        let camera = drawing.camera();
         let eye = EyeControls3D::new()
             .with_kind(Eye3DKind::Orbital)
-            .with_position([0.1 * height, -1.32 * height, 0.6 * height])
-            .with_look_target(middle)
+            .with_position(camera.eye.map(|it| it as f32))
+            .with_look_target(camera.target.map(|it| it as f32))
             .with_eye_up([0.0, 0.0, 1.0]);
         self.property(SCENE, "EyeControls3D", &eye)?;
         let background =
@@ -204,6 +235,44 @@ impl Blueprint {
         self.property(SCENE, "Background", &background)?;
         let grid = LineGrid3D::new().with_visible(false);
         self.property(SCENE, "LineGrid3D", &grid)
+    }
+
+    fn panel(&self) -> RecordingStreamResult<()> {
+        let contents = [format!("+ /{PANEL}")];
+        self.view(
+            TEXT,
+            "TextDocument",
+            "Assessment and legend",
+            "/",
+            &contents,
+        )
+    }
+
+    /// Force over crush of the vehicle's springs: the paths up to the present time.
+    fn force_crush(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
+        let title = "Force over crush of each spring";
+        let contents = ["+ /force_crush/**".to_owned()];
+        self.view(FORCE_CRUSH, "2D", title, "/force_crush", &contents)?;
+        let [crush, force] = force_crush::extent(drawing.springs.as_ref());
+        let bounds = VisualBounds::new(VisualBounds2D(Range2D {
+            x_range: [-0.22 * crush, 1.15 * crush].into(),
+            y_range: [-1.15 * force, 0.2 * force].into(),
+        }));
+        self.property(FORCE_CRUSH, "VisualBounds2D", &bounds)?;
+        self.until_now(FORCE_CRUSH, force_crush::PATH)
+    }
+
+    /// Shows all of an entity up to the present time.
+    fn until_now(&self, id: u8, entity: &str) -> RecordingStreamResult<()> {
+        let until_now = VisibleTimeRange(TimeWindow {
+            timeline: Utf8::from(IMPACT_TIME),
+            range: TimeRange {
+                start: TimeRangeBoundary::Infinite,
+                end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
+            },
+        });
+        let path = format!("{}/ViewContents/overrides/{entity}/visualizers", view(id));
+        self.write(&path, &VisibleTimeRanges::new([until_now]))
     }
 
     fn log(&self) -> RecordingStreamResult<()> {
@@ -228,6 +297,7 @@ impl Blueprint {
         let mut contents = vec![format!("+ {origin}")];
         if usize::from(number) == plots::CONTACT_FORCE {
             contents.push(format!("+ /{}", plots::PERCUSSIONS));
+            contents.push(format!("+ /{}", plots::SPRING_FORCES));
         }
         self.view(id, "TimeSeries", plot.title, "/plots", &contents)?;
         let axis = ScalarAxis::new()
@@ -249,19 +319,7 @@ impl Blueprint {
             y_range: [-1.5, 1.2].into(),
         }));
         self.property(id, "VisualBounds2D", &bounds)?;
-        let until_now = VisibleTimeRange(TimeWindow {
-            timeline: Utf8::from(IMPACT_TIME),
-            range: TimeRange {
-                start: TimeRangeBoundary::Infinite,
-                end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
-            },
-        });
-        let path = format!(
-            "{}/ViewContents/overrides/{}/visualizers",
-            view(id),
-            stress_entity(hinge, "path")
-        );
-        self.write(&path, &VisibleTimeRanges::new([until_now]))
+        self.until_now(id, &stress_entity(hinge, "path"))
     }
 
     fn panels(&self, follows: bool) -> RecordingStreamResult<()> {
@@ -290,6 +348,43 @@ impl Blueprint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::Parameters;
+    use crate::shape::VehicleBody;
+    use rerun::log::Chunk;
+
+    /// The entities of the blueprint for a vehicle.
+    fn entities(vehicle: VehicleBody) -> Vec<String> {
+        let mut drawing = Drawing::new(&Parameters::default());
+        drawing.vehicle = vehicle;
+        let messages = messages(&drawing, &[[0.0, 1.0]; PLOTS], true).expect("written");
+        let chunks = messages.iter().filter_map(|message| match message {
+            LogMsg::ArrowMsg(_, data) => Chunk::from_arrow_msg(data).ok(),
+            _ => None,
+        });
+        chunks.map(|it| it.entity_path().to_string()).collect()
+    }
+
+    fn has(entities: &[String], number: u8) -> bool {
+        entities.contains(&format!("/{}", view(number)))
+    }
+
+    /// The panel is always shown; crush and force over crush if the vehicle crushes.
+    #[test]
+    fn a_vehicle_that_crushes_has_views_of_its_own() {
+        let rigid = entities(VehicleBody::rigid_mass());
+        let car = entities(VehicleBody::assumed(1_719.0, &[0.0]));
+        let of_vehicle = (0..PLOTS).filter(|plot| plots::ALL[*plot].of_vehicle);
+        let of_vehicle = of_vehicle.map(|plot| FIRST_PLOT + plot as u8);
+        for number in of_vehicle.chain([FORCE_CRUSH]) {
+            assert!(!has(&rigid, number) && has(&car, number), "{number}");
+        }
+        for number in [SCENE, TEXT, LOG, FIRST_PLOT, FIRST_HINGE] {
+            assert!(
+                has(&rigid, number) && has(&car, number),
+                "{number}: {rigid:?}"
+            );
+        }
+    }
 
     #[test]
     fn a_uuid_is_the_same_as_text_and_as_bytes() {

@@ -21,6 +21,20 @@ pub const UNLOADED: Rgb = [250, 160, 40];
 
 /// The vehicle and its curves.
 pub const IMPACTOR: Rgb = [70, 130, 220];
+/// Edges of the vehicle.
+pub const VEHICLE_EDGE: Rgb = [120, 175, 250];
+/// The nose of the vehicle when all of it is crushed.
+pub const CRUSHED: Rgb = [250, 140, 40];
+/// The engine of a vehicle.
+pub const ENGINE: Rgb = [200, 205, 215];
+/// The second and the third mass of a vehicle.
+pub const CARGO: [Rgb; 2] = [[205, 160, 90], [170, 190, 100]];
+/// Wheels.
+pub const WHEEL: Rgb = [40, 42, 48];
+/// The road.
+pub const ROAD: Rgb = [86, 90, 96];
+/// Springs of a vehicle in the plots, front first.
+pub const SPRING: [Rgb; 3] = [[250, 140, 40], [205, 160, 90], [170, 190, 100]];
 /// Contact force.
 pub const CONTACT: Rgb = [214, 84, 190];
 /// Load and top.
@@ -51,10 +65,11 @@ pub const HINGE: [Rgb; HINGES] = [
 ];
 
 /// Entries of the energy ledger, from the bottom of the stack.
-pub const ENERGIES: [Rgb; 5] = [
+pub const ENERGIES: [Rgb; 6] = [
     [214, 84, 190],
     [235, 70, 50],
     [150, 150, 150],
+    [250, 140, 40],
     [90, 200, 120],
     [90, 150, 240],
 ];

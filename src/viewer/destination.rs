@@ -58,7 +58,7 @@ impl Destination {
             budget: Some(FrameBudget::new(FRAMES_PER_SECOND, SAVED_FRAMES)),
             curves_period: CURVES_PERIOD,
             follows: true,
-            ranges: Ranges::predicted(parameters, None, None),
+            ranges: Ranges::predicted(parameters, &parameters.impact()),
         };
         let shown_on = |stream| ViewerStream::new(stream, Arc::clone(parameters), options.clone());
         let connection = |address| {

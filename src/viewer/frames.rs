@@ -2,17 +2,20 @@
 
 use rerun::components::Translation3D;
 use rerun::{
-    Arrows3D, Boxes3D, FillMode, LineStrip3D, LineStrips3D, Mesh3D, Points3D, Radius,
-    RecordingStream, RecordingStreamResult, Transform3D,
+    Angle, Arrows3D, Boxes3D, Cylinders3D, FillMode, LineStrip3D, LineStrips3D, Mesh3D, Points3D,
+    Radius, RecordingStream, RecordingStreamResult, RotationAxisAngle, TimeColumn, Transform3D,
 };
 
 use super::colour;
 use super::rerun_types::{color, time_columns};
-use super::scene::{Drawing, Point3, Scene, VEHICLE};
+use super::scene::{Drawing, HALF_WHEEL, Point3, Scene, VehicleMark};
 use super::static_scene;
 use super::timeline::Moment;
 use crate::column::HINGES;
-use crate::shape::Solid;
+use crate::shape::{Hull, Solid, hull_triangles};
+
+/// The hull lets what is behind it and in it shine through: red, green, blue, opacity.
+const HULL_TINT: [u8; 4] = [255, 255, 255, 130];
 
 /// A movement of the top of the column that is too small to see \[m\].
 const INVISIBLE_MOVEMENT: f32 = 1e-4;
@@ -67,7 +70,7 @@ pub(super) fn send(
         scenes().flat_map(|it| {
             let marks = it.hinges.iter().map(|it| (it.place, it.colour, ""));
             let labels = it.hinges.iter();
-            marks.chain(labels.map(|it| (it.label_place, it.colour, it.label.as_str())))
+            marks.chain(labels.map(|it| (it.label.place, it.colour, it.label.text.as_str())))
         })
     };
     let marks = Points3D::update_fields()
@@ -103,29 +106,82 @@ pub(super) fn send(
         stream.send_columns("top", times, top.collect::<Vec<_>>())?;
     }
 
-    let there: Vec<_> = scenes()
-        .map(|it| usize::from(it.vehicle.is_some()))
-        .collect();
-    let bodies = || scenes().filter_map(|it| it.vehicle.as_ref());
-    let vehicle = Boxes3D::update_fields()
-        .with_centers(bodies().map(|it| it.centre))
-        .with_half_sizes(bodies().map(|_| VEHICLE.map(|it| 0.5 * it as f32)));
-    let label = Points3D::update_fields()
-        .with_positions(bodies().map(|it| it.label_place))
-        .with_labels(bodies().map(|it| it.label.as_str()));
-    let touching = scenes()
-        .map(|it| usize::from(it.contact.is_some()))
-        .collect::<Vec<_>>();
+    send_vehicles(stream, frames, times)
+}
+
+/// Sends the vehicle and the contact force, all in one entity.
+fn send_vehicles(
+    stream: &RecordingStream,
+    frames: &[(Moment, Scene)],
+    times: Vec<TimeColumn>,
+) -> RecordingStreamResult<()> {
+    let scenes = || frames.iter().map(|(_, scene)| scene);
+    let vehicles = || scenes().filter_map(|it| it.vehicle.as_ref());
+    let lengths = |of: &dyn Fn(&VehicleMark) -> usize| -> Vec<usize> {
+        let vehicles = scenes().map(|it| it.vehicle.as_ref());
+        vehicles.map(|it| it.map_or(0, of)).collect()
+    };
+
+    // The hull keeps its corners where there is no vehicle, because its triangles are static.
+    let absent = Hull::absent();
+    let hulls = || {
+        let hulls = scenes().map(|it| it.vehicle.as_ref().map(|it| &it.hull));
+        hulls.map(|it| it.unwrap_or(&absent))
+    };
+    let corners = vec![absent.positions.len(); frames.len()];
+    let mesh = Mesh3D::update_fields()
+        .with_vertex_positions(hulls().flat_map(|it| it.positions.iter().copied()))
+        .with_vertex_normals(hulls().flat_map(|it| it.normals.iter().copied()));
+    let hull_colours = vehicles().flat_map(|it| it.colours.iter().map(|it| color(*it)));
+    let hull_colours = Mesh3D::update_fields().with_vertex_colors(hull_colours);
+    let edges = vehicles().flat_map(|it| it.edges.iter());
+    let edges = LineStrips3D::update_fields()
+        .with_strips(edges.map(|it| LineStrip3D::from_iter(it.iter().copied())));
+    let boxes = || vehicles().flat_map(|it| it.boxes.iter());
+    let boxes = Boxes3D::update_fields()
+        .with_centers(boxes().map(|it| it.centre))
+        .with_half_sizes(boxes().map(|it| it.half_size))
+        .with_colors(boxes().map(|it| color(it.colour)));
+    let wheels = Cylinders3D::update_fields()
+        .with_centers(vehicles().flat_map(|it| it.wheels.iter().copied()))
+        .with_radii(vehicles().flat_map(|it| it.wheel_radii.iter().copied()));
+
     let forces = || scenes().filter_map(|it| it.contact.as_ref());
+    let touching = scenes().map(|it| usize::from(it.contact.is_some()));
     let contact = Arrows3D::update_fields()
         .with_origins(forces().map(|it| it.origin))
-        .with_vectors(forces().map(|it| it.vector))
-        .with_labels(forces().map(|it| it.label.as_str()));
-    let vehicle = vehicle
-        .columns(there.clone())?
-        .chain(label.columns(there)?)
-        .chain(contact.columns(touching)?);
-    send("vehicle", vehicle.collect())
+        .with_vectors(forces().map(|it| it.vector));
+    let labels_of = |scene: &Scene| {
+        let vehicle = scene
+            .vehicle
+            .as_ref()
+            .map(|it| (&it.label, colour::VEHICLE_EDGE));
+        let force = scene
+            .contact
+            .as_ref()
+            .map(|it| (&it.label, colour::CONTACT));
+        vehicle
+            .into_iter()
+            .chain(force)
+            .map(|(label, rgb)| (label.clone(), rgb))
+            .collect::<Vec<_>>()
+    };
+    let labels: Vec<_> = scenes().map(labels_of).collect();
+    let each = || labels.iter().flatten();
+    let texts = Points3D::update_fields()
+        .with_positions(each().map(|(label, _)| label.place))
+        .with_colors(each().map(|(_, rgb)| color(*rgb)))
+        .with_labels(each().map(|(label, _)| label.text.as_str()));
+
+    let columns = mesh
+        .columns(corners)?
+        .chain(hull_colours.columns(lengths(&|it| it.colours.len()))?)
+        .chain(edges.columns(lengths(&|it| it.edges.len()))?)
+        .chain(boxes.columns(lengths(&|it| it.boxes.len()))?)
+        .chain(wheels.columns(lengths(&|it| it.wheels.len()))?)
+        .chain(contact.columns(touching.collect::<Vec<_>>())?)
+        .chain(texts.columns(labels.iter().map(Vec::len).collect::<Vec<_>>())?);
+    stream.send_columns("vehicle", times, columns.collect::<Vec<_>>())
 }
 
 /// Sends what all frames of one column share: colours, sizes and the triangles of the steel.
@@ -160,19 +216,36 @@ pub(super) fn send_statics(
         .with_colors([color(colour::SUPPORT)])
         .with_radii([radius(0.003 * drawing.lengths.total())]);
     stream.log_static("top", &spring)?;
-    let vehicle = Boxes3D::update_fields()
-        .with_colors([color(colour::IMPACTOR)])
-        .with_fill_mode(FillMode::TransparentFillMajorWireframe);
-    stream.log_static("vehicle", &vehicle)?;
-    let label = Points3D::update_fields()
-        .with_colors([color(colour::IMPACTOR)])
+    send_vehicle_statics(stream, drawing)
+}
+
+fn send_vehicle_statics(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+    let radius = |part: f64| Radius::new_scene_units((part * drawing.lengths.total()) as f32);
+    let hull = Mesh3D::update_fields()
+        .with_triangle_indices(hull_triangles())
+        .with_albedo_factor(HULL_TINT);
+    stream.log_static("vehicle", &hull)?;
+    let edges = LineStrips3D::update_fields()
+        .with_colors([color(colour::VEHICLE_EDGE)])
+        .with_radii([radius(0.0022)]);
+    stream.log_static("vehicle", &edges)?;
+    let boxes = Boxes3D::update_fields().with_fill_mode(FillMode::TransparentFillMajorWireframe);
+    stream.log_static("vehicle", &boxes)?;
+    // A cylinder lies along `z` by itself.
+    let across = RotationAxisAngle::new([1.0, 0.0, 0.0], Angle::from_degrees(90.0));
+    let wheels = Cylinders3D::update_fields()
+        .with_lengths([2.0 * HALF_WHEEL as f32])
+        .with_rotation_axis_angles([across])
+        .with_colors([color(colour::WHEEL)])
+        .with_fill_mode(FillMode::Solid);
+    stream.log_static("vehicle", &wheels)?;
+    let labels = Points3D::update_fields()
         .with_radii([radius(0.0)])
         .with_show_labels(true);
-    stream.log_static("vehicle", &label)?;
+    stream.log_static("vehicle", &labels)?;
     let contact = Arrows3D::update_fields()
         .with_colors([color(colour::CONTACT)])
-        .with_radii([radius(0.006 * drawing.lengths.total())])
-        .with_show_labels(true);
+        .with_radii([radius(0.006)]);
     stream.log_static("vehicle", &contact)
 }
 

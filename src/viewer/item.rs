@@ -6,7 +6,7 @@ use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Report, Sample, 
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
+use crate::twin::{Output, RefusedInput, ReportOutput, Severity, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
@@ -55,6 +55,14 @@ pub struct Announcement {
 }
 
 impl Announcement {
+    fn of_output(output: &ReportOutput) -> Self {
+        Self {
+            stamp: output.stamp,
+            event_id: Arc::clone(&output.event_id),
+            report: Box::new(ImpactReport::from(output)),
+        }
+    }
+
     /// The announcement of a report of the mechanics.
     #[must_use]
     pub fn new(stamp: i64, event_id: Arc<str>, report: &Report) -> Self {
@@ -72,12 +80,10 @@ impl ViewerItem {
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
             Output::State(state) => Self::State(state),
-            Output::Forecast(it) => {
-                Self::Forecast(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
-            Output::Report(it) => {
-                Self::Result(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
+            // It is given out again with its error estimate, and the numbers that are shown remain.
+            Output::Forecast(it) if it.error_estimate.is_some() => return None,
+            Output::Forecast(it) => Self::Forecast(Announcement::of_output(&it)),
+            Output::Report(it) => Self::Result(Announcement::of_output(&it)),
             Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {
                 stamp: status.stamp,
                 v1: status.residual_v1,
@@ -130,6 +136,7 @@ fn twin_phase(code: u8) -> TwinPhase {
         ColumnState::CONTACT => TwinPhase::Contact,
         ColumnState::REST => TwinPhase::Rest,
         ColumnState::COLLAPSED => TwinPhase::Collapsed,
+        ColumnState::SEVERED => TwinPhase::Severed,
         ColumnState::FAULTED => TwinPhase::Faulted,
         _ => TwinPhase::Free,
     }

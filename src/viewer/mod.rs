@@ -12,15 +12,19 @@
 //! every interface.
 
 mod blueprint;
+mod camera;
 mod colour;
 mod connection;
 mod destination;
 mod error;
 mod events;
 mod file;
+mod force_crush;
 mod frames;
 mod item;
+mod labels;
 mod live_viewer;
+mod panel;
 pub mod plots;
 mod recorded_message;
 mod rerun_types;
@@ -32,13 +36,16 @@ mod stream;
 mod timeline;
 
 pub use blueprint::APPLICATION;
+pub use camera::{Camera, VIEW};
 pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
 pub use file::{from_samples, write_rrd};
 pub use item::{Announcement, ViewerItem};
+pub use labels::Label;
 pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
+pub use panel::{PANEL, Told, panel};
 pub use recorded_message::{RecordedMessage, from_messages};
-pub use scene::{Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VEHICLE, VehicleMark};
+pub use scene::{BoxMark, Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VehicleMark};
 pub use server::{Served, serve};
 pub use stream::{FrameBudget, StreamOptions, ViewerStream};
 pub use timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};

@@ -4,13 +4,13 @@ use rerun::blueprint::components::Corner2D;
 
 use super::colour::{self, Rgb};
 use super::timeline::nanos;
-use crate::column::{HINGES, Impact, Sample, simulate};
+use crate::column::{HINGES, Impact, MAX_MASSES, Sample, simulate};
 use crate::messages::column_twin::ImpactReport;
 use crate::parameters::Parameters;
 use crate::shape::round_number;
 
 /// Number of plots.
-pub const PLOTS: usize = 6;
+pub const PLOTS: usize = 7;
 
 /// A plot of quantities with a common unit.
 #[derive(Debug)]
@@ -27,8 +27,27 @@ pub struct Plot {
     pub names: Corner2D,
     /// Width of the last curve \[points\].
     pub last_width: f32,
-    /// The values of a sample in SI units, one for each curve.
+    /// The values of a sample in SI units, one for each curve; fewer where a vehicle has fewer masses than there are curves.
     pub values: fn(&Sample) -> Vec<f64>,
+    /// Whether it is about a vehicle that crushes, and not shown for a rigid mass.
+    pub of_vehicle: bool,
+}
+
+/// Entity of the forces of the second and the third spring of a vehicle, in the plot of the contact force, which is that of
+/// the first.
+pub const SPRING_FORCES: &str = "plots/spring_forces";
+
+/// Names and colours of the curves of [`SPRING_FORCES`].
+pub const SPRINGS_BEHIND: [(&str, Rgb); MAX_MASSES - 1] = [
+    ("spring 2", colour::SPRING[1]),
+    ("spring 3", colour::SPRING[2]),
+];
+
+/// Forces of the second and the third spring of a vehicle \[N\]; empty if it has one mass, or none.
+#[must_use]
+pub fn spring_forces(sample: &Sample) -> &[f64] {
+    let vehicle = &sample.vehicle;
+    vehicle.force.get(1..vehicle.masses).unwrap_or_default()
 }
 
 /// Entity of the percussions, which are marked in the plot of the contact force.
@@ -50,6 +69,7 @@ pub const ALL: [Plot; PLOTS] = [
         names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.impactor_position, it.v1],
+        of_vehicle: false,
     },
     Plot {
         entity: "plots/vertical_displacement",
@@ -62,6 +82,7 @@ pub const ALL: [Plot; PLOTS] = [
         names: Corner2D::RightBottom,
         last_width: 2.0,
         values: |it| vec![it.u1, it.u2],
+        of_vehicle: false,
     },
     Plot {
         entity: "plots/normal_force",
@@ -71,6 +92,7 @@ pub const ALL: [Plot; PLOTS] = [
         names: Corner2D::RightTop,
         last_width: 1.5,
         values: |it| vec![it.hinges[0].normal_force, it.hinges[1].normal_force],
+        of_vehicle: false,
     },
     Plot {
         entity: "plots/bending_moment",
@@ -85,15 +107,17 @@ pub const ALL: [Plot; PLOTS] = [
         names: Corner2D::LeftBottom,
         last_width: 1.5,
         values: |it| it.hinges.map(|hinge| hinge.moment).to_vec(),
+        of_vehicle: false,
     },
     Plot {
         entity: "plots/contact_force/smooth",
-        title: "Contact force [kN]",
+        title: "Contact and spring forces [kN]",
         per_si: 1e-3,
         curves: &[("contact force", colour::CONTACT)],
         names: Corner2D::RightTop,
         last_width: 2.0,
         values: |it| vec![it.contact_force],
+        of_vehicle: false,
     },
     Plot {
         entity: "plots/energy",
@@ -103,24 +127,47 @@ pub const ALL: [Plot; PLOTS] = [
             ("percussions", colour::ENERGIES[0]),
             ("+ plastic", colour::ENERGIES[1]),
             ("+ damping", colour::ENERGIES[2]),
-            ("+ elastic - load", colour::ENERGIES[3]),
-            ("+ kinetic = level", colour::ENERGIES[4]),
+            ("+ vehicle's crush", colour::ENERGIES[3]),
+            ("+ elastic - load", colour::ENERGIES[4]),
+            ("+ kinetic = level", colour::ENERGIES[5]),
         ],
-        names: Corner2D::RightBottom,
+        names: Corner2D::LeftBottom,
         last_width: 3.0,
         values: |it| ledger(it).to_vec(),
+        of_vehicle: false,
+    },
+    Plot {
+        entity: "plots/crush",
+        title: "Crush of the vehicle [mm]",
+        per_si: 1e3,
+        curves: &[
+            ("spring 1, front", colour::SPRING[0]),
+            ("spring 2", colour::SPRING[1]),
+            ("spring 3", colour::SPRING[2]),
+        ],
+        names: Corner2D::RightBottom,
+        last_width: 1.5,
+        // An open spring is not crushed.
+        values: |it| {
+            let crush = it.vehicle.crush.iter().take(it.vehicle.masses);
+            crush.map(|it| it.max(0.0)).collect()
+        },
+        of_vehicle: true,
     },
 ];
 
 /// The energy ledger as a stack \[J\]: each value is a cumulative sum, and the last one stays constant as long as the ledger
-/// closes. The potential energy of the load is counted with the elastic energy.
+/// closes. The potential energy of the load is counted with the elastic energy of the column, the elastic energy of the
+/// vehicle's springs with what they dissipate.
 #[must_use]
-pub fn ledger(sample: &Sample) -> [f64; 5] {
+pub fn ledger(sample: &Sample) -> [f64; 6] {
     let mut sum = 0.0;
+    let vehicle = &sample.vehicle;
     [
         sample.impact_loss,
         sample.plastic_work,
         sample.damping_work,
+        vehicle.dissipated.iter().sum::<f64>() + vehicle.elastic_energy,
         sample.elastic_energy - sample.load_work,
         sample.kinetic_energy,
     ]
@@ -149,16 +196,13 @@ impl Default for Ranges {
 const MAX_PREDICTED_STEPS: f64 = 20_000.0;
 
 impl Ranges {
-    /// The ranges that an impact on the undamaged column reaches; the parameters give what the arguments leave open.
+    /// The ranges that an impact on the undamaged column of these parameters reaches.
     #[must_use]
-    pub fn predicted(parameters: &Parameters, mass: Option<f64>, velocity: Option<f64>) -> Self {
+    pub fn predicted(parameters: &Parameters, impact: &Impact) -> Self {
         let mut ranges = Self::default();
-        let given = parameters.impact();
         let impact = Impact {
-            mass: mass.unwrap_or(given.mass),
-            velocity: velocity.unwrap_or(given.velocity),
             gap: 0.0,
-            ..given
+            ..*impact
         };
         let column = parameters.column_properties();
         let longest = MAX_PREDICTED_STEPS * 1e-9 * column.step_nanos as f64;
@@ -180,6 +224,10 @@ impl Ranges {
                 reached[0] = reached[0].min(plot.per_si * value);
                 reached[1] = reached[1].max(plot.per_si * value);
             }
+        }
+        for force in spring_forces(sample).iter().filter(|it| it.is_finite()) {
+            let [_, largest] = &mut self.reached[CONTACT_FORCE];
+            *largest = largest.max(ALL[CONTACT_FORCE].per_si * force);
         }
     }
 
@@ -301,11 +349,11 @@ mod tests {
     #[test]
     fn the_stack_of_energies_stays_constant() {
         let samples = samples();
-        let supplied = ledger(&samples[0])[4];
+        let supplied = ledger(&samples[0])[5];
         assert!((supplied - 75e3).abs() < 5e3, "{supplied}");
         for sample in &samples {
             let stack = ledger(sample);
-            assert!((stack[4] / supplied - 1.0).abs() < 1e-9);
+            assert!((stack[5] / supplied - 1.0).abs() < 1e-9);
             assert!(stack.windows(2).take(2).all(|pair| pair[1] >= pair[0]));
         }
     }
@@ -313,14 +361,14 @@ mod tests {
     #[test]
     fn predicted_axes_hold_the_whole_impact_and_do_not_move() {
         let parameters = Parameters::default();
-        let mut ranges = Ranges::predicted(&parameters, Some(1500.0), Some(10.0));
+        let mut ranges = Ranges::predicted(&parameters, &CAR);
         let axes = ranges.axes();
         let mut reached = Ranges::default();
         for sample in samples() {
             reached.include(&sample);
         }
         for (plot, [low, high]) in reached.reached.iter().enumerate() {
-            assert!(axes[plot][0] < *low && *high < axes[plot][1]);
+            assert!(axes[plot][0] < *low && *high < axes[plot][1], "{plot}");
         }
         assert!(!ranges.cover(&reached));
         reached.include(&Sample {
@@ -332,8 +380,12 @@ mod tests {
 
     #[test]
     fn every_plot_has_a_name_for_every_curve_and_a_unit() {
+        let mut sample = Sample::default();
+        sample.vehicle.masses = MAX_MASSES;
         for plot in &ALL {
-            assert_eq!(plot.curves.len(), (plot.values)(&Sample::default()).len());
+            assert_eq!(plot.curves.len(), (plot.values)(&sample).len());
+            let without = (plot.values)(&Sample::default());
+            assert_eq!(without.is_empty(), plot.of_vehicle, "{}", plot.title);
             assert!(plot.title.contains('['), "{}", plot.title);
         }
     }

@@ -5,11 +5,16 @@
 
 use std::f64::consts::PI;
 
+use super::camera::Camera;
 use super::colour::{self, Rgb};
-use crate::column::{HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample, State};
+use super::labels::{self, Label, moved_apart};
+use crate::column::{
+    HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample, State, Vehicle, VehicleSample,
+};
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
-    BentAxis, Joints, Lengths, Outline, PlanePoint, Solid, drawn_section, round_number,
+    BentAxis, CrushedVehicle, Hull, Joints, Lengths, Outline, PlanePoint, Solid, VehicleBody,
+    drawn_section, round_number,
 };
 
 /// A point or a vector in space \[m\].
@@ -21,11 +26,35 @@ pub const FULL_ARC: f64 = 1.5 * PI;
 /// Number of pieces of an arc.
 const ARC_PIECES: usize = 24;
 
-/// Length, width and height of the vehicle's box \[m\].
-pub const VEHICLE: [f64; 3] = [1.6, 1.4, 0.7];
+/// What a vehicle without springs is called.
+const RIGID_MASS: &str = "rigid mass";
+
+/// Largest length of a vehicle that is in the picture as a whole \[m\]; the rear of a longer one is outside.
+const SHOWN_LENGTH: f64 = 9.0;
+
+/// Distance of the vehicle from the column at which it is in the picture as a whole \[m\].
+const SHOWN_GAP: f64 = 0.5;
+
+/// Number of characters of the longest label of a hinge, for which all of them are placed.
+const HINGE_LABEL: usize = 31;
+
+/// Number of lines of the longest label of a vehicle.
+const VEHICLE_LINES: usize = 4;
+
+/// Free space between a label and what it belongs to \[m\].
+const LABEL_GAP: f64 = 0.06;
+
+/// Half the width of a wheel \[m\].
+pub const HALF_WHEEL: f64 = 0.12;
+
+/// Where the road ends in front of the column, and its width beside the vehicle \[m\].
+const ROAD: [f64; 2] = [0.62, 0.25];
 
 /// Distance of hinges 1a and 1b from the impact point along their bars, as a fraction of the depth of the section.
 const HINGE_OFFSET: f64 = 0.5;
+
+/// Radius of the arc of hinge 1b, which surrounds that of hinge 1a, relative to the radius of the others.
+const OUTER_ARC: f64 = 1.25;
 
 /// Turns of the top spring.
 const SPRING_TURNS: usize = 6;
@@ -62,6 +91,12 @@ pub struct Drawing {
     pub at_rest: Sample,
     /// `m_1`: mass at the impact point \[kg\].
     pub struck_mass: f64,
+    /// The body of the vehicle that hits the column.
+    pub vehicle: VehicleBody,
+    /// The name of the vehicle.
+    pub vehicle_name: String,
+    /// Masses and springs of the vehicle; `None` if it is rigid, or if they are not known.
+    pub springs: Option<Vehicle>,
 }
 
 /// An arrow with its value.
@@ -72,7 +107,7 @@ pub struct ForceArrow {
     /// From the tail to the head.
     pub vector: Point3,
     /// Value with its unit.
-    pub label: String,
+    pub label: Label,
 }
 
 /// A hinge.
@@ -82,23 +117,40 @@ pub struct HingeMark {
     pub place: Point3,
     /// Colour of its state.
     pub colour: Rgb,
-    /// Position of the label.
-    pub label_place: Point3,
     /// Utilisation, state and moment.
-    pub label: String,
+    pub label: Label,
     /// The moment as an arc, from its tail to its head.
     pub arc: Vec<Point3>,
+}
+
+/// A box of the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxMark {
+    /// Its centre.
+    pub centre: Point3,
+    /// Half its length, width and height.
+    pub half_size: Point3,
+    /// Its colour.
+    pub colour: Rgb,
 }
 
 /// The vehicle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleMark {
-    /// Centre of its box.
-    pub centre: Point3,
-    /// Mass and speed.
-    pub label: String,
-    /// Position of the label.
-    pub label_place: Point3,
+    /// The surface of its hull.
+    pub hull: Hull,
+    /// Colour of each corner of the hull.
+    pub colours: Vec<Rgb>,
+    /// The outline of its hull on both sides, and what connects them.
+    pub edges: Vec<Vec<Point3>>,
+    /// Engine, cargo and road.
+    pub boxes: Vec<BoxMark>,
+    /// Centres of the wheels.
+    pub wheels: Vec<Point3>,
+    /// Radius of each wheel.
+    pub wheel_radii: Vec<f32>,
+    /// Name, mass, speed and crush.
+    pub label: Label,
 }
 
 /// The column at one instant.
@@ -129,6 +181,7 @@ impl Drawing {
         let resistance_axial = parameters.resistance_axial();
         let section = parameters.section();
         let (at_rest, struck_mass) = at_rest(parameters);
+        let vehicle = parameters.impact().vehicle;
         Self {
             lengths,
             outline: Outline::new(&drawn_section(parameters)),
@@ -146,7 +199,60 @@ impl Drawing {
             magnification: settings.viewer.magnification,
             at_rest,
             struck_mass,
+            springs: vehicle,
+            vehicle_name: if vehicle.is_some() {
+                "vehicle"
+            } else {
+                RIGID_MASS
+            }
+            .to_owned(),
+            vehicle: vehicle.map_or_else(VehicleBody::rigid_mass, |it| {
+                let slack: Vec<_> = it.springs().iter().map(|spring| spring.slack).collect();
+                VehicleBody::assumed(it.total_mass(), &slack)
+            }),
         }
+    }
+
+    /// Draws another vehicle from here on if a sample, with the total mass \[kg\] if it is known, is of one with another number
+    /// of masses; whether it does.
+    pub fn change_vehicle(&mut self, sample: &VehicleSample, mass: Option<f64>) -> bool {
+        if sample.masses == self.vehicle.masses() {
+            return false;
+        }
+        self.springs = None;
+        if sample.masses == 0 {
+            self.vehicle = VehicleBody::rigid_mass();
+            self.vehicle_name = RIGID_MASS.to_owned();
+        } else {
+            // A spring that is open at first has its slack as a negative crush.
+            let slack = sample.crush.map(|crush| (-crush).max(0.0));
+            let slack = [0.0, slack[1], slack[2]];
+            self.vehicle = VehicleBody::assumed(mass.unwrap_or(0.0), &slack[..sample.masses]);
+            self.vehicle_name = "vehicle".to_owned();
+        }
+        true
+    }
+
+    /// The camera that has the column, the vehicle and the labels in the picture.
+    #[must_use]
+    pub fn camera(&self) -> Camera {
+        let height = self.lengths.total();
+        let road = self.vehicle.road(self.lengths.below);
+        let load = self.load.max(0.0) / self.force_per_metre;
+        let top = (self.spring_end() + 0.15).max(height + load.min(height) + LABEL_GAP);
+        let left = -(self.half_depth() + SHOWN_GAP + self.vehicle.length().min(SHOWN_LENGTH));
+        let beside = self.beside_hinges();
+        let near = 0.5 * self.vehicle.width();
+        let bottom = road.min(-0.25) - LABEL_GAP;
+        let [label, line] = [labels::width(HINGE_LABEL), labels::height(VEHICLE_LINES)];
+        let mut camera = Camera::around([left, beside], [bottom, top], near);
+        // The labels keep their size on the screen: the farther away the camera is, the more metres they take.
+        for _ in 0..8 {
+            let size = camera.metres_per_point();
+            let right = beside + size * label;
+            camera = Camera::around([left, right], [bottom - size * line, top], near);
+        }
+        camera
     }
 
     /// Half the depth of the section \[m\].
@@ -171,14 +277,15 @@ impl Drawing {
         let (joints, axis) = self.axis(sample);
         let mut solid = Solid::default();
         solid.move_to(&self.outline, &axis);
+        let point = self.camera().metres_per_point();
         Scene {
             colours: self.colours(sample, solid.positions.len()),
             solid,
-            hinges: self.hinges(sample, &joints),
+            hinges: self.hinges(sample, &joints, point),
             top: in_space(joints.top, 0.0),
             spring: self.spring(joints.top.z),
-            vehicle: self.vehicle(sample, &joints, mass),
-            contact: self.contact(sample, &joints),
+            vehicle: self.vehicle(sample, &joints, mass, point),
+            contact: self.contact(sample, &joints, point),
         }
     }
 
@@ -208,35 +315,52 @@ impl Drawing {
         colours
     }
 
-    fn hinges(&self, sample: &Sample, joints: &Joints) -> [HingeMark; HINGES] {
+    /// Horizontal distance of the labels of the hinges from their hinges, clear of the arcs \[m\].
+    fn beside_hinges(&self) -> f64 {
+        OUTER_ARC * self.arc_radius() + LABEL_GAP
+    }
+
+    /// The hinges, with labels in a column beside them; a point of the screen has the size `point` \[m\].
+    fn hinges(&self, sample: &Sample, joints: &Joints, point: f64) -> [HingeMark; HINGES] {
         let apart = 2.0 * HINGE_OFFSET * self.half_depth();
         let places = joints.hinges(apart);
-        // Labels are beside the column and clear of the arcs; those of the impact point are below and above it.
-        let shift = 0.075 * self.lengths.total();
-        let label_shifts = [-0.5 * shift, 1.5 * shift, -0.5 * shift, 0.5 * shift];
+        let beside = self.beside_hinges() + 0.5 * point * labels::width(HINGE_LABEL);
+        let height = point * labels::height(1);
+        // From the base upwards; the label of the top is below its guides.
+        let upwards = [3, 0, 1, 2];
+        let wanted = upwards.map(|index| {
+            let below = if index == 2 {
+                0.1 * self.lengths.total()
+            } else {
+                0.0
+            };
+            (places[index].z + 0.5 * height - below, height)
+        });
+        let upper_ends = moved_apart(&wanted);
         std::array::from_fn(|index| {
             let hinge = &sample.hinges[index];
             let place = places[index];
-            let radius = self.arc_radius() * if index == 1 { 1.25 } else { 1.0 };
-            let beside = place.plus(
-                1.0,
-                PlanePoint::new(0.29 * self.lengths.total(), label_shifts[index]),
+            let radius = self.arc_radius() * if index == 1 { OUTER_ARC } else { 1.0 };
+            let row = upwards.iter().position(|it| *it == index).unwrap_or(0);
+            let label_place = PlanePoint::new(place.x + beside, upper_ends[row]);
+            let text = format!(
+                "{}: {} %{}, {}",
+                HINGE_NAMES[index],
+                percent(hinge.utilisation),
+                match hinge.state {
+                    HingeState::Elastic => "",
+                    HingeState::Plastic => " plastic",
+                    HingeState::Unloaded => " unloaded",
+                },
+                moment(hinge.moment),
             );
             HingeMark {
                 place: in_space(place, self.front()),
                 colour: colour::of_state(hinge.state),
-                label_place: in_space(beside, self.front()),
-                label: format!(
-                    "{}: {} %{}, {}",
-                    HINGE_NAMES[index],
-                    percent(hinge.utilisation),
-                    match hinge.state {
-                        HingeState::Elastic => "",
-                        HingeState::Plastic => " plastic",
-                        HingeState::Unloaded => " unloaded",
-                    },
-                    moment(hinge.moment),
-                ),
+                label: Label {
+                    place: in_space(label_place, self.front()),
+                    text,
+                },
                 arc: self.arc(place, radius, hinge.moment),
             }
         })
@@ -305,51 +429,199 @@ impl Drawing {
         SPRING_OFFSET
     }
 
-    fn vehicle(&self, sample: &Sample, joints: &Joints, mass: Option<f64>) -> Option<VehicleMark> {
+    fn vehicle(
+        &self,
+        sample: &Sample,
+        joints: &Joints,
+        mass: Option<f64>,
+        point: f64,
+    ) -> Option<VehicleMark> {
         if sample.phase == Phase::Idle {
             return None;
         }
+        let body = &self.vehicle;
         let front = joints.impactor_front(sample, self.half_depth());
-        let centre = PlanePoint::new(front - 0.5 * VEHICLE[0], self.lengths.below);
-        let speed = sample.impactor_velocity;
-        let mass = mass.map_or_else(String::new, |mass| format!("{mass:.0} kg, "));
+        let road = body.road(self.lengths.below);
+        let crushed = body.crushed(&sample.vehicle);
+        let hull = crushed.hull(front, road);
+        let nose = colour::mix(colour::IMPACTOR, colour::CRUSHED, crushed.crushed_share());
+        let colours = hull.is_nose.iter();
+        let colours = colours
+            .map(|is_nose| if *is_nose { nose } else { colour::IMPACTOR })
+            .collect();
+        let (wheels, wheel_radii) = self.wheels(&crushed, front, road);
         Some(VehicleMark {
-            centre: in_space(centre, 0.0),
-            label: format!("{mass}{speed:.2} m/s"),
-            label_place: in_space(
-                centre.plus(1.0, PlanePoint::new(0.0, -0.5 * VEHICLE[2])),
-                0.0,
-            ),
+            colours,
+            hull,
+            edges: edges(&crushed, front, road),
+            boxes: self.boxes(&crushed, front, road),
+            wheels,
+            wheel_radii,
+            label: self.vehicle_label(sample, mass, front, road, point),
         })
     }
 
-    /// The head is at the face of the column; the length is proportional to the force.
-    fn contact(&self, sample: &Sample, joints: &Joints) -> Option<ForceArrow> {
+    /// Engine, cargo and the road on which the vehicle stands.
+    fn boxes(&self, crushed: &CrushedVehicle<'_>, front: f64, road: f64) -> Vec<BoxMark> {
+        let body = &self.vehicle;
+        let rear = body.parts.len() - 1;
+        let mut colours = vec![colour::ENGINE; usize::from(body.engine.is_some())];
+        colours.extend(&colour::CARGO[..rear.min(colour::CARGO.len())]);
+        let mut boxes: Vec<_> = crushed
+            .boxes()
+            .zip(colours)
+            .map(|((extent, heights, half_width), colour)| BoxMark {
+                centre: [
+                    (front - 0.5 * (extent[0] + extent[1])) as f32,
+                    0.0,
+                    (road + 0.5 * (heights[0] + heights[1])) as f32,
+                ],
+                half_size: [
+                    0.5 * (extent[1] - extent[0]),
+                    half_width,
+                    0.5 * (heights[1] - heights[0]),
+                ]
+                .map(|it| it as f32),
+                colour,
+            })
+            .collect();
+        if body.is_real() {
+            let [end, beside] = ROAD;
+            let length = body.length() + 1.0;
+            boxes.push(BoxMark {
+                centre: [-(end + 0.5 * length) as f32, 0.0, road as f32 - 0.02],
+                half_size: [0.5 * length, 0.5 * body.width() + beside, 0.02].map(|it| it as f32),
+                colour: colour::ROAD,
+            });
+        }
+        boxes
+    }
+
+    fn wheels(
+        &self,
+        crushed: &CrushedVehicle<'_>,
+        front: f64,
+        road: f64,
+    ) -> (Vec<Point3>, Vec<f32>) {
+        let aside = 0.5 * self.vehicle.width() - HALF_WHEEL;
+        let both = crushed.wheels().flat_map(|wheel| {
+            [-aside, aside].map(|y| {
+                let centre = [front - wheel.behind, y, road + wheel.radius];
+                (centre.map(|it| it as f32), wheel.radius as f32)
+            })
+        });
+        both.unzip()
+    }
+
+    /// The label is below the vehicle and left of the base.
+    fn vehicle_label(
+        &self,
+        sample: &Sample,
+        mass: Option<f64>,
+        front: f64,
+        road: f64,
+        point: f64,
+    ) -> Label {
+        let text = self.vehicle_text(sample, mass);
+        let half = 0.5 * point * labels::size(&text)[0];
+        let middle = front - 0.5 * self.vehicle.length().min(SHOWN_LENGTH);
+        let x = middle.min(-(ROAD[0] + half));
+        Label {
+            place: in_space(
+                PlanePoint::new(x, road - LABEL_GAP),
+                -0.5 * self.vehicle.width(),
+            ),
+            text,
+        }
+    }
+
+    /// Name, mass and speed, and one line for every spring that is crushed.
+    fn vehicle_text(&self, sample: &Sample, mass: Option<f64>) -> String {
+        let mass = mass.map_or_else(String::new, |mass| format!("{mass:.0} kg, "));
+        let speed = sample.impactor_velocity;
+        let name = &self.vehicle_name;
+        if !self.vehicle.is_real() {
+            return format!("{name} (as in the paper)\n{mass}{speed:.2} m/s");
+        }
+        let vehicle = &sample.vehicle;
+        let mut text = format!("{name}: {mass}{speed:.2} m/s");
+        let names: Vec<_> = self.vehicle.names().collect();
+        for spring in 0..vehicle.masses.min(names.len()) {
+            let crush = 1e3 * vehicle.crush[spring].max(0.0);
+            let what = match spring {
+                0 => "crush",
+                _ => names[spring],
+            };
+            let force = force(vehicle.force[spring]);
+            text.push_str(&match spring {
+                0 => format!("\n{what} {crush:.0} mm, {force}"),
+                _ => format!("\n{what}: crush {crush:.0} mm, {force}"),
+            });
+        }
+        text
+    }
+
+    /// The head is at the face of the column; the length is proportional to the force. The label is above it, and below that
+    /// of the load.
+    fn contact(&self, sample: &Sample, joints: &Joints, point: f64) -> Option<ForceArrow> {
         if sample.contact_force <= 0.0 {
             return None;
         }
         let length = sample.contact_force / self.force_per_metre;
         let face = joints.impact.x - self.half_depth();
+        let text = force(sample.contact_force);
+        let [width, height] = labels::size(&text).map(|it| point * it);
+        let place = PlanePoint::new(
+            face.min(0.0) - LABEL_GAP - 0.5 * width,
+            (joints.impact.z + LABEL_GAP + height).min(joints.top.z + LABEL_GAP),
+        );
         Some(ForceArrow {
             origin: in_space(PlanePoint::new(face - length, joints.impact.z), 0.0),
             vector: [length as f32, 0.0, 0.0],
-            label: force(sample.contact_force),
+            label: Label {
+                place: in_space(place, 0.0),
+                text,
+            },
         })
     }
 
-    /// The load on the top, relative to the top.
+    /// The load on the top, relative to the top, with its label on the left.
     #[must_use]
     pub fn load_arrow(&self) -> Option<ForceArrow> {
         if self.load <= 0.0 {
             return None;
         }
         let length = self.load / self.force_per_metre;
+        let text = format!("P = {}", force(self.load));
+        let point = self.camera().metres_per_point();
+        let [width, height] = labels::size(&text).map(|it| point * it);
+        let place = PlanePoint::new(-2.0 * LABEL_GAP - 0.5 * width, 2.0 * LABEL_GAP + height);
         Some(ForceArrow {
             origin: [0.0, 0.0, length as f32],
             vector: [0.0, 0.0, -length as f32],
-            label: format!("P = {}", force(self.load)),
+            label: Label {
+                place: in_space(place, 0.0),
+                text,
+            },
         })
     }
+}
+
+/// The outline of the hull on both sides, connected at the corners of its roof.
+fn edges(crushed: &CrushedVehicle<'_>, front: f64, road: f64) -> Vec<Vec<Point3>> {
+    let half = 0.5 * crushed.body().width();
+    let [left, right] = [-half, half].map(|y| {
+        let outline = crushed.outline(front, road, y);
+        outline
+            .into_iter()
+            .map(|point| point.map(|it| it as f32))
+            .collect::<Vec<_>>()
+    });
+    let across = left.iter().zip(&right);
+    let mut edges: Vec<_> = across.map(|(one, other)| vec![*one, *other]).collect();
+    edges.dedup();
+    edges.extend([left, right]);
+    edges
 }
 
 /// A point of the plane of bending, shifted to `y` \[m\].
@@ -387,6 +659,8 @@ fn at_rest(parameters: &Parameters) -> (Sample, f64) {
 mod tests {
     use super::*;
     use crate::column::HingeSample;
+    use crate::parameters::Value;
+    use crate::viewer::VIEW;
 
     fn hit() -> Sample {
         let mut sample = Sample {
@@ -430,7 +704,7 @@ mod tests {
         assert_eq!(arrow.vector, [0.75, 0.0, 0.0]);
         assert!((arrow.origin[0] + 0.75 - (0.0946 - 0.11)).abs() < 1e-6);
         assert!((arrow.origin[2] - (1.0 - 0.0047)).abs() < 1e-6);
-        assert_eq!(arrow.label, "750 kN");
+        assert_eq!(arrow.label.text, "750 kN");
         let arc = length(&scene.hinges[3].arc);
         let angle = FULL_ARC * 1.5e5 / drawing.resistance_moment;
         assert!((arc / (drawing.arc_radius() * angle) - 1.0).abs() < 1e-3);
@@ -463,10 +737,10 @@ mod tests {
             (base.colour, top.colour),
             (colour::PLASTIC, colour::ELASTIC)
         );
-        assert_eq!(base.label, "3: 100 % plastic, M -150 kN m");
+        assert_eq!(base.label.text, "3: 100 % plastic, M -150 kN m");
         assert_eq!(
-            scene.vehicle.map(|it| it.label).as_deref(),
-            Some("0.50 m/s")
+            scene.vehicle.map(|it| it.label.text).as_deref(),
+            Some("rigid mass (as in the paper)\n0.50 m/s")
         );
     }
 
@@ -489,8 +763,182 @@ mod tests {
         drawing.magnification = 5.0;
         let scene = drawing.scene(&hit(), None);
         let vehicle = scene.vehicle.expect("there");
-        let front = f64::from(vehicle.centre[0]) + 0.5 * VEHICLE[0];
+        let front = vehicle.hull.positions.iter().map(|it| it[0]);
+        let front = f64::from(front.fold(f32::NEG_INFINITY, f32::max));
         assert!((front - (5.0 * 0.0946 - 0.11)).abs() < 1e-6);
+    }
+
+    /// Upper left and lower right corner of a label in the picture \[points\].
+    fn rectangle(drawing: &Drawing, label: &Label) -> [[f64; 2]; 2] {
+        let [x, y] = drawing.camera().project(label.place);
+        let [width, height] = label.size();
+        [[x - 0.5 * width, y], [x + 0.5 * width, y + height]]
+    }
+
+    /// All labels of the scene of a sample.
+    fn labels_of(drawing: &Drawing, sample: &Sample) -> Vec<Label> {
+        let scene = drawing.scene(sample, Some(1500.0));
+        let hinges = scene.hinges.into_iter().map(|it| it.label);
+        let vehicle = scene.vehicle.map(|it| it.label);
+        let contact = scene.contact.map(|it| it.label);
+        // The load is drawn relative to the top of the column.
+        let load = drawing.load_arrow().map(|it| Label {
+            place: std::array::from_fn(|axis| it.label.place[axis] + scene.top[axis]),
+            text: it.label.text,
+        });
+        hinges.chain(vehicle).chain(contact).chain(load).collect()
+    }
+
+    /// Samples with the longest labels, from the approach to a column that is bent far, and after the separation.
+    fn states(masses: usize) -> Vec<Sample> {
+        let mut states = Vec::new();
+        for (phase, gap, v1) in [
+            (Phase::Approach, 0.5, 0.0),
+            (Phase::Contact, 0.0, 0.0),
+            (Phase::Contact, 0.0, 0.1),
+            (Phase::Contact, 0.0, 0.4),
+            (Phase::Free, 0.2, 0.3),
+        ] {
+            let mut sample = Sample {
+                phase,
+                gap,
+                v1,
+                u1: 0.2 * v1,
+                u2: 0.3 * v1,
+                beta1: 0.2 * v1,
+                impactor_velocity: -12.34,
+                contact_force: if gap == 0.0 { 1.234e6 } else { 0.0 },
+                ..Sample::default()
+            };
+            sample.vehicle.masses = masses;
+            sample.vehicle.crush = [5.0 * v1, v1, v1];
+            sample.vehicle.force = [1.2e6; 3];
+            for hinge in &mut sample.hinges {
+                hinge.moment = -1.5e6;
+                hinge.utilisation = 1.0;
+                hinge.state = HingeState::Unloaded;
+            }
+            states.push(sample);
+        }
+        states
+    }
+
+    #[test]
+    fn no_label_covers_another() {
+        for (below, above) in [
+            (1.0, 3.0),
+            (0.5, 1.0),
+            (0.3, 7.7),
+            (3.5, 0.5),
+            (5.0, 5.0),
+            (0.4, 0.4),
+        ] {
+            let parameters = Parameters::from_values([
+                ("geometry.length_below", Value::from(below)),
+                ("geometry.length_above", Value::from(above)),
+            ]);
+            let mut drawing = Drawing::new(&parameters.expect("admissible"));
+            for (total, slack) in [
+                (0.0, &[][..]),
+                (1_719.0, &[0.0]),
+                (16_000.0, &[0.0]),
+                (8_000.0, &[0.0, 0.1]),
+                (36_000.0, &[0.0, 0.0, 0.1]),
+            ] {
+                drawing.vehicle = match slack {
+                    [] => VehicleBody::rigid_mass(),
+                    slack => VehicleBody::assumed(total, slack),
+                };
+                drawing.vehicle_name = "articulated_36t".to_owned();
+                for sample in states(slack.len()) {
+                    let labels = labels_of(&drawing, &sample);
+                    assert!(labels.len() >= 6);
+                    let places = labels.iter().map(|it| (it, rectangle(&drawing, it)));
+                    let places: Vec<_> = places.collect();
+                    for (index, (label, [from, to])) in places.iter().enumerate() {
+                        for (other, [other_from, other_to]) in &places[..index] {
+                            // Rounding to whole points of the screen.
+                            let apart = |axis: usize| {
+                                from[axis] >= other_to[axis] - 2.0
+                                    || other_from[axis] >= to[axis] - 2.0
+                            };
+                            assert!(
+                                apart(0) || apart(1),
+                                "{below} {above} {total} {:?}: {label:?} {other:?}",
+                                sample.phase
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Column, vehicle and labels are in the picture from the moment when the vehicle is half a metre away.
+    #[test]
+    fn everything_is_in_the_picture() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        for (total, masses) in [(1_719.0, 1), (8_000.0, 2)] {
+            drawing.vehicle = VehicleBody::assumed(total, &[0.0; 3][..masses]);
+            for sample in states(masses) {
+                let scene = drawing.scene(&sample, Some(total));
+                let vehicle = scene.vehicle.expect("there");
+                let column = scene.solid.positions.iter().chain(&scene.spring);
+                let boxes = vehicle.boxes.iter().filter(|it| it.colour != colour::ROAD);
+                let boxes: Vec<_> = boxes.map(|it| it.centre).collect();
+                for place in column.chain(&vehicle.hull.positions).chain(&boxes) {
+                    let [x, y] = drawing.camera().project(*place);
+                    assert!(
+                        (-10.0..VIEW[0] + 10.0).contains(&x),
+                        "{total}: {place:?} {x}"
+                    );
+                    assert!(
+                        (-10.0..VIEW[1] + 10.0).contains(&y),
+                        "{total}: {place:?} {y}"
+                    );
+                }
+                for label in labels_of(&drawing, &sample) {
+                    let [from, to] = rectangle(&drawing, &label);
+                    assert!(
+                        from[0] > -10.0 && to[0] < VIEW[0] + 10.0,
+                        "{label:?} {to:?}"
+                    );
+                    assert!(
+                        from[1] > -10.0 && to[1] < VIEW[1] + 10.0,
+                        "{label:?} {to:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// The label of a vehicle gives its crush; the nose is as long as the crush leaves it, and orange when it is gone.
+    #[test]
+    fn a_crushed_car_is_shorter() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        drawing.vehicle = VehicleBody::assumed(1_719.0, &[0.0]);
+        drawing.vehicle_name = "mid_car".to_owned();
+        let of_crush = |crush: f64| {
+            let mut sample = hit();
+            sample.vehicle.masses = 1;
+            sample.vehicle.crush[0] = crush;
+            sample.vehicle.force[0] = 2.5e5;
+            drawing.scene(&sample, Some(1719.0)).vehicle.expect("there")
+        };
+        let length = |mark: &VehicleMark| {
+            let along = mark.hull.positions.iter().map(|it| it[0]);
+            let rear = along.clone().fold(f32::INFINITY, f32::min);
+            along.fold(f32::NEG_INFINITY, f32::max) - rear
+        };
+        let (whole, crushed) = (of_crush(0.0), of_crush(0.3));
+        assert!((length(&whole) - 4.5).abs() < 1e-5);
+        assert!((length(&whole) - length(&crushed) - 0.3).abs() < 1e-5);
+        assert_eq!(
+            crushed.label.text,
+            "mid_car: 1719 kg, 0.50 m/s\ncrush 300 mm, 250 kN"
+        );
+        assert!(whole.colours.iter().all(|it| *it == colour::IMPACTOR));
+        assert!(of_crush(9.0).colours.contains(&colour::CRUSHED));
     }
 
     #[test]

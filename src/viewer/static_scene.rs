@@ -1,4 +1,4 @@
-//! The parts of the scene that do not move: undeformed column, supports, legend and yield surfaces.
+//! The parts of the scene that do not move: undeformed column, supports and yield surfaces.
 
 use rerun::{
     Arrows3D, Boxes3D, FillMode, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius,
@@ -49,7 +49,6 @@ pub(super) fn send(
     ghost(stream, drawing)?;
     base(stream, drawing)?;
     top(stream, drawing)?;
-    legend(stream, drawing)?;
     surfaces(stream, exponents)
 }
 
@@ -201,45 +200,15 @@ fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()>
     let load = drawing.load_arrow();
     let arrows = Arrows3D::from_vectors(load.iter().map(|it| it.vector))
         .with_origins(load.iter().map(|it| it.origin))
-        .with_labels(load.iter().map(|it| it.label.as_str()))
         .with_colors([color(colour::TOP)])
-        .with_radii([metres(0.006 * height)])
+        .with_radii([metres(0.006 * height)]);
+    stream.log_static("top/load", &arrows)?;
+    let label = Points3D::new(load.iter().map(|it| it.label.place))
+        .with_labels(load.iter().map(|it| it.label.text.as_str()))
+        .with_colors([color(colour::TOP)])
+        .with_radii([metres(0.0)])
         .with_show_labels(true);
-    stream.log_static("top/load", &arrows)
-}
-
-/// Explains the colours and the lengths of arrows, beside the column.
-fn legend(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
-    let height = drawing.lengths.total();
-    let scale = if drawing.magnification == 1.0 {
-        "displacements to scale".to_owned()
-    } else {
-        format!("displacements x {}", drawing.magnification)
-    };
-    let arrows = format!(
-        "forces: 1 m = {}",
-        super::scene::force(drawing.force_per_metre)
-    );
-    let entries = [
-        ("hinge elastic".to_owned(), colour::ELASTIC),
-        ("hinge plastic".to_owned(), colour::PLASTIC),
-        ("hinge unloaded".to_owned(), colour::UNLOADED),
-        ("steel at 0 %".to_owned(), colour::of_utilisation(0.0)),
-        ("50 % utilised".to_owned(), colour::of_utilisation(0.5)),
-        ("100 %: yielding".to_owned(), colour::of_utilisation(1.0)),
-        (arrows, colour::CONTACT),
-        (scale, colour::GHOST),
-    ];
-    let place = |row: usize| {
-        let z = height * (0.95 - 0.075 * row as f64);
-        in_space(PlanePoint::new(-0.42 * height, z), 0.0)
-    };
-    let marks = Points3D::new((0..entries.len()).map(place))
-        .with_colors(entries.iter().map(|(_, rgb)| color(*rgb)))
-        .with_labels(entries.iter().map(|(text, _)| text.as_str()))
-        .with_radii([metres(0.011 * height)])
-        .with_show_labels(true);
-    stream.log_static("legend", &marks)
+    stream.log_static("top/load", &label)
 }
 
 fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStreamResult<()> {
@@ -251,7 +220,7 @@ fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStr
     let axes = LineStrips2D::new([[[-1.15_f32, 0.0], [1.15, 0.0]], [[0.0, -1.15], [0.0, 1.15]]])
         .with_colors([color(colour::AXIS)])
         .with_radii([Radius::new_ui_points(0.7)]);
-    let names = Points2D::new([[1.35_f32, 0.0], [0.0, -1.45]])
+    let names = Points2D::new([[1.24_f32, 0.0], [0.0, -1.45]])
         .with_labels(["M/Mp", "-N/Np"])
         .with_colors([color(colour::SURFACE)])
         .with_radii([Radius::new_ui_points(0.0)])

@@ -5,20 +5,22 @@ use std::time::Duration;
 
 use rerun::{
     LineStrip2D, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scalars,
-    SeriesLines, SeriesPoints, TextLog, TextLogLevel,
+    SeriesLines, SeriesPoints, TextDocument, TextLog, TextLogLevel, TimeColumn,
 };
 
 use super::blueprint;
 use super::colour;
 use super::events::{Event, EventDetector, summary};
+use super::force_crush;
 use super::frames::{self, ShownTop};
 use super::item::{Announcement, ViewerItem};
+use super::panel::{self, PANEL, Told};
 use super::plots::{self, Ranges};
 use super::rerun_types::{color, time_columns};
 use super::scene::{Drawing, Scene};
 use super::static_scene;
 use super::timeline::{Moment, Placed, Timeline, nanos};
-use crate::column::{HINGES, Sample};
+use crate::column::{HINGES, Impact, MAX_MASSES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 use crate::twin::{Severity, StateOutput, TwinPhase};
@@ -96,6 +98,8 @@ struct ImpactProgress {
     /// Time of the last frame of the scene \[s\].
     last_frame: Option<f64>,
     events: EventDetector,
+    /// The forecast.
+    forecast: Option<Announcement>,
     event_id: Option<Arc<str>>,
     /// Stamp of the impact event \[ns\].
     stamp: i64,
@@ -222,9 +226,11 @@ impl ViewerStream {
                 };
                 let mut ranges = Ranges::default();
                 ranges.include_report(&forecast.report);
+                self.tell(line.moment, Told::Forecast(&forecast))?;
                 // A running twin computes it while the first states arrive.
                 if self.progress.event_id.as_deref() == Some(&*forecast.event_id) {
                     self.progress.events.use_report(&forecast.report);
+                    self.progress.forecast = Some(forecast);
                 } else {
                     self.forecast = Some(forecast);
                 }
@@ -250,7 +256,7 @@ impl ViewerStream {
         let Placed { moment, begins } = self.timeline.place(&state);
         if begins {
             self.flush()?;
-            self.begin(&state)?;
+            self.begin(&state, moment)?;
         }
         self.batch.push((moment, state));
         if self.batch.len() >= MAX_BATCH {
@@ -260,7 +266,7 @@ impl ViewerStream {
     }
 
     /// Begins another impact.
-    fn begin(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
+    fn begin(&mut self, state: &StateOutput, moment: Moment) -> RecordingStreamResult<()> {
         let first = state.sample;
         let stamp = state.stamp - nanos(first.time);
         self.show_undeformed(stamp)?;
@@ -276,15 +282,31 @@ impl ViewerStream {
         let announced = self.forecast.take();
         if let Some(forecast) = announced.filter(|it| it.event_id == state.event_id) {
             self.progress.events.use_report(&forecast.report);
+            self.progress.forecast = Some(forecast);
         }
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
+        if self.drawing.change_vehicle(&first.vehicle, mass) {
+            self.send_blueprint()?;
+            force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
+        }
         let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
         if let Some([mass, velocity]) = vehicle.filter(|it| self.predicted != Some(*it)) {
             self.predicted = vehicle;
-            let predicted = Ranges::predicted(&self.parameters, Some(mass), Some(velocity));
-            self.cover(&predicted)?;
+            // A mass that leaves nothing for the rear of the vehicle is that of another one.
+            let springs = self.drawing.springs.map(|it| it.with_total_mass(mass));
+            let impact = Impact {
+                mass,
+                velocity,
+                vehicle: springs.and_then(Result::ok),
+                ..self.parameters.impact()
+            };
+            self.cover(&Ranges::predicted(&self.parameters, &impact))?;
         }
-        Ok(())
+        let told = match &self.progress.forecast {
+            Some(forecast) => Told::Forecast(forecast),
+            None => Told::Begun,
+        };
+        self.tell(moment, told)
     }
 
     fn cover(&mut self, ranges: &Ranges) -> RecordingStreamResult<()> {
@@ -298,6 +320,7 @@ impl ViewerStream {
         let end = self
             .timeline
             .in_impact(result.report.end_time, result.stamp);
+        self.tell(end, Told::Result(result))?;
         self.line(LogLine {
             moment: end,
             severity: Severity::Info,
@@ -311,6 +334,7 @@ impl ViewerStream {
             return Ok(());
         }
         let before = Timeline::before(self.parameters.column_properties().step_nanos, stamp);
+        self.tell(before, Told::Nothing)?;
         let scene = self.drawing.scene(&self.drawing.at_rest, None);
         self.frames(&[(before, scene)])
     }
@@ -339,6 +363,9 @@ impl ViewerStream {
         };
         self.progress.last = Some(sample);
         self.progress.plotted = Some(sample);
+        if !self.drawn {
+            self.tell(moment, Told::Nothing)?;
+        }
         self.frames(&[(moment, self.drawing.scene(&sample, None))])
     }
 
@@ -352,6 +379,14 @@ impl ViewerStream {
         self.at_rest = None;
         self.send_blueprint()?;
         self.statics()
+    }
+
+    /// Writes the panel beside the scene.
+    fn tell(&self, moment: Moment, told: Told<'_>) -> RecordingStreamResult<()> {
+        let text = TextDocument::from_markdown(panel::panel(&self.drawing, told));
+        let data = text.columns_of_unit_batches()?;
+        self.stream
+            .send_columns(PANEL, time_columns([moment]), data)
     }
 
     fn send_blueprint(&self) -> RecordingStreamResult<()> {
@@ -400,16 +435,77 @@ impl ViewerStream {
     fn curves(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
         let times = time_columns(batch.iter().map(|(moment, _)| *moment));
         for plot in &plots::ALL {
-            let values = batch.iter().flat_map(|(_, state)| {
-                let values = (plot.values)(&state.sample);
-                values.into_iter().map(|value| plot.per_si * value)
-            });
-            let scalars = Scalars::new(values);
-            let lengths = vec![plot.curves.len(); batch.len()];
-            self.stream
-                .send_columns(plot.entity, times.clone(), scalars.columns(lengths)?)?;
+            self.curve(plot.entity, &times, batch, |sample| {
+                let mut values = (plot.values)(sample);
+                values.iter_mut().for_each(|it| *it *= plot.per_si);
+                values
+            })?;
         }
-        Ok(())
+        let per_si = plots::ALL[plots::CONTACT_FORCE].per_si;
+        self.curve(plots::SPRING_FORCES, &times, batch, |sample| {
+            let forces = plots::spring_forces(sample).iter();
+            forces.map(|force| per_si * force).collect()
+        })?;
+        self.force_crush(&times, batch)
+    }
+
+    /// Writes some curves, unless none has a value.
+    fn curve(
+        &self,
+        entity: &str,
+        times: &[TimeColumn],
+        batch: &[(Moment, StateOutput)],
+        values: impl Fn(&Sample) -> Vec<f64>,
+    ) -> RecordingStreamResult<()> {
+        let mut all = Vec::with_capacity(4 * batch.len());
+        let mut lengths = Vec::with_capacity(batch.len());
+        for (_, state) in batch {
+            let values = values(&state.sample);
+            lengths.push(values.len());
+            all.extend(values);
+        }
+        if all.is_empty() {
+            return Ok(());
+        }
+        let scalars = Scalars::new(all).columns(lengths)?;
+        self.stream.send_columns(entity, times.to_vec(), scalars)
+    }
+
+    /// The path of each spring in its diagram of force over crush, piece by piece, and its present position.
+    fn force_crush(
+        &self,
+        times: &[TimeColumn],
+        batch: &[(Moment, StateOutput)],
+    ) -> RecordingStreamResult<()> {
+        if batch
+            .iter()
+            .all(|(_, state)| state.sample.vehicle.masses == 0)
+        {
+            return Ok(());
+        }
+        let mut last = self.progress.plotted.unwrap_or(batch[0].1.sample);
+        let mut strips = Vec::with_capacity(batch.len());
+        let mut points = Vec::with_capacity(batch.len());
+        let mut lengths = Vec::with_capacity(batch.len());
+        for (_, state) in batch {
+            let sample = &state.sample;
+            let springs = sample.vehicle.masses.min(MAX_MASSES);
+            lengths.push(springs);
+            for spring in 0..springs {
+                let from = force_crush::point(&last.vehicle, spring);
+                let to = force_crush::point(&sample.vehicle, spring);
+                strips.push(LineStrip2D::from_iter([from, to]));
+                points.push(to);
+            }
+            last = *sample;
+        }
+        let path = LineStrips2D::update_fields().with_strips(strips);
+        let path = path.columns(lengths.clone())?;
+        self.stream
+            .send_columns(force_crush::PATH, times.to_vec(), path)?;
+        let now = Points2D::update_fields().with_positions(points);
+        self.stream
+            .send_columns(force_crush::NOW, times.to_vec(), now.columns(lengths)?)
     }
 
     fn percussions(&self, batch: &[(Moment, StateOutput)]) -> RecordingStreamResult<()> {
@@ -516,6 +612,7 @@ impl ViewerStream {
     fn statics(&self) -> RecordingStreamResult<()> {
         let exponents = self.parameters.column_properties().yield_surface;
         static_scene::send(&self.stream, &self.drawing, exponents)?;
+        force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
         frames::send_statics(&self.stream, &self.drawing)?;
         self.styles()
     }
@@ -532,6 +629,12 @@ impl ViewerStream {
                 .with_widths(widths);
             stream.log_static(plot.entity, &lines)?;
         }
+        let springs = plots::SPRINGS_BEHIND;
+        let lines = SeriesLines::new()
+            .with_names(springs.map(|(name, _)| name))
+            .with_colors(springs.map(|(_, rgb)| color(rgb)))
+            .with_widths([1.5]);
+        stream.log_static(plots::SPRING_FORCES, &lines)?;
         let marks = SeriesPoints::new()
             .with_names(["percussion (not to scale)"])
             .with_colors([color(colour::ENERGIES[1])])

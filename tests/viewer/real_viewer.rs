@@ -13,7 +13,7 @@ use super::twin::{LiveColumn, PATIENCE, bits, parameters, without_viewer};
 use super::wheel::{Running, free_port, program, resident, viewer};
 
 /// Size of the pictures \[points\]; the file has four pixels per point.
-const WINDOW: &str = "1400x850";
+const WINDOW: &str = "1600x1000";
 
 fn connecting(port: u16) -> LiveColumn {
     LiveColumn::start(&parameters(&[
@@ -138,7 +138,7 @@ fn a_restarted_viewer_receives_everything() {
     let wanted = [
         "/column/steel",
         "/ghost",
-        "/legend",
+        "/panel",
         "/plots/energy",
         "/yield/3/surface",
         "/log",

@@ -1,4 +1,5 @@
-//! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end.
+//! The cost of a step of a response: the paper's example with steps of 10 microseconds, followed to its end, and the same
+//! column hit by compliant vehicles of one to three masses.
 
 #[path = "../tests/example/mod.rs"]
 mod example;
@@ -7,10 +8,10 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use column_mechanics::{
-    ColumnProperties, Impact, Model, Progress, Response, State, begin_impact, respond, simulate,
-    step,
+    ColumnProperties, Impact, Model, Progress, Response, State, Vehicle, begin_impact, respond,
+    simulate, step,
 };
-use example::example;
+use example::{ceb, example, lorry};
 
 /// Longest response \[s\].
 const DURATION: f64 = 2.0;
@@ -44,6 +45,21 @@ const EXPONENTS: [(&str, [&str; 3]); 3] = [
         ],
     ),
 ];
+
+/// The strength of the hinges: constant, with strain rate, with strain rate and hardening.
+const STRENGTHS: [&str; 3] = ["constant", "rate", "rate and hardening"];
+
+/// Steps for which their costs are compared: the column yields during most of them.
+const STRENGTH_STEPS: u32 = 3_000;
+
+/// The properties with a strength of [`STRENGTHS`].
+fn strengthened(properties: &ColumnProperties, strength: &str) -> ColumnProperties {
+    ColumnProperties {
+        rate: (strength != STRENGTHS[0]).then(ceb),
+        hardening_ratio: if strength == STRENGTHS[2] { 0.01 } else { 0.0 },
+        ..*properties
+    }
+}
 
 const SCHEMES: [&str; 2] = ["midpoint", "conserving_midpoint"];
 
@@ -102,6 +118,83 @@ fn cost(properties: &ColumnProperties, impact: &Impact) -> Cost {
     }
 }
 
+/// Vehicles of one, two and three masses, 8 t in total.
+fn vehicles() -> [(&'static str, Vehicle); 3] {
+    let springs = [lorry().springs(), &lorry().springs()[1..]].concat();
+    [
+        ("one mass", &[8000.0][..]),
+        ("two masses", &[5500.0, 2500.0]),
+        ("three masses", &[5500.0, 1500.0, 1000.0]),
+    ]
+    .map(|(name, masses)| {
+        let made = Vehicle::new(masses, &springs[..masses.len()]);
+        (name, made.expect("a vehicle"))
+    })
+}
+
+/// Compares compliant vehicles with a rigid one of the same mass and speed.
+fn print_vehicles() {
+    println!(
+        "\nns per step of 10 us, fastest of {RUNS} responses to 8 t at 6 m/s, over the rigid mass's"
+    );
+    println!(
+        "{:<20}{:<15}{:>10}{:>8}{:>8}{:>8}{:>19}",
+        "scheme", "vehicle", "response", "ratio", "step", "ratio", "Newton iterations"
+    );
+    for scheme in SCHEMES {
+        let chosen = format!("solver.scheme:={scheme}");
+        let (properties, rigid) = example(&[
+            &chosen,
+            "solver.dt:=1.0e-5",
+            "impact.mass:=8000.0",
+            "impact.velocity:=6.0",
+        ]);
+        let base = cost(&properties, &rigid);
+        let print = |name: &str, cost: &Cost| {
+            println!(
+                "{scheme:<20}{name:<15}{:>10.0}{:>8.2}{:>8.0}{:>8.2}{:>19.2}",
+                cost.response,
+                cost.response / base.response,
+                cost.step,
+                cost.step / base.step,
+                cost.newton_iterations
+            );
+        };
+        print("rigid", &base);
+        for (name, vehicle) in vehicles() {
+            let impact = Impact {
+                vehicle: Some(vehicle),
+                ..rigid
+            };
+            print(name, &cost(&properties, &impact));
+        }
+    }
+}
+
+/// Time of one `step` with each of the [`STRENGTHS`] \[ns\]. The runs alternate, so that other load on the machine meets
+/// all of them.
+fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3] {
+    let started = STRENGTHS.map(|strength| {
+        let model = Model::new(&strengthened(properties, strength)).expect("a column");
+        let mut start = State::at_rest(&model);
+        begin_impact(&model, &mut start, *impact).expect("an impact");
+        (model, start)
+    });
+    let mut least = [f64::INFINITY; 3];
+    for _ in 0..4 * RUNS {
+        for ((model, start), least) in started.iter().zip(&mut least) {
+            let mut state = *start;
+            let began = Instant::now();
+            for _ in 0..STRENGTH_STEPS {
+                step(black_box(model), &mut state).expect("a step");
+            }
+            *least = least.min(began.elapsed().as_secs_f64() * 1e9 / f64::from(STRENGTH_STEPS));
+            black_box(state);
+        }
+    }
+    least
+}
+
 fn main() {
     // `cargo test --benches` only checks that the benchmark runs.
     if !std::env::args().any(|argument| argument == "--bench") {
@@ -135,6 +228,27 @@ fn main() {
                 cost.sampled,
                 cost.sampled / cost.response,
                 cost.newton_iterations
+            );
+        }
+    }
+    print_vehicles();
+    println!(
+        "\nns per step of the same with strain rate and hardening, and its ratio to that with constant strength"
+    );
+    println!(
+        "{:<20}{:<15}{:>21}{:>8}{:>22}{:>8}",
+        "scheme", "exponents", "rate", "ratio", "rate and hardening", "ratio"
+    );
+    for scheme in SCHEMES {
+        for (name, exponents) in EXPONENTS {
+            let chosen = format!("solver.scheme:={scheme}");
+            let (properties, impact) =
+                example(&[&[chosen.as_str(), "solver.dt:=1.0e-5"], &exponents[..]].concat());
+            let [constant, rate, both] = costs_of_strengths(&properties, &impact);
+            println!(
+                "{scheme:<20}{name:<15}{rate:>21.0}{:>8.2}{both:>22.0}{:>8.2}",
+                rate / constant,
+                both / constant
             );
         }
     }

@@ -14,6 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::capped_moments::{CappedMoments, cap_moments};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
@@ -174,7 +175,7 @@ pub struct Bar {
     /// `1/K` \[m/N\].
     pub(crate) axial_flexibility: f64,
     /// Inverse of the rotational stiffness, 0 for a hinge that bears no moment \[rad/(N m)\].
-    pub(crate) rotational_flexibility: [[f64; 2]; 2],
+    rotational_flexibility: [[f64; 2]; 2],
     /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
     pub(crate) flexibility_alone: [f64; 2],
     /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
@@ -217,21 +218,6 @@ pub(crate) enum Place {
         tangent_moment: f64,
         stiffness: f64,
     },
-}
-
-/// Rotations that bring trial moments within their caps, and how much of them smaller caps would add.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CappedMoments {
-    /// Plastic rotations \[rad\].
-    pub rotation: [f64; 2],
-    /// `-d(|p_0| + |p_1|)/dm` where both caps change alike \[rad/(N m)\].
-    compliance: f64,
-}
-
-impl CappedMoments {
-    fn sum(&self) -> f64 {
-        self.rotation[0].abs() + self.rotation[1].abs()
-    }
 }
 
 impl Bar {
@@ -491,72 +477,6 @@ impl Bar {
         };
         BarTangent::held(rotational)
     }
-}
-
-/// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
-/// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases. `flexibility` is the inverse of each
-/// stiffness on the diagonal of `c`, 0 for a hinge that bears no moment.
-#[inline]
-pub(crate) fn cap_moments(
-    c: &[[f64; 2]; 2],
-    flexibility: [f64; 2],
-    trial: [f64; 2],
-    caps: [f64; 2],
-) -> CappedMoments {
-    let excess = [trial[0].abs() - caps[0], trial[1].abs() - caps[1]];
-    let alone = |k: usize| excess[k].max(0.0).copysign(trial[k]) * flexibility[k];
-    if excess[0] <= 0.0 && excess[1] <= 0.0 {
-        return CappedMoments {
-            rotation: [0.0; 2],
-            compliance: 0.0,
-        };
-    }
-    if c[0][1] == 0.0 {
-        let active = excess.map(|excess| excess > 0.0);
-        let pick = |k: usize, value: f64| if active[k] { value } else { 0.0 };
-        return CappedMoments {
-            rotation: [pick(0, alone(0)), pick(1, alone(1))],
-            compliance: pick(0, flexibility[0]) + pick(1, flexibility[1]),
-        };
-    }
-    for k in 0..2 {
-        let p = alone(k);
-        if p != 0.0 && (trial[1 - k] - c[0][1] * p).abs() <= caps[1 - k] {
-            let mut rotation = [0.0; 2];
-            rotation[k] = p;
-            return CappedMoments {
-                rotation,
-                compliance: flexibility[k],
-            };
-        }
-    }
-    cap_both(c, trial, caps)
-}
-
-/// Both hinges of a coupled bar flow: of the four pairs of signs, the one that its rotations agree with.
-fn cap_both(c: &[[f64; 2]; 2], trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
-    let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
-    let mut best = CappedMoments {
-        rotation: [0.0; 2],
-        compliance: 0.0,
-    };
-    let mut best_agreement = f64::NEG_INFINITY;
-    for signs in [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]] {
-        let right = [trial[0] - signs[0] * caps[0], trial[1] - signs[1] * caps[1]];
-        let rotation = [
-            (c[1][1] * right[0] - c[0][1] * right[1]) / determinant,
-            (c[0][0] * right[1] - c[1][0] * right[0]) / determinant,
-        ];
-        let agreement = (signs[0] * rotation[0]).min(signs[1] * rotation[1]);
-        if agreement > best_agreement {
-            best_agreement = agreement;
-            best = CappedMoments {
-                rotation,
-                compliance: (c[0][0] + c[1][1] - 2.0 * signs[0] * signs[1] * c[0][1]) / determinant,
-            };
-        }
-    }
-    best
 }
 
 /// Shares the bar's plastic elongation between its hinges as normality to a smooth surface does: in proportion to

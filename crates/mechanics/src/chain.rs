@@ -83,6 +83,32 @@ impl Chain {
             .sum()
     }
 
+    /// Moves the vehicle to the end of a part of a step of `secs` seconds that has been solved.
+    pub(crate) fn follow(&mut self, vehicle: &Vehicle, secs: f64, point: &ChainPoint) -> Crushed {
+        let start = self.springs[0];
+        let mut crushed = Crushed {
+            impulse: secs * point.force(),
+            ..Crushed::default()
+        };
+        let links = vehicle.masses().iter().zip(vehicle.springs());
+        for (index, (mass, spring)) in links.enumerate() {
+            (self.springs[index], crushed.dissipated[index]) =
+                self.springs[index].crushed_by(spring, point.increment[index]);
+            let behind = point.mean.get(index + 1).map_or(0.0, |mean| mean.force);
+            self.velocity[index] += secs * (behind - point.mean[index].force) / mass;
+        }
+        let end = &self.springs[0];
+        // The crush grows or shrinks evenly over the part.
+        let passes = |at: f64| ((at - start.crush) / (end.crush - start.crush)).clamp(0.0, 1.0);
+        if start.largest == 0.0 && end.largest > 0.0 {
+            crushed.touched = Some(passes(0.0));
+        }
+        if !start.is_open() && end.is_open() {
+            crushed.released = Some(passes(end.permanent));
+        }
+        crushed
+    }
+
     /// All its numbers, for a digest.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         let springs = self.springs.into_iter();
@@ -121,35 +147,47 @@ impl Chain {
 /// A vehicle over one part of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChainPart<'a> {
-    vehicle: &'a Vehicle,
-    from: Chain,
-    secs: f64,
+    count: usize,
     springs: [Stretch<'a>; MAX_MASSES],
     /// `2 M / h^2` of each mass \[N/m\].
     inertia: [f64; MAX_MASSES],
     /// Increment of each crush in free flight \[m\], for the first spring against a column at rest.
     free: [f64; MAX_MASSES],
+    secs: f64,
 }
 
 /// A solution for one increment of `v1`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ChainPoint {
-    /// Mean contact force \[N\].
-    pub force: f64,
-    /// Minus its derivative by the increment of `v1` \[N/m\].
-    pub stiffness: f64,
-    /// By how much each mass deviates from its free flight \[m\]; `None` before the first solution.
-    deviation: Option<[f64; MAX_MASSES]>,
+    /// By how much each mass deviates from its free flight \[m\], once there is a solution.
+    deviation: [f64; MAX_MASSES],
+    is_solved: bool,
+    /// Increment of `v1` of that solution \[m\].
+    v1_increment: f64,
+    /// Pivots of the elimination from the rear to the front: what resists each mass if all behind it follows \[N/m\].
+    pivots: [f64; MAX_MASSES],
     /// Mean force of each spring.
     mean: [MeanForce; MAX_MASSES],
     /// Increment of each crush \[m\].
     increment: [f64; MAX_MASSES],
 }
 
-/// Where a part of a step leads a vehicle.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ChainEnd {
-    pub chain: Chain,
+impl ChainPoint {
+    /// Mean contact force \[N\].
+    pub(crate) fn force(&self) -> f64 {
+        self.mean[0].force
+    }
+
+    /// Minus its derivative by the increment of `v1` \[N/m\]: the front spring and the chain behind it in series.
+    pub(crate) fn stiffness(&self) -> f64 {
+        let (pivot, front) = (self.pivots[0], self.mean[0].slope);
+        front * (pivot - front) / pivot
+    }
+}
+
+/// What a vehicle has done in a part of a step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Crushed {
     /// Impulse on the column \[N s\].
     pub impulse: f64,
     /// Energy dissipated in each spring \[J\].
@@ -170,107 +208,104 @@ struct Residual {
 impl<'a> ChainPart<'a> {
     pub(crate) fn new(vehicle: &'a Vehicle, from: &Chain, secs: f64) -> Self {
         let springs = vehicle.springs();
-        let stretch = |index: usize| {
-            // The springs behind the last are never used.
-            let spring = springs.get(index).unwrap_or(&springs[0]);
-            Stretch::new(spring, from.springs[index])
-        };
         let mut part = Self {
-            vehicle,
-            from: *from,
-            secs,
-            springs: [stretch(0), stretch(1), stretch(2)],
+            count: springs.len(),
+            // Those behind the last are never used.
+            springs: [Stretch::new(&springs[0], from.springs[0]); MAX_MASSES],
             inertia: [0.0; MAX_MASSES],
             free: [0.0; MAX_MASSES],
+            secs,
         };
+        for (index, spring) in springs.iter().enumerate().skip(1) {
+            part.springs[index] = Stretch::new(spring, from.springs[index]);
+        }
+        let per_square = 2.0 / (secs * secs);
         let mut before = 0.0;
         for (index, &mass) in vehicle.masses().iter().enumerate() {
-            part.inertia[index] = 2.0 * mass / (secs * secs);
+            part.inertia[index] = mass * per_square;
             part.free[index] = secs * (from.velocity[index] - before);
             before = from.velocity[index];
         }
         part
     }
 
-    fn count(&self) -> usize {
-        self.vehicle.masses().len()
-    }
-
     /// Size of the contact force \[N\] in this part, against a column that moves at `v1_rate` \[m/s\].
     pub(crate) fn force_scale(&self, v1_rate: f64) -> f64 {
+        let front = &self.springs[0];
         let free = self.free[0] - self.secs * v1_rate;
-        self.springs[0].force_at_start() + self.springs[0].mean_force(free).force
+        front.force_at_start() + 0.5 * front.stiffness() * free.abs()
     }
 
     /// Finds the mean contact force for an increment of `v1` \[m\]; NaN where the equations do not converge, so that the
     /// part is rejected and halved, which makes the inertia dominate.
     pub(crate) fn solve(&self, v1_increment: f64, point: &mut ChainPoint) {
-        let mut deviation = point.deviation.unwrap_or_else(|| self.first_guess());
-        let mut residual = self.evaluate(&deviation, v1_increment, point);
+        if point.is_solved {
+            self.shift(v1_increment - point.v1_increment, point);
+        } else {
+            self.guess(v1_increment, point);
+        }
+        let mut residual = self.evaluate(v1_increment, point);
         for _ in 0..MAX_ITERATIONS {
             if residual.size <= BALANCED {
                 break;
             }
-            let Some(correction) = self.correction(&residual.values, point) else {
+            let Some(correction) = self.correction(residual.values, point) else {
                 break;
             };
-            let (kept, enough) = (*point, residual.size);
+            let from = point.deviation;
+            let enough = residual.size;
             let mut share = 1.0;
-            let (mut tried, mut next) = (deviation, residual);
             for _ in 0..MAX_SHORTENINGS {
-                tried = deviation;
-                for (deviation, correction) in tried.iter_mut().zip(correction) {
-                    *deviation -= share * correction;
+                for index in 0..self.count {
+                    point.deviation[index] = from[index] - share * correction[index];
                 }
-                next = self.evaluate(&tried, v1_increment, point);
-                if next.size < enough || enough <= STAGNATED {
+                residual = self.evaluate(v1_increment, point);
+                if residual.size < enough || residual.size <= STAGNATED {
                     break;
                 }
                 share *= 0.5;
             }
-            if next.size.is_nan() || next.size >= enough {
+            if residual.size.is_nan() || residual.size >= enough {
                 // Round-off, or no progress.
-                *point = kept;
                 break;
             }
-            (deviation, residual) = (tried, next);
         }
-        let pivots = self.pivots(point);
-        if residual.size <= STAGNATED && pivots[0] > 0.0 {
-            let front = point.mean[0];
-            point.force = front.force;
-            // The spring and the chain behind it in series.
-            point.stiffness = front.slope * (pivots[0] - front.slope) / pivots[0];
-            point.deviation = Some(deviation);
-        } else {
-            *point = ChainPoint {
-                force: f64::NAN,
-                ..ChainPoint::default()
-            };
+        point.pivots = self.pivots(point);
+        point.v1_increment = v1_increment;
+        point.is_solved = residual.size <= STAGNATED && point.pivots[0] > 0.0;
+        if !point.is_solved {
+            point.mean[0].force = f64::NAN;
         }
     }
 
-    /// The deviations that the forces at the start would give.
-    fn first_guess(&self) -> [f64; MAX_MASSES] {
-        let mut deviation = [0.0; MAX_MASSES];
-        let mut behind = 0.0;
-        for index in (0..self.count()).rev() {
-            let own = self.springs[index].force_at_start();
-            deviation[index] = (behind - own) / self.inertia[index];
-            behind = own;
+    /// Moves a solution to another increment of `v1`, which is exact as long as no spring leaves its straight piece.
+    fn shift(&self, by: f64, point: &mut ChainPoint) {
+        let mut moved = by;
+        for index in 0..self.count {
+            moved *= point.mean[index].slope / point.pivots[index];
+            point.deviation[index] += moved;
         }
-        deviation
+    }
+
+    /// The solution if every spring stays on the straight piece on which it starts.
+    fn guess(&self, v1_increment: f64, point: &mut ChainPoint) {
+        let (mut unbalanced, mut behind) = ([0.0; MAX_MASSES], 0.0);
+        for index in (0..self.count).rev() {
+            let free = self.free[index] - if index == 0 { v1_increment } else { 0.0 };
+            let mean = self.springs[index].tangent(free);
+            unbalanced[index] = mean.force - behind;
+            behind = mean.force;
+            point.mean[index] = mean;
+        }
+        let correction = self.correction(unbalanced, point).unwrap_or_default();
+        point.deviation = correction.map(|correction| -correction);
     }
 
     /// `2 M w / h^2 + F_i - F_(i + 1)` for the deviations `w` from free flight.
-    fn evaluate(
-        &self,
-        deviation: &[f64; MAX_MASSES],
-        v1_increment: f64,
-        point: &mut ChainPoint,
-    ) -> Residual {
+    fn evaluate(&self, v1_increment: f64, point: &mut ChainPoint) -> Residual {
+        let deviation = point.deviation;
         let mut before = v1_increment;
-        for index in 0..self.count() {
+        for index in 0..self.count {
             let increment = if index == 0 {
                 (self.free[0] - before) + deviation[0]
             } else {
@@ -282,7 +317,7 @@ impl<'a> ChainPart<'a> {
         }
         let mut values = [0.0; MAX_MASSES];
         let (mut unbalanced, mut terms, mut behind) = (0.0, 0.0, 0.0);
-        for index in (0..self.count()).rev() {
+        for index in (0..self.count).rev() {
             let own = point.mean[index].force;
             let inertia = self.inertia[index] * deviation[index];
             values[index] = inertia + own - behind;
@@ -302,7 +337,7 @@ impl<'a> ChainPart<'a> {
     fn pivots(&self, point: &ChainPoint) -> [f64; MAX_MASSES] {
         let mut pivots = [0.0; MAX_MASSES];
         let mut behind = 0.0;
-        for index in (0..self.count()).rev() {
+        for index in (0..self.count).rev() {
             let own = point.mean[index].slope;
             let rest = self.inertia[index] + behind;
             pivots[index] = rest + own;
@@ -314,15 +349,15 @@ impl<'a> ChainPart<'a> {
     /// The correction that Newton's method subtracts; `None` where the chain has lost its stiffness.
     fn correction(
         &self,
-        residual: &[f64; MAX_MASSES],
+        residual: [f64; MAX_MASSES],
         point: &ChainPoint,
     ) -> Option<[f64; MAX_MASSES]> {
-        let count = self.count();
+        let count = self.count;
         let pivots = self.pivots(point);
         if !pivots[..count].iter().all(|&pivot| pivot > 0.0) {
             return None;
         }
-        let mut right = *residual;
+        let mut right = residual;
         for index in (1..count).rev() {
             right[index - 1] += point.mean[index].slope / pivots[index] * right[index];
         }
@@ -338,29 +373,5 @@ impl<'a> ChainPart<'a> {
             before = correction[index];
         }
         Some(correction)
-    }
-
-    /// Where a solution leads.
-    pub(crate) fn end(&self, point: &ChainPoint) -> ChainEnd {
-        let mut chain = self.from;
-        let mut dissipated = [0.0; MAX_MASSES];
-        let mut behind = 0.0;
-        for index in (0..self.count()).rev() {
-            (chain.springs[index], dissipated[index]) =
-                self.springs[index].end(point.increment[index]);
-            let own = point.mean[index].force;
-            chain.velocity[index] += self.secs * (behind - own) / self.vehicle.masses()[index];
-            behind = own;
-        }
-        let (start, end) = (&self.from.springs[0], &chain.springs[0]);
-        // The crush passes `at` at this share of the part, in which it grows or shrinks evenly.
-        let passes = |at: f64| ((at - start.crush) / (end.crush - start.crush)).clamp(0.0, 1.0);
-        ChainEnd {
-            chain,
-            impulse: self.secs * point.mean[0].force,
-            dissipated,
-            touched: (start.largest == 0.0 && end.largest > 0.0).then(|| passes(0.0)),
-            released: (!start.is_open() && end.is_open()).then(|| passes(end.permanent)),
-        }
     }
 }

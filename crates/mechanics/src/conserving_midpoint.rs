@@ -9,7 +9,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::bracketing;
-use super::chain::{ChainEnd, ChainPoint};
+use super::chain::ChainPoint;
 use super::contact::MAX_ELASTIC_PERCUSSIONS;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
@@ -185,8 +185,6 @@ struct Trial {
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
     gap: f64,
-    /// The compliant vehicle at its end.
-    chain: Option<ChainEnd>,
 }
 
 /// Makes one part of a step, `offset_secs` into it and at most `secs` long: to its end, or to the first contact event.
@@ -334,7 +332,6 @@ impl Part<'_> {
             prediction,
             contact_force,
             gap,
-            chain: chain.map(|part| part.end(&self.point.contact)),
         })
     }
 
@@ -434,9 +431,12 @@ impl Part<'_> {
             .predictor
             .learn(&trial.increment, trial.secs, trial.end, &state.forces);
         state.contact_force = trial.contact_force;
-        if let Some(end) = &trial.chain {
-            state.follow(self.model, (self.offset_secs, trial.secs), end);
-        } else if let Some(impactor) = &mut state.impactor {
+        if let Some(impactor) = &mut state.impactor {
+            if impactor.is_compliant() {
+                let part = (self.offset_secs, trial.secs);
+                state.follow(self.model, part, &self.point.contact);
+                return Ok(trial.secs);
+            }
             if impactor.closed {
                 impactor.position = trial.end.v1;
                 state.impulse += impactor.slow_down(trial.velocity.v1);

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::chain::{Chain, ChainEnd, ChainPart};
+use super::chain::{Chain, ChainPart, ChainPoint, Crushed};
 use super::impact::Impact;
 use super::model::Model;
 use super::vehicle::Vehicle;
@@ -102,27 +102,26 @@ impl Impactor {
         Some(ChainPart::new(vehicle, chain, secs))
     }
 
-    /// Moves a compliant vehicle to the end of a part of a step, which began `offset_secs` into step `step` and took
-    /// `secs` \[s\], where the column is at `v1` \[m\]; returns the contact force there \[N\].
+    /// Moves a compliant vehicle to the end of a part of a step that has been solved, which began `offset_secs` into step
+    /// `step` and took `secs` \[s\], where the column is at `v1` \[m\].
     pub(crate) fn follow(
         &mut self,
         model: &Model,
         (step, offset_secs, secs): (u64, f64, f64),
         v1: f64,
-        end: &ChainEnd,
-    ) -> f64 {
-        let Some(vehicle) = &self.impact.vehicle else {
-            return 0.0;
+        point: &ChainPoint,
+    ) -> Crushed {
+        let (Some(vehicle), Some(chain)) = (&self.impact.vehicle, &mut self.chain) else {
+            return Crushed::default();
         };
-        let force = end.chain.contact_force(vehicle);
-        self.velocity = end.chain.mean_velocity(vehicle);
-        self.position = v1 - end.chain.gap();
-        self.closed = force > 0.0;
-        self.chain = Some(end.chain);
+        let crushed = chain.follow(vehicle, secs, point);
+        self.velocity = chain.mean_velocity(vehicle);
+        self.position = v1 - chain.gap();
+        self.closed = chain.contact_force(vehicle) > 0.0;
         let instant = |share: f64| model.time_of_step(step) + (offset_secs + share * secs);
-        self.touched_at = self.touched_at.or(end.touched.map(instant));
-        self.released_at = end.released.map(instant).or(self.released_at);
-        force
+        self.touched_at = self.touched_at.or(crushed.touched.map(instant));
+        self.released_at = crushed.released.map(instant).or(self.released_at);
+        crushed
     }
 
     /// Distance to a column at `v1` \[m\].
@@ -152,6 +151,12 @@ impl Impactor {
             Some((vehicle, chain)) => chain.kinetic_energy(vehicle),
             None => 0.5 * self.impact.mass * self.velocity * self.velocity,
         }
+    }
+
+    /// Contact force of a compliant vehicle \[N\]; 0 for a rigid mass.
+    pub(crate) fn crush_force(&self) -> f64 {
+        self.vehicle()
+            .map_or(0.0, |(vehicle, chain)| chain.contact_force(vehicle))
     }
 
     /// Elastic energy \[J\]; 0 for a rigid mass.

@@ -24,19 +24,6 @@ fn permanent_share(spring: &CrushSpring, piece: &Piece) -> f64 {
     1.0 - piece.slope / spring.unloading_stiffness
 }
 
-/// The permanent crush after a largest crush \[m\].
-fn permanent_crush(spring: &CrushSpring, largest: f64) -> f64 {
-    let mut permanent = 0.0;
-    for piece in spring.envelope.pieces() {
-        let end = piece.end.min(largest);
-        permanent += (end - piece.begin[0]) * permanent_share(spring, &piece);
-        if largest <= piece.end {
-            break;
-        }
-    }
-    permanent.min(largest)
-}
-
 impl SpringState {
     /// A new spring with this distance before it acts \[m\].
     pub(crate) fn open_by(distance: f64) -> Self {
@@ -69,20 +56,25 @@ impl SpringState {
         if crush <= self.largest {
             return (Self { crush, ..*self }, 0.0);
         }
-        let mut dissipated = 0.0;
+        let stiffness = spring.unloading_stiffness;
+        let (mut dissipated, mut permanent) = (0.0, self.permanent);
         let mut from = self.largest;
         for piece in spring.envelope.pieces_beyond(from) {
             let to = piece.end.min(crush);
-            dissipated += piece.work(from, to) * permanent_share(spring, &piece);
-            from = to;
+            let share = permanent_share(spring, &piece);
+            dissipated += piece.work(from, to) * share;
             if crush <= piece.end {
+                let [begin, force] = piece.begin;
+                permanent = (begin - force / stiffness) + (crush - begin) * share;
                 break;
             }
+            from = to;
         }
         let state = Self {
             crush,
             largest: crush,
-            permanent: permanent_crush(spring, crush),
+            // Growing in spite of round-off.
+            permanent: permanent.max(self.permanent).min(crush),
         };
         (state, dissipated)
     }
@@ -122,6 +114,31 @@ impl<'a> Stretch<'a> {
     /// Force at the start of the part \[N\].
     pub(crate) fn force_at_start(&self) -> f64 {
         self.from.force(self.spring)
+    }
+
+    /// \[N/m\]
+    pub(crate) fn stiffness(&self) -> f64 {
+        self.spring.unloading_stiffness
+    }
+
+    /// The mean force if the spring stayed on the straight piece on which it starts.
+    pub(crate) fn tangent(&self, increment: f64) -> MeanForce {
+        let is_open = if increment > 0.0 {
+            self.from.crush < self.from.permanent
+        } else {
+            self.from.is_open()
+        };
+        let slope = if is_open {
+            0.0
+        } else if self.from.crush == self.from.largest && increment > 0.0 {
+            self.ahead.slope
+        } else {
+            self.stiffness()
+        };
+        MeanForce {
+            force: self.force_at_start() + 0.5 * slope * increment,
+            slope: 0.5 * slope,
+        }
     }
 
     /// The mean force while the crush grows by `increment` \[m\].
@@ -189,9 +206,132 @@ impl<'a> Stretch<'a> {
             slope: slope.min(0.5 * stiffness),
         }
     }
+}
 
-    /// The state and the energy dissipated \[J\] at the end of the part.
-    pub(crate) fn end(&self, increment: f64) -> (SpringState, f64) {
-        self.from.crushed_by(self.spring, increment)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::CrushCurve;
+
+    /// A front that rises, falls, vanishes and rises again.
+    fn spring() -> CrushSpring {
+        let points = [
+            [0.1, 30e3],
+            [0.2, 275e3],
+            [0.25, 0.0],
+            [0.3, 0.0],
+            [0.5, 600e3],
+            [0.6, 450e3],
+        ];
+        CrushSpring {
+            envelope: CrushCurve::new(&points).expect("a curve"),
+            unloading_stiffness: 15e6,
+            slack: 0.0,
+        }
+    }
+
+    /// Increments of a crush that grows, falls and grows further, in uneven parts that pass kinks, `p` and 0.
+    fn path() -> impl Iterator<Item = f64> {
+        let mut at = 0.0;
+        let turns = [
+            0.05, -0.01, 0.15, 0.13, 0.2, -0.02, 0.28, 0.35, 0.25, 0.45, 0.44, 0.55, 0.5, 0.7,
+            -0.1, 0.9, 1.2, 0.0,
+        ];
+        turns.into_iter().flat_map(move |turn| {
+            let way = turn - at;
+            at = turn;
+            [0.31, 0.05, 0.003, 0.417, 0.22].map(|share| share * way)
+        })
+    }
+
+    /// `F = min(max(k_u (d - p), 0), env(d))`, and where the envelope decides `p = d - env(d) / k_u`: the definition,
+    /// followed in small steps.
+    fn defined(spring: &CrushSpring, permanent: &mut f64, crush: f64) -> f64 {
+        if crush <= 0.0 {
+            return 0.0;
+        }
+        let stiffness = spring.unloading_stiffness;
+        let envelope = spring.envelope.force(crush);
+        let trial = (stiffness * (crush - *permanent)).max(0.0);
+        if trial > envelope {
+            *permanent = crush - envelope / stiffness;
+        }
+        trial.min(envelope)
+    }
+
+    #[test]
+    fn the_law_is_its_definition_and_its_mean_the_work_along_the_way() {
+        const FINE: u32 = 20_000;
+        let spring = spring();
+        let mut state = SpringState::open_by(0.0);
+        let (mut permanent, mut at) = (0.0, 0.0);
+        for increment in path() {
+            let mean = Stretch::new(&spring, state).mean_force(increment).force;
+            let mut work = 0.0;
+            let mut before = defined(&spring, &mut permanent, at);
+            for k in 1..=FINE {
+                let crush = at + increment * f64::from(k) / f64::from(FINE);
+                let force = defined(&spring, &mut permanent, crush);
+                work += 0.5 * (before + force) * increment / f64::from(FINE);
+                before = force;
+            }
+            at += increment;
+            (state, _) = state.crushed_by(&spring, increment);
+            assert!((state.force(&spring) - before).abs() < 1.0, "at {at}");
+            assert!((state.permanent - permanent).abs() < 1e-7, "at {at}");
+            assert!((mean * increment - work).abs() < 0.05, "at {at}");
+        }
+    }
+
+    #[test]
+    fn work_is_what_is_stored_and_what_is_dissipated() {
+        let spring = spring();
+        let mut state = SpringState::open_by(0.02);
+        let mut dissipated = 0.0;
+        let mut balance = 0.0;
+        for increment in path() {
+            let mean = Stretch::new(&spring, state).mean_force(increment);
+            let (next, loss) = state.crushed_by(&spring, increment);
+            assert!(mean.force >= 0.0 && loss >= 0.0 && next.permanent >= state.permanent);
+            balance += mean.force * increment;
+            balance -= next.elastic_energy(&spring) - state.elastic_energy(&spring) + loss;
+            dissipated += loss;
+            state = next;
+        }
+        assert!(dissipated > 100e3);
+        assert!(balance.abs() < 1e-14 * dissipated, "{balance}");
+    }
+
+    #[test]
+    fn the_slope_is_the_derivative_of_the_mean() {
+        let spring = spring();
+        let mut state = SpringState::open_by(0.0);
+        for increment in path() {
+            let stretch = Stretch::new(&spring, state);
+            let mean = stretch.mean_force(increment);
+            let near = |by: f64| stretch.mean_force(increment + by).force;
+            let numeric = (near(1e-8) - near(-1e-8)) / 2e-8;
+            assert!(
+                (mean.slope - numeric).abs() < 1e-4 * spring.unloading_stiffness,
+                "{} {numeric}",
+                mean.slope
+            );
+            (state, _) = state.crushed_by(&spring, increment);
+        }
+    }
+
+    #[test]
+    fn an_elastic_spring_dissipates_nothing() {
+        let spring = CrushSpring {
+            envelope: CrushCurve::new(&[[0.3, 77e3]]).expect("a curve"),
+            unloading_stiffness: 77e3 / 0.3,
+            slack: 0.0,
+        };
+        let mut state = SpringState::open_by(0.0);
+        for increment in path() {
+            let (next, loss) = state.crushed_by(&spring, increment);
+            assert_eq!((loss, next.permanent), (0.0, 0.0));
+            state = next;
+        }
     }
 }

@@ -15,10 +15,12 @@
 //! `stepping.rs` makes a step of parts, a scheme states the equations of a part, `newton.rs` solves them, and `bar.rs`
 //! returns the stresses to the yield surface. `response.rs` follows one impact to its end.
 
+mod accuracy;
 mod bar;
 mod bracketing;
 mod buckling;
 mod capacity;
+mod capped_moments;
 mod chain;
 mod conserving_midpoint;
 mod contact;
@@ -46,6 +48,10 @@ mod strength;
 mod vehicle;
 mod yield_surface;
 
+pub use accuracy::{
+    ERROR_PER_DIFFERENCE, MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD, error_estimate,
+    recommended_step_nanos, with_half_the_step,
+};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,

@@ -7,7 +7,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, PerBar};
 use super::bracketing;
-use super::chain::{ChainEnd, ChainPoint};
+use super::chain::ChainPoint;
 use super::contact::Coupling;
 use super::frame;
 use super::geometry::{Chord, Displacement};
@@ -97,8 +97,6 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// The compliant vehicle at its end.
-    chain: Option<ChainEnd>,
     /// Of the resistances up to `n + 1/2`.
     prediction: Prediction,
 }
@@ -190,7 +188,6 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            chain: chain.map(|part| part.end(&self.point.contact)),
             prediction,
         })
     }
@@ -205,9 +202,12 @@ impl Part<'_> {
     fn fly(&self, state: &mut State, trial: &Trial) -> Result<(), Rejected> {
         self.accept(state, trial)?;
         state.contact_force = 0.0;
-        if let Some(end) = &trial.chain {
-            state.follow(self.model, (self.offset_secs, self.secs), end);
-        } else if let Some(impactor) = &mut state.impactor {
+        if let Some(impactor) = &mut state.impactor {
+            if impactor.is_compliant() {
+                let part = (self.offset_secs, self.secs);
+                state.follow(self.model, part, &self.point.contact);
+                return Ok(());
+            }
             if impactor.closed {
                 impactor.release(self.model, state.step, self.offset_secs);
             }

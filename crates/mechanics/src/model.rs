@@ -34,6 +34,8 @@ pub struct Model {
     pub rest: RestState,
     /// Period of the slowest elastic mode about it \[s\].
     pub slowest_period: f64,
+    /// Stiffness of the virgin column against `v1` about it, `beta1` free \[N/m\].
+    pub(crate) transverse_stiffness: f64,
     /// `None` for a column without damping.
     pub(crate) damping: Option<Damping>,
     /// `None` where the resistances of the hinges are constant.
@@ -131,6 +133,7 @@ impl Model {
             impact_point_mass,
             rest,
             slowest_period,
+            transverse_stiffness: stiffness,
             damping: (p.damping_ratio > 0.0)
                 .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
             strength: StrengthLaw::new(&p, step_secs),

@@ -145,7 +145,7 @@ impl<'a> Motion<'a> {
         let mut undamped = (rate - self.velocity).component_mul(&self.inertia) - self.applied;
         if let Some(chain) = self.chain {
             chain.solve(increment.v1, contact);
-            undamped[0] -= contact.force;
+            undamped[0] -= contact.force();
         }
         match self.damping {
             Some(damping) => undamped + damping_forces(damping, &rate),
@@ -156,7 +156,7 @@ impl<'a> Motion<'a> {
     /// Adds the derivative of [`Motion::residual`], whose last evaluation left `contact`, to `jacobian`.
     pub fn add_jacobian(&self, jacobian: &mut Matrix4<f64>, contact: &ChainPoint) {
         if self.chain.is_some() {
-            jacobian[(0, 0)] += contact.stiffness;
+            jacobian[(0, 0)] += contact.stiffness();
         }
         for row in 0..4 {
             jacobian[(row, row)] += self.inertia[row] * self.per_sec;

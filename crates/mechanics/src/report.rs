@@ -88,7 +88,8 @@ pub struct Report {
     pub damping_work: f64,
     /// Work of the load since the start, `P (u2 - u2 at the start)` \[J\].
     pub load_work: f64,
-    /// Largest error of the energy balance after any step, relative to the input energy.
+    /// Largest error of the energy balance after any step, relative to the input energy, or for a very small input to 1e-5
+    /// of the energies that the column takes elastically or holds at the event.
     pub ledger_residual: f64,
     /// Largest dynamic increase factor of each hinge; 1 without rate dependence.
     pub max_dynamic_factor: [f64; HINGES],

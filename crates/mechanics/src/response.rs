@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
 use super::frame::Frame;
 use super::impact::{Impact, ImpactError};
+use super::ledger::Ledger;
 use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
@@ -20,6 +21,16 @@ use super::yield_surface::YieldSurface;
 
 /// Kinetic energy, relative to the impactor's, below which a column and an impactor in contact are at rest.
 const REST_FRACTION: f64 = 1e-9;
+
+/// Contact force, relative to the largest of the response, below which a column and an impactor in contact may be at rest:
+/// about the root of [`REST_FRACTION`]. Nothing but the column pushes an impactor that stands against it, so that its
+/// resting force is 0; at the turning point of an elastic push both stand still under the largest force.
+const REST_FORCE_FRACTION: f64 = 1e-4;
+
+/// Share of the energies that a column takes elastically or holds at the event (`M_p^2 L / EI`, elastic energy, work of the
+/// load) below which the input of an impact is no measure of the ledger's residual: that has the round-off of those
+/// energies, however small the input is.
+const LEDGER_FLOOR: f64 = 1e-5;
 
 /// Periods of the slowest mode without flow or contact after which a response is over. One is the minimum, but a column
 /// vibrates in two modes, and in the paper's example with the exponents of Duan and Chen it yields again at every second
@@ -197,8 +208,9 @@ impl Response {
                     false
                 } else if impactor.closed {
                     let energies = state.energies(model);
-                    energies.column_kinetic + energies.impactor_kinetic
-                        <= REST_FRACTION * impactor.impact.energy()
+                    state.contact_force <= REST_FORCE_FRACTION * self.peak_force
+                        && energies.column_kinetic + energies.impactor_kinetic
+                            <= REST_FRACTION * impactor.impact.energy()
                 } else {
                     // Once it recedes and the column has not reached it for a whole period, it never will.
                     impactor.recedes_for_good() && quiet(self.last_contact)
@@ -350,13 +362,22 @@ impl Response {
             impact_loss: ledger.impact_loss,
             damping_work: ledger.damping_work,
             load_work: energies.load_work - ledger.initial_load_work,
-            ledger_residual: self.worst_residual / ledger.input,
+            ledger_residual: self.worst_residual / ledger_measure(model, ledger),
             max_dynamic_factor: self.max_dynamic_factor,
             steps: state.step,
             hinges,
             vehicle: vehicle_report(state),
         }
     }
+}
+
+/// The energy to which the residual of the ledger is relative: the input, or the floor of a very small one \[J\].
+fn ledger_measure(model: &Model, ledger: &Ledger) -> f64 {
+    let p = &model.properties;
+    let height = p.length_below + p.length_above;
+    let elastic = p.resistance_moment * p.resistance_moment * height / p.bending_stiffness;
+    let held = ledger.initial_elastic.abs() + ledger.initial_load_work.abs();
+    ledger.input.max(LEDGER_FLOOR * (elastic + held))
 }
 
 /// What has become of a compliant vehicle.

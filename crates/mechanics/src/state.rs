@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
-use super::chain::{Chain, ChainEnd};
+use super::chain::{Chain, ChainPoint};
 use super::contact::Impactor;
 use super::frame;
 use super::geometry::Displacement;
@@ -296,16 +296,18 @@ impl State {
         &mut self,
         model: &Model,
         (offset_secs, secs): (f64, f64),
-        end: &ChainEnd,
+        point: &ChainPoint,
     ) {
-        self.impulse += end.impulse;
-        let dissipated = &mut self.ledger.vehicle_dissipated;
-        for (total, part) in dissipated.iter_mut().zip(end.dissipated) {
-            *total += part;
-        }
+        let part = (self.step, offset_secs, secs);
+        let v1 = self.displacement.v1;
         if let Some(impactor) = &mut self.impactor {
-            let part = (self.step, offset_secs, secs);
-            self.contact_force = impactor.follow(model, part, self.displacement.v1, end);
+            let crushed = impactor.follow(model, part, v1, point);
+            self.contact_force = impactor.crush_force();
+            self.impulse += crushed.impulse;
+            let dissipated = &mut self.ledger.vehicle_dissipated;
+            for (total, part) in dissipated.iter_mut().zip(crushed.dissipated) {
+                *total += part;
+            }
         }
     }
 
@@ -344,8 +346,8 @@ impl State {
     }
 
     /// A hash over the bits of the visible motion: equal states have equal hashes on every machine. It leaves out what else
-    /// the next steps depend on (flow and contact flags, times of touch and flight, the predictor); a difference there
-    /// shows in the hash one step later.
+    /// the next steps depend on (flow and contact flags, times of touch and flight, strength of the hinges, the predictor);
+    /// a difference there shows in the hash one step later.
     pub fn hash(&self) -> u64 {
         // FNV-1a: a digest for comparing runs, not for security.
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;

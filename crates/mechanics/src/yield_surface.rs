@@ -202,6 +202,13 @@ impl YieldSurface {
         self.axial_curve.ratio * lead.share * self.alpha.root(lead.rest) / lead.rest
     }
 
+    /// `-dm/dn` of the stronger curve at a point; `n` counts in the weaker one's resistance, and `lead.rest > 0`.
+    pub(crate) fn stronger_slope(&self, point: &PairedPoint, lead: &AxialLead) -> f64 {
+        let (n, m) = (point.axial.value, point.stronger.value);
+        let less_one = self.beta.less_one(n, self.beta.of(n));
+        self.axial_curve.ratio * lead.share * less_one * m / self.alpha.of(m)
+    }
+
     /// The point of two quarter curves with coordinate `t`, `0 <= t <= split`, on `branch` of the weaker one.
     ///
     /// `m^alpha = 1 - n^beta` holds on both curves, so that `m_s^alpha = rest + share m_w^alpha`: no digits are lost where

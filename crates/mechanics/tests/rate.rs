@@ -13,7 +13,7 @@ use column_mechanics::{
     Progress, RateLaw, RateProperties, Report, Response, Sample, Scheme, State, Support,
     YieldExponents, residual_state, simulate,
 };
-use example::example;
+use example::{ceb, example};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRng, TestRunner};
 use serde_json::Value;
@@ -37,20 +37,6 @@ fn cowper_symonds(d: f64, q: f64, section_height: f64) -> RateProperties {
         max_factor: 10.0,
         hinge_length: section_height,
         section_height,
-    }
-}
-
-/// S355 after the CEB.
-fn ceb() -> RateProperties {
-    RateProperties {
-        law: RateLaw::Logarithmic {
-            c: 6.0 / 355.0,
-            reference: 5e-5,
-        },
-        time_constant: 1e-3,
-        max_factor: 1.25,
-        hinge_length: 0.22,
-        section_height: 0.22,
     }
 }
 

@@ -1,15 +1,18 @@
 //! `docs/validation.md` and its figures: both schemes compared with the reference responses.
 //! `UPDATE_DOCS=1 cargo test --release --lib validation` regenerates the page; otherwise the test checks it.
 
+mod analytic;
+mod fibre;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::axis::PlotAxis;
-use super::chart::{Curve, TimeChart, axes};
-use super::page::{self, Drawn, LegendKey, Stroke, colour};
-use super::raster::Raster;
-use super::reference::Reference;
-use super::units::Unit;
+use crate::figures::axis::PlotAxis;
+use crate::figures::chart::{Curve, TimeChart, axes};
+use crate::figures::page::{self, Drawn, LegendKey, Stroke, colour};
+use crate::figures::raster::Raster;
+use crate::figures::reference::Reference;
+use crate::figures::units::Unit;
 use crate::column::{Report, Sample, simulate};
 use crate::parameters::{Parameters, parse_override};
 
@@ -302,6 +305,8 @@ fn validation() -> Validation {
         ),
     ];
     figures.push(("validation_energy", ledger(&runs).unwrap()));
+    page += &analytic::chapter();
+    page += &fibre::chapter();
     Validation { page, figures }
 }
 
@@ -310,7 +315,7 @@ const PREFACE: &str = "\
 
 The tests write this page (`UPDATE_DOCS=1 cargo test --release --lib validation`) and fail if it differs from what they compute.
 The reference responses (`tests/data/`) were computed independently with steps of 0.5 µs.
-This page validates the solution of the model's equations, not the model itself: it contains no comparison with crash tests.
+The first chapters validate the solution of the model's equations; the last ones compare the model itself with a crash test and with a finer model.
 Terms are explained in the [glossary](../README.md#glossary).
 
 ## Comparison with the reference

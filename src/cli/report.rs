@@ -1,0 +1,84 @@
+//! `column-twin report`: a report about the impacts of a recording, for people.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::failure::{Exit, Failure, printed};
+use column_twin::report::{Origin, RecordedReportError, ReportDocument};
+use column_twin::whole_file;
+
+/// Arguments of `column-twin report`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct ReportArgs {
+    /// Directory of the recording, or its MCAP file
+    #[arg(value_name = "BAG")]
+    bag: PathBuf,
+    /// HTML file to write; an existing file is replaced
+    #[arg(long, short, value_name = "FILE", default_value = "report.html")]
+    output: PathBuf,
+    /// Report about this impact only
+    #[arg(long, value_name = "ID")]
+    event: Option<String>,
+}
+
+const EXAMPLE: &str = "\
+Writes one HTML file that any browser opens without a network and prints on A4: the verdict first, then what hit what,
+figures, energy, uncertainty, the limits of the model, and the result of the verification by recomputation.
+
+Example: record a simulated impact, and report about it
+  column-twin simulate --record impact && column-twin report impact -o impact.html
+
+Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1 failed, or the recording
+differs from its recomputation (the report says where), 2 bad input or usage, 3 done, but the recording could not be
+verified or is not complete.";
+
+/// Writes the report and prints where it is.
+pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let document = ReportDocument::of_recording(&arguments.bag, arguments.event.as_deref())
+        .map_err(|error| match error {
+            RecordedReportError::Recording(error) => error.into(),
+            other => Failure::plain(Exit::BadInput, other),
+        })?;
+    let html = document
+        .html()
+        .map_err(|error| Failure::new(Exit::Failed, error))?;
+    let path = arguments.output.display();
+    whole_file::write(&arguments.output, html.as_bytes()).map_err(|reason| {
+        let reason = format!("cannot write the report to {path}: {reason}; name a file in an existing, writable folder");
+        Failure::plain(Exit::Failed, reason)
+    })?;
+    printed(writeln!(out, "{path}"))?;
+    let Origin::Recording(recorded) = &document.origin else {
+        return Ok(());
+    };
+    let bag = arguments.bag.display();
+    let (exit, reason) = match (&recorded.verification, &recorded.incomplete) {
+        (Ok(found), _) if found.is_contradicted() => (
+            Exit::Failed,
+            format!(
+                "{bag} differs from its recomputation: {} differences, {} messages missing; the report says where",
+                found.differences,
+                found.missing()
+            ),
+        ),
+        (Err(reason), _) => (
+            Exit::Lossy,
+            format!("{bag} could not be verified: {reason}"),
+        ),
+        (Ok(found), _) if found.is_unchecked() => (
+            Exit::Lossy,
+            format!("nothing in {bag} could be verified; the report names the reasons"),
+        ),
+        (Ok(_), Some(why)) => (
+            Exit::Lossy,
+            format!(
+                "{bag} is {why}; the report contains what can be read; save it with: column-twin repair {bag}"
+            ),
+        ),
+        (Ok(_), None) => return Ok(()),
+    };
+    Err(Failure::plain(exit, reason))
+}

@@ -1,0 +1,30 @@
+//! The report for people: one HTML file about one impact or all impacts of a recording, with everything inside it.
+//!
+//! It needs no script, no other file and no network, and prints on A4. Every text that comes from outside is escaped. The
+//! same input gives the same bytes: the file contains no date of its own.
+//!
+//! The first line of every impact is its verdict. It never claims more than the model knows: what a section needs and the
+//! input does not contain is named as missing.
+
+mod course;
+mod document;
+mod energy_balance;
+mod impact_section;
+mod limits;
+mod provenance;
+#[cfg(feature = "record")]
+mod recorded;
+#[cfg(feature = "record")]
+mod recording_section;
+mod reported_impact;
+mod uncertainty;
+mod verdict;
+mod words;
+
+pub use course::Struck;
+pub use document::{Origin, ReportDocument};
+pub use energy_balance::{EnergyBalance, EnergyEntry};
+#[cfg(feature = "record")]
+pub use recorded::{MAX_SECTIONS, RecordedReportError, ReportedRecording};
+pub use reported_impact::ReportedImpact;
+pub use words::{end_in_words, outcome_in_words, title};

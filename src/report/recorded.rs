@@ -1,0 +1,403 @@
+//! The impacts of a recording, recomputed from its journal.
+
+use std::collections::{HashMap, VecDeque};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::course::Struck;
+use super::document::{Origin, ReportDocument};
+use super::reported_impact::ReportedImpact;
+use super::words;
+use crate::column::{Model, Sample, State};
+use crate::evidence::{self, JournalEntry, Observed, Verification, VerifyError, sha256_of_file};
+use crate::figures::HistoryThinning;
+use crate::live::monotonic_nanos;
+use crate::parameters::Parameters;
+use crate::recording::{self, EventSummary, Reader, RecordingError};
+use crate::twin::{
+    ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
+    ReportOutput, StateOutput, Twin,
+};
+
+/// Maximum number of impacts with a section of their own; of more impacts, the last ones have one.
+pub const MAX_SECTIONS: usize = 30;
+
+/// A recording as the origin of a report.
+#[derive(Debug, Clone)]
+pub struct ReportedRecording {
+    /// The recording as the user named it.
+    pub path: PathBuf,
+    /// Name, size in bytes and SHA-256 of every file; the error where one cannot be read again.
+    pub files: Vec<(String, Result<(u64, String), String>)>,
+    /// Name and version of the program that wrote the recording.
+    pub written_by: String,
+    /// First and last time \[ns\]; `None` without messages.
+    pub span: Option<(Nanos, Nanos)>,
+    /// Why the recording is not complete; `None` if it is.
+    pub incomplete: Option<String>,
+    /// Messages that the recorder declares as lost; `None`: unknown.
+    pub lost: Option<u64>,
+    /// The result of the verification, or why there is none.
+    pub verification: Result<Verification, String>,
+    /// Every impact in the messages of the recording.
+    pub events: Vec<EventSummary>,
+    /// Impacts with a report that have no section of their own, because there are too many.
+    pub without_section: usize,
+}
+
+/// Why there is no report about a recording.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordedReportError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// It is not a recording of this program, or nothing happened in it.
+    #[error(
+        "{} contains no impact: expected messages of type column_twin/msg/ImpactEvent or column_twin/msg/ImpactReport, found \
+         the topics {topics}; give a recording of column-twin run or of column-twin simulate --record", path.display()
+    )]
+    NoImpact {
+        /// The recording.
+        path: PathBuf,
+        /// Its topics.
+        topics: String,
+    },
+    /// The named event is not in the recording.
+    #[error("expected one of the events {known} of {}, found --event {wanted}", path.display())]
+    NoSuchEvent {
+        /// The recording.
+        path: PathBuf,
+        /// As given.
+        wanted: String,
+        /// The identifiers of the recording, as many as fit into a line.
+        known: String,
+    },
+}
+
+impl ReportDocument {
+    /// The report about all impacts of a recording, or about the one with this identifier.
+    ///
+    /// A recording that cannot be verified, or only in part, still gives a report, which says so.
+    ///
+    /// # Errors
+    /// The recording cannot be read, or contains no such impact.
+    pub fn of_recording(path: &Path, event_id: Option<&str>) -> Result<Self, RecordedReportError> {
+        let reader = Reader::open(path)?;
+        let mut gathered = Gathered {
+            wanted: event_id.map(str::to_owned),
+            ..Gathered::default()
+        };
+        let verification =
+            evidence::verify_observed(&reader, &mut |observed| gathered.take(observed));
+        let (mut events, _) = recording::summarise_events(&reader)?;
+        add_commands(&mut events, &gathered.commands);
+        check_events(path, &reader, &events, event_id)?;
+        let whole = reader.wholeness();
+        let reports = gathered.finished.len();
+        let impacts: Vec<_> = gathered
+            .finished
+            .into_iter()
+            .filter_map(Finished::reported)
+            .collect();
+        let recorded = ReportedRecording {
+            path: path.to_path_buf(),
+            files: reader
+                .files()
+                .iter()
+                .map(|file| fingerprint(file))
+                .collect(),
+            written_by: written_by(&reader),
+            span: reader.span(),
+            incomplete: (!whole.is_whole()).then(|| whole.to_string()),
+            lost: reader.lost_messages(),
+            verification: verification.map_err(|error: VerifyError| error.to_string()),
+            events,
+            without_section: gathered.without_section + reports - impacts.len(),
+        };
+        Ok(Self {
+            origin: Origin::Recording(Box::new(recorded)),
+            impacts,
+        })
+    }
+}
+
+/// Adds what only the journal contains: events whose message was not recorded, and what the messages leave open.
+fn add_commands(events: &mut Vec<EventSummary>, commands: &[(ImpactCommand, Option<String>)]) {
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for (place, event) in events.iter().enumerate() {
+        places.insert(event.event_id.clone(), place);
+    }
+    for (command, refusal) in commands {
+        let place = *places.entry(command.event_id.clone()).or_insert_with(|| {
+            events.push(EventSummary {
+                event_id: command.event_id.clone(),
+                column_id: command.column_id.clone(),
+                refused: refusal.clone(),
+                ..EventSummary::default()
+            });
+            events.len() - 1
+        });
+        let event = &mut events[place];
+        event.stamp.get_or_insert(command.stamp);
+        let given = |number: f64| number.is_finite().then_some(number);
+        event.mass = event.mass.or(given(command.impact.mass));
+        event.velocity = event.velocity.or(given(command.impact.velocity));
+    }
+}
+
+fn check_events(
+    path: &Path,
+    reader: &Reader,
+    events: &[EventSummary],
+    wanted: Option<&str>,
+) -> Result<(), RecordedReportError> {
+    const MAX_NAMED: usize = 20;
+    if events.is_empty() {
+        let topics: Vec<_> = reader.topics().iter().map(|topic| &*topic.name).collect();
+        return Err(RecordedReportError::NoImpact {
+            path: path.to_path_buf(),
+            topics: match topics.is_empty() {
+                true => "none".to_owned(),
+                false => topics.join(", "),
+            },
+        });
+    }
+    let Some(wanted) = wanted else {
+        return Ok(());
+    };
+    if events.iter().any(|event| event.event_id == wanted) {
+        return Ok(());
+    }
+    let known: Vec<_> = events.iter().map(|event| event.event_id.as_str()).collect();
+    let more = match known.len() > MAX_NAMED {
+        true => format!(" and {} more", known.len() - MAX_NAMED),
+        false => String::new(),
+    };
+    Err(RecordedReportError::NoSuchEvent {
+        path: path.to_path_buf(),
+        wanted: wanted.to_owned(),
+        known: known[..known.len().min(MAX_NAMED)].join(", ") + &more,
+    })
+}
+
+fn fingerprint(file: &Path) -> (String, Result<(u64, String), String>) {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let read =
+        || -> io::Result<(u64, String)> { Ok((file.metadata()?.len(), sha256_of_file(file)?)) };
+    (name.into_owned(), read().map_err(|error| error.to_string()))
+}
+
+fn written_by(reader: &Reader) -> String {
+    let notes = reader.start_notes();
+    let noted = notes.and_then(|it| Some(format!("{} {}", it.get("program")?, it.get("version")?)));
+    noted.unwrap_or_else(|| reader.library().to_owned())
+}
+
+/// An accepted impact whose report has not come yet.
+struct Announced {
+    command: ImpactCommand,
+    /// The column at rest before it; `None` if it was moving.
+    before: Option<ColumnSnapshot>,
+}
+
+/// An impact with its report.
+struct Finished {
+    announced: Option<Announced>,
+    output: ReportOutput,
+    samples: Vec<Sample>,
+    lengths: Option<Lengths>,
+    parameters: Option<Arc<Parameters>>,
+    /// The column at the checkpoint after it.
+    after: Option<State>,
+    /// The event that took up the response again.
+    superseded_by: Option<String>,
+}
+
+/// Collects the impacts of a recording while it is verified.
+#[derive(Default)]
+struct Gathered {
+    wanted: Option<String>,
+    /// The twin at the last checkpoint, with the changes of parameters since then.
+    at_rest: Option<Twin>,
+    announced: HashMap<String, Announced>,
+    /// Every impact in the journal, with the reason if it was rejected.
+    commands: Vec<(ImpactCommand, Option<String>)>,
+    /// The states of the response that runs, by their event.
+    running: Option<(Arc<str>, Vec<Sample>, Option<Lengths>)>,
+    finished: VecDeque<Finished>,
+    without_section: usize,
+}
+
+impl Gathered {
+    fn take(&mut self, observed: Observed<'_>) {
+        match observed {
+            Observed::Entry(JournalEntry::Twin(Journal::Checkpoint(checkpoint))) => {
+                if let Some(last) = self.finished.back_mut() {
+                    last.after.get_or_insert(checkpoint.state);
+                }
+                self.at_rest = Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos)).ok();
+            }
+            Observed::Entry(JournalEntry::Twin(Journal::Command(record))) => self.command(record),
+            Observed::Recomputed(Output::State(state)) => self.state(state),
+            Observed::Recomputed(Output::Report(output)) => self.report(output),
+            Observed::Entry(_) | Observed::Recomputed(_) => {}
+        }
+    }
+
+    fn command(&mut self, record: &CommandRecord) {
+        if let Command::Impact(command) = &record.command {
+            let refusal = record.refusal.as_ref().map(ToString::to_string);
+            self.commands.push((command.clone(), refusal));
+        }
+        if record.refusal.is_some() {
+            return;
+        }
+        let is_at_rest = record.position.step.is_none() && !record.taken_back;
+        match &record.command {
+            Command::Impact(command) => {
+                if record.taken_back
+                    && let Some(last) = self.finished.back_mut()
+                {
+                    last.superseded_by = Some(command.event_id.clone());
+                }
+                let before = self.at_rest.as_ref().filter(|_| is_at_rest);
+                let announced = Announced {
+                    command: command.clone(),
+                    before: before.map(Twin::snapshot),
+                };
+                self.announced.insert(command.event_id.clone(), announced);
+            }
+            other if is_at_rest => {
+                if let Some(twin) = &mut self.at_rest {
+                    // Without effect if it is refused, and it was accepted when it was recorded.
+                    let _ = twin.handle(other.clone(), record.now, &mut Vec::new());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn state(&mut self, state: &StateOutput) {
+        if !matches!(&self.running, Some((event_id, ..)) if *event_id == state.event_id) {
+            self.running = Some((Arc::clone(&state.event_id), Vec::new(), state.lengths));
+        }
+        if let Some((_, samples, _)) = &mut self.running {
+            // A response that was taken up again repeats its last states.
+            while samples
+                .last()
+                .is_some_and(|last| last.time >= state.sample.time)
+            {
+                samples.pop();
+            }
+            samples.push(state.sample);
+        }
+    }
+
+    fn report(&mut self, output: &ReportOutput) {
+        let announced = self.announced.remove(&*output.event_id);
+        let running = self.running.take();
+        if self
+            .wanted
+            .as_deref()
+            .is_some_and(|wanted| *wanted != *output.event_id)
+        {
+            return;
+        }
+        let (samples, lengths) = running
+            .filter(|(event_id, ..)| *event_id == output.event_id)
+            .map_or((Vec::new(), None), |(_, samples, lengths)| {
+                (samples, lengths)
+            });
+        self.finished.push_back(Finished {
+            announced,
+            output: output.clone(),
+            samples,
+            lengths,
+            parameters: self
+                .at_rest
+                .as_ref()
+                .map(|twin| Arc::clone(twin.parameters())),
+            after: None,
+            superseded_by: None,
+        });
+        if self.finished.len() > MAX_SECTIONS {
+            self.finished.pop_front();
+            self.without_section += 1;
+        }
+    }
+}
+
+impl Finished {
+    /// The impact computed again in every step from the column before it or, where that is not known, as it was published.
+    fn reported(self) -> Option<ReportedImpact> {
+        let mut reported = self.recomputed().or_else(|| self.published())?;
+        reported.event = Some((self.output.event_id.to_string(), self.output.stamp));
+        if let Some(later) = &self.superseded_by {
+            reported.remarks.push(format!(
+                "Impact \"{later}\" hit the column before this response was over, and was announced afterwards: this outcome no \
+                 longer holds."
+            ));
+        }
+        Some(reported)
+    }
+
+    fn recomputed(&self) -> Option<ReportedImpact> {
+        let Announced { command, before } = self.announced.as_ref()?;
+        let before = before.as_ref()?;
+        let (model, state, response) = before.struck(&command.vehicle, &command.impact).ok()?;
+        let impact = state.impactor?.impact;
+        let struck = Struck {
+            model,
+            state,
+            response,
+        };
+        let parameters = Arc::clone(before.parameters());
+        let reported = ReportedImpact::computed(parameters, impact, &struck).ok()?;
+        // Otherwise the beginning was not that of the recorded response.
+        (reported.report == self.output.report).then_some(reported)
+    }
+
+    fn published(&self) -> Option<ReportedImpact> {
+        let Self {
+            announced,
+            output,
+            samples,
+            lengths,
+            parameters,
+            after,
+            ..
+        } = self;
+        let parameters = Arc::clone(parameters.as_ref()?);
+        let mut properties = parameters.column_properties();
+        if let Some(lengths) = lengths {
+            (properties.length_below, properties.length_above) = (lengths.below, lengths.above);
+        }
+        let model = Model::new(&properties).ok()?;
+        let defaults = parameters.impact();
+        let specification = announced.as_ref()?.command.impact;
+        let impact = specification.complete(&defaults, defaults.vehicle).ok()?;
+        let mut thinning = HistoryThinning::new(samples.len() as u64, output.report.end_time);
+        samples.iter().for_each(|sample| thinning.push(sample));
+        let samples = thinning.finish();
+        if samples.is_empty() {
+            return None;
+        }
+        let rate = parameters.settings().publish_rate;
+        Some(ReportedImpact {
+            title: words::title(&parameters, &impact, properties.length_below),
+            event: None,
+            impact,
+            model,
+            samples,
+            report: output.report,
+            settled: after.filter(|_| output.report.residual_v1.is_some()),
+            struck: None,
+            remarks: vec![format!(
+                "The column was still moving when this impact began. The histories have the values that were published, at most \
+                 {rate} per second; the error of the time step was not estimated."
+            )],
+            parameters,
+        })
+    }
+}

@@ -1,0 +1,239 @@
+//! What the report says of a recording as a whole: the overview of its impacts, its origin and its verification.
+
+use maud::{Markup, html};
+
+use super::document::fact;
+use super::recorded::ReportedRecording;
+use super::reported_impact::ReportedImpact;
+use super::verdict::Verdict;
+use super::words::short;
+use crate::evidence::{About, Verification, build};
+use crate::figures::units::Unit;
+use crate::outgoing::Topic;
+use crate::recording::{EventSummary, instant};
+
+/// Maximum number of events in the overview; of more events, the last ones are listed.
+const MAX_ROWS: usize = 500;
+
+/// The head of the document: faults of the recording and, where it contains several impacts, the last verdict and a table
+/// of all of them.
+pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
+    let faults = faults(recorded);
+    let several = impacts.len() > 1;
+    let last = impacts.last().filter(|_| several);
+    let unreported = impacts.is_empty() || recorded.events.len() > impacts.len();
+    html! {
+        @if let Some((headline, reason)) = &faults {
+            div.verdict.alarm {
+                p.headline { (headline) }
+                p { (reason) }
+            }
+        }
+        @if let Some(last) = last {
+            @let verdict = Verdict::of(last);
+            div.verdict.(verdict.tone.class()) {
+                p.headline { "After the last of " (recorded.events.len()) " impacts: " (lowered(&verdict.headline)) }
+                p { (verdict.reason) }
+                @if let Some(reservation) = &verdict.reservation { p { strong { (reservation) } } }
+            }
+        }
+        @if impacts.is_empty() && faults.is_none() {
+            div.verdict.warning {
+                p.headline { "No verdict: no impact of this recording has an outcome" }
+                p { "The table names what became of each." }
+            }
+        }
+        @if several || unreported {
+            section id="overview" {
+                h2 { "Impacts of the recording" }
+                (table(recorded, impacts))
+            }
+        }
+    }
+}
+
+/// What is so wrong with the recording that it comes before every verdict.
+fn faults(recorded: &ReportedRecording) -> Option<(String, String)> {
+    match &recorded.verification {
+        Err(reason) => Some((
+            "This recording could not be verified".to_owned(),
+            format!("{}. Only what its messages contain is shown.", reason.trim_end_matches('.')),
+        )),
+        Ok(found) if found.is_contradicted() => Some((
+            "This recording differs from its recomputation".to_owned(),
+            format!(
+                "{} differences, {} messages missing, of which the recording declares up to {} as lost. It was changed, or \
+                 recorded by another build. The verdicts below are those of the recomputation; see \"Verification\".",
+                found.differences,
+                found.missing(),
+                found.declared_losses
+            ),
+        )),
+        Ok(found) if found.is_unchecked() => Some((
+            "Nothing in this recording could be verified".to_owned(),
+            "The reasons are listed under \"Verification\".".to_owned(),
+        )),
+        Ok(_) => recorded.incomplete.as_ref().map(|why| {
+            (
+                "This recording is not complete".to_owned(),
+                format!("It is {why}. The report contains what can be read; impacts at the end may be missing."),
+            )
+        }),
+    }
+}
+
+fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
+    let section_of = |event: &EventSummary| {
+        let same = |impact: &&ReportedImpact| {
+            impact.event.as_ref().is_some_and(|(id, stamp)| {
+                *id == event.event_id && event.stamp.is_none_or(|it| it == *stamp)
+            })
+        };
+        let index = impacts.iter().position(|impact| same(&impact))?;
+        Some(match impacts.len() {
+            1 => "impact".to_owned(),
+            _ => format!("impact-{}", index + 1),
+        })
+    };
+    let millimetres =
+        |value: Option<f64>| value.map_or("-".to_owned(), |it| Unit::length(it).show(it));
+    let hidden = recorded.events.len().saturating_sub(MAX_ROWS);
+    html! {
+        @if hidden > 0 { p.note { "The first " (hidden) " events are not listed; column-twin info lists all of them." } }
+        table {
+            thead {
+                tr {
+                    th { "event" } th { "time" } th.number { "mass" } th.number { "speed" }
+                    th { "outcome" } th.number { "largest v1" } th.number { "residual v1" }
+                }
+            }
+            tbody {
+                @for event in &recorded.events[hidden..] {
+                    tr {
+                        th scope="row" {
+                            @match section_of(event) {
+                                Some(section) => { a href=(format!("#{section}")) { (event.event_id) } }
+                                None => { (event.event_id) }
+                            }
+                        }
+                        td { (event.stamp.map_or("-".to_owned(), instant)) }
+                        td.number { (event.mass.map_or("-".to_owned(), |it| format!("{} kg", short(it)))) }
+                        td.number { (event.velocity.map_or("-".to_owned(), |it| format!("{} m/s", short(it)))) }
+                        td {
+                            @match (&event.refused, event.outcome) {
+                                (Some(reason), _) => { "rejected: " (reason) }
+                                (None, Some(outcome)) => { (outcome) }
+                                (None, None) => { "no report in this recording" }
+                            }
+                        }
+                        td.number { (millimetres(event.max_v1)) }
+                        td.number { (millimetres(event.residual_v1)) }
+                    }
+                }
+            }
+        }
+        @if recorded.without_section > 0 {
+            p.note {
+                (recorded.without_section) " further outcomes have no section of their own; choose one with "
+                code { "--event ID" } "."
+            }
+        }
+    }
+}
+
+/// Rows about the origin of the recording.
+pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
+    html! {
+        (fact("Origin", "recording of a twin; the twin computes, and nothing was measured on the column"))
+        (fact("Recording", recorded.path.display().to_string()))
+        (fact("Written by", &recorded.written_by))
+        @if let Ok(Verification { about: Some(About { build: recorded_build, .. }), .. }) = &recorded.verification {
+            tr {
+                th scope="row" { "Build of the recorder" }
+                td {
+                    code { (recorded_build) }
+                    @if recorded_build == build() { ", which is this build" }
+                    @else { ", another build than that of this report: results may differ in the last bits" }
+                }
+            }
+        }
+        (fact("Time", recorded.span.map_or("no messages".to_owned(), |(first, last)| {
+            format!("{} to {}", instant(first), instant(last))
+        })))
+        (fact("Complete", recorded.incomplete.as_deref().unwrap_or("yes")))
+        (fact("Declared losses", recorded.lost.map_or("unknown".to_owned(), |lost| format!("{lost} messages"))))
+        @for (name, fingerprint) in &recorded.files {
+            tr {
+                th scope="row" { "SHA-256 of " (name) }
+                td {
+                    @match fingerprint {
+                        Ok((bytes, hash)) => { code { (hash) } " (" (bytes) " bytes)" }
+                        Err(reason) => { "cannot be read again: " (reason) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The result of the verification.
+pub(super) fn verification(recorded: &ReportedRecording) -> Markup {
+    html! {
+        h3 { "Verification by recomputation" }
+        @match &recorded.verification {
+            Err(reason) => { p.fault { "Not verified: " (reason) } }
+            Ok(found) => { (result(found)) }
+        }
+    }
+}
+
+fn result(found: &Verification) -> Markup {
+    let all = found.unchecked_reasons == 0 && found.unchecked_messages() == 0;
+    html! {
+        @if found.is_equal() {
+            p {
+                strong { @if all { "Equal" } @else { "Equal as far as it could be checked" } }
+                ": the twin was run again from " (found.checkpoints) " recorded state(s) with " (found.inputs)
+                " command(s); " (found.compared()) " messages and " (found.states_at_rest)
+                " states at rest are the same, bit for bit. This proves that the recording belongs to this computation; it does not \
+                 prove that the model is right."
+            }
+        } @else {
+            p.fault {
+                (found.differences) " differences, " (found.missing()) " messages missing"
+                @if let Some(first) = &found.first_difference { "; the first difference: " (first) }
+                "."
+            }
+        }
+        table {
+            thead {
+                tr {
+                    th { "topic" } th.number { "recorded" } th.number { "compared" } th.number { "differing" }
+                    th.number { "missing" } th.number { "not checked" }
+                }
+            }
+            tbody {
+                @for (topic, check) in Topic::ALL.iter().zip(&found.topics) {
+                    tr {
+                        th scope="row" { (topic.endpoint().name) }
+                        td.number { (check.recorded) }
+                        td.number { (check.compared) }
+                        td.number { (check.differing + check.unexpected) }
+                        td.number { (check.missing) }
+                        td.number { (check.unchecked) }
+                    }
+                }
+            }
+        }
+        @for reason in &found.unchecked { p.note { "Not checked: " (reason) "." } }
+        @let more = found.unchecked_reasons.saturating_sub(found.unchecked.len() as u64);
+        @if more > 0 { p.note { "Not checked for " (more) " further reasons." } }
+    }
+}
+
+fn lowered(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_lowercase().chain(letters).collect()
+    })
+}

@@ -1,0 +1,137 @@
+//! One impact with everything that the report needs of it.
+
+use std::sync::Arc;
+
+use super::course::{Course, Struck};
+use super::words;
+use crate::column::{
+    ColumnProperties, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+};
+use crate::figures::ResponseHistory;
+use crate::parameters::Parameters;
+use crate::twin::{Lengths, Nanos};
+
+/// One impact with everything that the report needs of it.
+#[derive(Debug, Clone)]
+pub struct ReportedImpact {
+    /// One line that describes column and impact.
+    pub title: String,
+    /// Identifier and stamp of the event; `None` for a simulation.
+    pub event: Option<(String, Nanos)>,
+    /// The parameters that held.
+    pub parameters: Arc<Parameters>,
+    /// What hit the column.
+    pub impact: Impact,
+    /// The column that was hit; its lower bar ends at the impact point.
+    pub model: Model,
+    /// The history, possibly thinned.
+    pub samples: Vec<Sample>,
+    /// The outcome.
+    pub report: Report,
+    /// The column at rest after the impact; `None` if it has no equilibrium.
+    pub settled: Option<State>,
+    /// The beginning of the impact, if it is known; computations with other properties start from it.
+    pub struck: Option<Struck>,
+    /// What a reader has to know about the origin of these data.
+    pub remarks: Vec<String>,
+}
+
+impl ReportedImpact {
+    /// The impact that `parameters` describe on a virgin column.
+    ///
+    /// # Errors
+    /// The column or the impact is impossible, or a step does not converge.
+    pub fn simulated(parameters: &Parameters) -> Result<Self, SimulationError> {
+        let impact = parameters.impact();
+        let model = Model::new(&parameters.column_properties())?;
+        let mut state = State::at_rest(&model);
+        let max_duration = parameters.response_duration();
+        let response = Response::begin(&model, &mut state, impact, max_duration)?;
+        let struck = Struck {
+            model,
+            state,
+            response,
+        };
+        Ok(Self::computed(
+            Arc::new(parameters.clone()),
+            impact,
+            &struck,
+        )?)
+    }
+
+    /// An impact that is computed from its beginning.
+    ///
+    /// # Errors
+    /// A step that does not converge.
+    pub fn computed(
+        parameters: Arc<Parameters>,
+        impact: Impact,
+        struck: &Struck,
+    ) -> Result<Self, StepError> {
+        let Course {
+            samples,
+            report,
+            settled,
+        } = struck.course()?;
+        Ok(Self {
+            title: words::title(&parameters, &impact, struck.model.properties.length_below),
+            event: None,
+            parameters,
+            impact,
+            model: struck.model,
+            samples,
+            report,
+            settled,
+            struck: Some(*struck),
+            remarks: Vec::new(),
+        })
+    }
+
+    /// Relative error of the largest `v1` by the length of the step, estimated by a second run with half of it; `None` where
+    /// the beginning of the impact is not known or the second run does not converge.
+    #[must_use]
+    pub fn error_estimate(&self) -> Option<f64> {
+        let properties = self.model.properties;
+        let halved = ColumnProperties {
+            step_nanos: (properties.step_nanos / 2).max(1),
+            ..properties
+        };
+        let finer = self.struck?.with_properties(&halved)?.report().ok()?;
+        let scale = finer.max_v1.abs().max(f64::MIN_POSITIVE);
+        Some((self.report.max_v1 - finer.max_v1).abs() / scale)
+    }
+
+    /// The history for the figures.
+    #[must_use]
+    pub fn history(&self) -> ResponseHistory<'_> {
+        let properties = &self.model.properties;
+        ResponseHistory {
+            title: &self.title,
+            samples: &self.samples,
+            report: &self.report,
+            yield_surface: properties.yield_surface,
+            resistance_moment: properties.resistance_moment,
+            resistance_axial: properties.resistance_axial,
+            lengths: Lengths {
+                below: properties.length_below,
+                above: properties.length_above,
+            },
+            vehicle: self.impact.vehicle,
+        }
+    }
+
+    /// The hinge with the largest plastic rotation or, where none has yielded, with the largest utilisation.
+    pub(super) fn governing_hinge(&self) -> usize {
+        let hinges = &self.report.hinges;
+        let order = |index: &usize| {
+            let hinge = &hinges[*index];
+            (hinge.plastic_rotation.abs(), hinge.max_utilisation)
+        };
+        (0..hinges.len())
+            .max_by(|one, other| {
+                let (one, other) = (order(one), order(other));
+                one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
+            })
+            .unwrap_or_default()
+    }
+}

@@ -1,0 +1,48 @@
+//! The wording that summary and report share.
+
+use crate::column::{End, Impact, Outcome};
+use crate::figures::units::significant;
+use crate::parameters::Parameters;
+
+/// The outcome of an impact, for a sentence that is a line of its own.
+#[must_use]
+pub fn outcome_in_words(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Elastic => "elastic: no hinge has yielded",
+        Outcome::Plastic => "plastic: hinges have yielded",
+        Outcome::Collapsed => "COLLAPSED: the column has lost its shape or its equilibrium",
+        Outcome::Severed => "SEVERED: a hinge has passed its ultimate rotation and is torn",
+    }
+}
+
+/// Why a response ended.
+#[must_use]
+pub fn end_in_words(end: End) -> &'static str {
+    match end {
+        End::AtRest => "at rest",
+        End::DurationReached => "stopped at response.duration, not at rest",
+        End::Collapsed => "collapsed",
+        End::Severed => "severed",
+    }
+}
+
+/// One line that describes the column and what hits it, `length_below` \[m\] above its base.
+#[must_use]
+pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> String {
+    let section = parameters.section().name;
+    format!(
+        "{}: {} kg at {} m/s ({} km/h), {} m above the base",
+        section.unwrap_or(&parameters.settings().column_id),
+        short(impact.mass),
+        short(impact.velocity),
+        short(3.6 * impact.velocity),
+        short(length_below),
+    )
+}
+
+/// Four significant digits without trailing zeros.
+pub(super) fn short(value: f64) -> String {
+    let text = significant(value, 4);
+    text.parse::<f64>()
+        .map_or(text, |rounded| rounded.to_string())
+}

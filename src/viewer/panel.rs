@@ -1,0 +1,269 @@
+//! The panel beside the scene, as Markdown: what the impact does to the column, what hits it, and what the colours mean.
+
+use super::item::Announcement;
+use super::scene::{Drawing, force};
+use crate::column::{HINGE_NAMES, HINGES};
+use crate::messages::column_twin::ImpactReport;
+use crate::shape::HINGE_PLACES;
+
+/// The entity of the panel.
+pub const PANEL: &str = "panel";
+
+/// What the panel says of an impact.
+#[derive(Debug, Clone, Copy)]
+pub enum Told<'a> {
+    /// Nothing has hit the column yet.
+    Nothing,
+    /// An impact whose forecast is not known yet.
+    Begun,
+    /// The forecast of an impact.
+    Forecast(&'a Announcement),
+    /// The result of an impact.
+    Result(&'a Announcement),
+}
+
+/// The whole panel.
+#[must_use]
+pub fn panel(drawing: &Drawing, told: Told<'_>) -> String {
+    let verdict = match told {
+        Told::Nothing => "## No impact yet\n".to_owned(),
+        Told::Begun => "## Impact: its forecast is being computed\n".to_owned(),
+        Told::Forecast(it) => verdict("Forecast", it),
+        Told::Result(it) => verdict("Result", it),
+    };
+    format!("{verdict}\n{}\n{}", vehicle(drawing), legend(drawing))
+}
+
+/// The outcome in words, for a heading.
+#[must_use]
+pub fn outcome(report: &ImpactReport) -> &'static str {
+    match report.outcome {
+        ImpactReport::ELASTIC => "elastic, no hinge yields",
+        ImpactReport::PLASTIC => "plastic, the column does not collapse in the model",
+        _ => "COLLAPSED",
+    }
+}
+
+/// Outcome, and the numbers that matter.
+fn verdict(kind: &str, announced: &Announcement) -> String {
+    let report = &*announced.report;
+    let mut text = format!("## {kind}: {}\n\n", outcome(report));
+    text.push_str(&format!("Impact {}. ", escaped(&announced.event_id)));
+    text.push_str(&hinges(report));
+    text.push_str("\n\n");
+    text.push_str(&table(["Quantity", "Value"], &rows(report)));
+    text
+}
+
+/// Which hinges yield, in words.
+fn hinges(report: &ImpactReport) -> String {
+    let yielded: Vec<_> = (0..HINGES)
+        .filter(|hinge| report.first_yield_time[*hinge].is_finite())
+        .map(|hinge| format!("{} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]))
+        .collect();
+    match &yielded[..] {
+        [] => "All hinges stay elastic.".to_owned(),
+        [one] => format!("Hinge {one} yields."),
+        [first @ .., last] => format!("Hinges {} and {last} yield.", first.join(", ")),
+    }
+}
+
+/// Quantities and values of a report; what is not known is left out.
+fn rows(report: &ImpactReport) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    let mut add = |known: f64, name: &str, value: String| {
+        if known.is_finite() {
+            rows.push([name.to_owned(), value]);
+        }
+    };
+    let largest = format!(
+        "{:.1} mm at {:.1} ms",
+        1e3 * report.max_v1,
+        1e3 * report.max_v1_time
+    );
+    add(report.max_v1, "Largest displacement v1", largest);
+    let residual = format!("{:.1} mm", 1e3 * report.residual_v1);
+    add(report.residual_v1, "Residual v1", residual);
+    let peak = report.peak_contact_force;
+    add(peak, "Peak contact force", force(peak));
+    let work = format!("{:.1} kJ", 1e-3 * report.plastic_work);
+    add(report.plastic_work, "Plastic work in the hinges", work);
+    rows
+}
+
+/// The vehicle and how it is drawn.
+fn vehicle(drawing: &Drawing) -> String {
+    let body = &drawing.vehicle;
+    let [length, width, height] = body.size;
+    let name = escaped(&drawing.vehicle_name);
+    if !body.is_real() {
+        return format!(
+            "**Vehicle: rigid mass, as in the paper.** \
+             It does not crush: forces and displacements are far above those of a real vehicle. \
+             The block ({length} m long) is a symbol, not to scale.\n"
+        );
+    }
+    let parts = match &body.names().collect::<Vec<_>>()[..] {
+        [_] => String::new(),
+        names => format!("Masses, front first: {}. ", names.join(", ")),
+    };
+    format!(
+        "**Vehicle: {name}.** \
+         {parts}Body {length} m long, {width} m wide, {height} m high, to scale (size of its class, assumed). \
+         Its nose shortens by the crush of spring 1 and turns from blue to orange.\n"
+    )
+}
+
+/// What colours, arrows and arcs mean.
+fn legend(drawing: &Drawing) -> String {
+    let scale = if drawing.magnification == 1.0 {
+        "to scale".to_owned()
+    } else {
+        format!("magnified {} times", drawing.magnification)
+    };
+    let rows = [
+        (
+            "Ball at a hinge",
+            "green: elastic; red: yields; orange: has yielded, elastic again".to_owned(),
+        ),
+        (
+            "Steel",
+            "grey: 0 %, yellow: 50 %, red: 100 % utilised (yields)".to_owned(),
+        ),
+        (
+            "Pink arrow",
+            format!("contact force, 1 m = {}", force(drawing.force_per_metre)),
+        ),
+        ("Cyan arrow", "load P on the top, same scale".to_owned()),
+        (
+            "Violet arc",
+            format!(
+                "moment of a hinge, 270° = M_p = {:.0} kN m",
+                1e-3 * drawing.resistance_moment
+            ),
+        ),
+        ("Displacements", scale),
+    ];
+    let rows = rows.map(|(sign, meaning)| [sign.to_owned(), meaning]);
+    format!("**Legend**\n\n{}", table(["Sign", "Meaning"], &rows))
+}
+
+/// A table of two columns with these headings.
+fn table([one, other]: [&str; 2], rows: &[[String; 2]]) -> String {
+    let mut text = format!("| {one} | {other} |\n|---|---|\n");
+    for [name, value] in rows {
+        text.push_str(&format!("| {name} | {value} |\n"));
+    }
+    text
+}
+
+/// Text from outside, which must not become Markdown.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        if character.is_ascii_punctuation() {
+            escaped.push('\\');
+        }
+        escaped.push(if character.is_control() {
+            ' '
+        } else {
+            character
+        });
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::{Impact, simulate};
+    use crate::parameters::Parameters;
+    use crate::shape::VehicleBody;
+    use crate::viewer::Announcement;
+
+    fn announced() -> Announcement {
+        let column = Parameters::default().column_properties();
+        let report = simulate(&column, &Impact::rigid(1500.0, 10.0), 2.0, &mut |_| ());
+        Announcement::new(0, "car_7".into(), &report.expect("simulated"))
+    }
+
+    /// The heading: what is read first.
+    fn heading(text: &str) -> &str {
+        text.lines().next().expect("a line")
+    }
+
+    #[test]
+    fn the_outcome_is_the_first_line() {
+        let drawing = Drawing::new(&Parameters::default());
+        let mut announced = announced();
+        let text = panel(&drawing, Told::Forecast(&announced));
+        let largest = 1e3 * announced.report.max_v1;
+        let largest = format!("| Largest displacement v1 | {largest:.1} mm at");
+        assert_eq!(
+            heading(&text),
+            "## Forecast: plastic, the column does not collapse in the model"
+        );
+        assert!(
+            text.contains("Impact car\\_7. Hinges 1a (below the impact), 1b"),
+            "{text}"
+        );
+        assert!(text.contains(&largest), "{text}");
+        announced.report.outcome = ImpactReport::COLLAPSED;
+        announced.report.residual_v1 = f64::NAN;
+        let text = panel(&drawing, Told::Result(&announced));
+        assert_eq!(heading(&text), "## Result: COLLAPSED");
+        assert!(
+            !text.contains("NaN") && !text.contains("Residual v1"),
+            "{text}"
+        );
+        announced.report.outcome = ImpactReport::ELASTIC;
+        announced.report.first_yield_time = [f64::NAN; HINGES];
+        let text = panel(&drawing, Told::Result(&announced));
+        assert!(text.contains("All hinges stay elastic."), "{text}");
+    }
+
+    #[test]
+    fn the_legend_gives_the_scales_of_the_drawing() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        let text = panel(&drawing, Told::Nothing);
+        assert_eq!(heading(&text), "## No impact yet");
+        for part in [
+            "1 m = 1000 kN",
+            "270° = M_p = 294 kN m",
+            "| Displacements | to scale |",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        drawing.magnification = 5.0;
+        let text = panel(&drawing, Told::Begun);
+        assert!(text.contains("magnified 5 times"), "{text}");
+    }
+
+    /// A reader cannot take the paper's rigid mass for a real vehicle, nor an assumed size for a measured one.
+    #[test]
+    fn the_vehicle_is_named_for_what_it_is() {
+        let mut drawing = Drawing::new(&Parameters::default());
+        let text = panel(&drawing, Told::Nothing);
+        assert!(
+            text.contains("**Vehicle: rigid mass, as in the paper.**"),
+            "{text}"
+        );
+        assert!(text.contains("a symbol, not to scale"), "{text}");
+        drawing.vehicle = VehicleBody::assumed(8_000.0, &[0.0, 0.0]);
+        drawing.vehicle_name = "lorry_8t".to_owned();
+        let text = panel(&drawing, Told::Nothing);
+        for part in [
+            "**Vehicle: lorry\\_8t.**",
+            "Masses, front first: cab and chassis, load.",
+            "Body 8 m long, 2.5 m wide, 3.4 m high, to scale",
+            "assumed",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+
+    #[test]
+    fn text_from_outside_is_no_markdown() {
+        assert_eq!(escaped("a|b\n# c"), "a\\|b \\# c");
+    }
+}
