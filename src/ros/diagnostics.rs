@@ -331,6 +331,32 @@ mod tests {
     }
 
     #[test]
+    fn the_severity_is_the_level_of_the_twin_with_its_reason() {
+        for (severity, level) in [
+            (TwinStatus::SEVERITY_NONE, DiagnosticStatus::OK),
+            (TwinStatus::SEVERITY_INSPECT, DiagnosticStatus::WARN),
+            (TwinStatus::SEVERITY_RESTRICT, DiagnosticStatus::WARN),
+            (TwinStatus::SEVERITY_PROP, DiagnosticStatus::ERROR),
+            (TwinStatus::SEVERITY_EVACUATE, DiagnosticStatus::ERROR),
+            (TwinStatus::SEVERITY_UNKNOWN, DiagnosticStatus::ERROR),
+        ] {
+            let status = twin_status(&TwinStatus {
+                severity,
+                severity_reason: "a hinge has turned too far".to_owned(),
+                ..TwinStatus::default()
+            });
+            assert_eq!(status.level, level);
+            let is_named = status.message.contains("a hinge has turned too far");
+            assert_eq!(
+                is_named,
+                level != DiagnosticStatus::OK,
+                "{}",
+                status.message
+            );
+        }
+    }
+
+    #[test]
     fn counters_do_not_change_the_state() {
         let of = |accepted| {
             let twin = TwinStatus {

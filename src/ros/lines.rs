@@ -117,7 +117,8 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
 }
 
 /// The word for a severity in `ImpactReport` and `TwinStatus`.
-pub(super) fn severity_word(severity: u8) -> &'static str {
+#[must_use]
+pub fn severity_word(severity: u8) -> &'static str {
     match severity {
         ImpactReport::SEVERITY_NONE => "none",
         ImpactReport::SEVERITY_INSPECT => "inspect",

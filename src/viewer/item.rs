@@ -212,16 +212,24 @@ mod tests {
     /// A sample survives the conversion to messages and back.
     #[test]
     fn messages_contain_the_whole_sample() {
-        let impact = Impact {
-            mass: 1500.0,
-            velocity: 10.0,
-            gap: 0.01,
-            restitution: 0.0,
-            vehicle: None,
-        };
-        let mut samples = Vec::new();
         let column = Parameters::default().column_properties();
-        simulate(&column, &impact, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        let mut samples = Vec::new();
+        for name in ["rigid", "van", "lorry_8t"] {
+            let changes = [
+                ("vehicle.name", name.into()),
+                ("impact.mass", 8500.0.into()),
+            ];
+            let parameters = Parameters::from_values(changes).expect("admissible");
+            let impact = Impact {
+                velocity: 10.0,
+                gap: 0.01,
+                ..parameters.impact()
+            };
+            simulate(&column, &impact, 0.2, &mut |sample| samples.push(*sample))
+                .expect("simulated");
+        }
+        let masses = |wanted| samples.iter().any(|sample| sample.vehicle.masses == wanted);
+        assert!(masses(0) && masses(1) && masses(2));
         for sample in &samples {
             let (state, forces) = (ColumnState::from(sample), HingeForces::from(sample));
             let ViewerItem::State(read) = ViewerItem::of_messages(&state, &forces, None) else {
