@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
-    ColumnProperties, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+    self, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
@@ -102,14 +102,9 @@ impl ReportedImpact {
     /// the beginning of the impact is not known or the second run does not converge.
     #[must_use]
     pub fn error_estimate(&self) -> Option<f64> {
-        let properties = self.model.properties;
-        let halved = ColumnProperties {
-            step_nanos: (properties.step_nanos / 2).max(1),
-            ..properties
-        };
+        let halved = with_half_the_step(&self.model.properties)?;
         let finer = self.struck?.with_properties(&halved)?.report().ok()?;
-        let scale = finer.max_v1.abs().max(f64::MIN_POSITIVE);
-        Some((self.report.max_v1 - finer.max_v1).abs() / scale)
+        Some(column::error_estimate(self.report.max_v1, finer.max_v1))
     }
 
     /// The history for the figures.
