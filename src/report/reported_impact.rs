@@ -6,6 +6,7 @@ use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
     self, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+    with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
