@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput};
+use super::output::{
+    Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, StrikingVehicle,
+};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -637,6 +639,10 @@ impl ActiveResponse {
             phase: phase.unwrap_or(sample.phase.into()),
             sample,
             lengths: Some(lengths),
+            vehicle: Some(StrikingVehicle {
+                name: Arc::clone(&self.striking.vehicle),
+                mass: self.striking.impact.mass,
+            }),
         }));
     }
 }

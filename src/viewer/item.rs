@@ -6,7 +6,7 @@ use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Report, Sample, 
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
+use crate::twin::{Output, RefusedInput, ReportOutput, Severity, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
@@ -64,6 +64,17 @@ impl Announcement {
             report: Box::new(ImpactReport::from(report)),
         }
     }
+
+    /// The announcement of a report of the twin.
+    fn of_twin(output: ReportOutput) -> Self {
+        let report = ImpactReport::from(&output.report);
+        let striking = output.striking;
+        Self {
+            stamp: output.stamp,
+            event_id: output.event_id,
+            report: Box::new(report.of_impact(&striking.vehicle, &striking.impact)),
+        }
+    }
 }
 
 impl ViewerItem {
@@ -72,12 +83,8 @@ impl ViewerItem {
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
             Output::State(state) => Self::State(state),
-            Output::Forecast(it) => {
-                Self::Forecast(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
-            Output::Report(it) => {
-                Self::Result(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
+            Output::Forecast(it) => Self::Forecast(Announcement::of_twin(it)),
+            Output::Report(it) => Self::Result(Announcement::of_twin(it)),
             Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {
                 stamp: status.stamp,
                 v1: status.residual_v1,
@@ -119,6 +126,7 @@ impl ViewerItem {
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
             lengths,
+            vehicle: None,
         })
     }
 }
