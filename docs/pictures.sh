@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Makes the viewer pictures of the README with the real viewer, headless:
+# Makes the pictures of the README: those of the viewer with the real viewer, headless, and that of the report with Chromium:
 #
 #   docs/pictures.sh [FOLDER]     default: docs/images
 #
 # viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments.
-# The script needs Rust, Python, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
+# report.png shows the first page of the report about the default impact of config/heb220_s355.yaml.
+# The script needs Rust, Python, Chromium with the DejaVu fonts, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
 # graphics card, Debian's mesa-vulkan-drivers is sufficient.
 set -euo pipefail
 
@@ -32,3 +33,13 @@ for moment in before first_yield peak rest; do
   }
   printf '%s\n' "$folder/viewer_$moment.png"
 done
+
+cargo run --quiet --release -- simulate --config config/heb220_s355.yaml --report "$work/report.html" >"$work/log"
+# Chromium's sandbox does not run as root; the file is our own.
+chromium --headless --no-sandbox --hide-scrollbars --window-size=1200,900 --user-data-dir="$work/chromium" \
+  --screenshot="$folder/report.png" "file://$work/report.html" >"$work/log" 2>&1 || {
+  cat "$work/log" >&2
+  printf 'pictures: no picture of the report\n' >&2
+  exit 1
+}
+printf '%s\n' "$folder/report.png"

@@ -119,6 +119,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("column-twin replay", Ends),
     ("column-twin verify", Ends),
     ("column-twin info", Ends),
+    ("column-twin report", Ends),
     ("column-twin repair", Ends),
     ("column-twin export", Ends),
     ("column-twin idl", Ends),

@@ -54,9 +54,12 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
-        value: "number of collapses in the response",
-        consequence: "the column has lost its shape or its equilibrium and carries nothing",
-        evaluate: |input| Ok((if input.collapsed { 1.0 } else { 0.0 }, 0.0)),
+        value: "collapse or torn hinge in the response (1: yes)",
+        consequence: "the column has lost its shape, its equilibrium or a hinge and carries nothing",
+        evaluate: |input| {
+            let lost = input.collapsed || input.severed;
+            Ok((if lost { 1.0 } else { 0.0 }, 0.0))
+        },
     },
     Definition {
         name: "ultimate_rotation",

@@ -31,6 +31,11 @@ pub(super) struct ImpactSpecificationArgs {
 }
 
 impl ImpactSpecificationArgs {
+    /// Whether any of the options is given.
+    pub fn is_given(&self) -> bool {
+        self.height.is_some() || !self.overrides().is_empty()
+    }
+
     /// The height of the impact point above the base \[m\], if given.
     pub fn height(&self) -> Option<f64> {
         self.height

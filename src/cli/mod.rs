@@ -1,5 +1,8 @@
 //! The command line.
 
+mod capacity;
+#[cfg(test)]
+mod capacity_tests;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod demo;
 #[cfg(feature = "record")]
@@ -43,6 +46,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use capacity::CapacityArgs;
 use failure::Exit;
 use simulate::SimulateArgs;
 
@@ -64,6 +68,8 @@ enum CliCommand {
     Demo(demo::DemoArgs),
     /// Simulate one impact without ROS and summarise the response of the column
     Simulate(SimulateArgs),
+    /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
+    Capacity(CapacityArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -127,6 +133,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),

@@ -23,7 +23,7 @@ use column_twin::evidence::SimulatedRecordingError;
 use column_twin::figures::HistoryThinning;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::{
-    Fault, NodeName, ParameterFaults, Parameters, RIGID, Source, parse_override,
+    Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
 #[cfg(feature = "record")]
 use column_twin::recording::RecordingError;
@@ -207,26 +207,11 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 impl Case {
     /// Reads the parameters; options take precedence over them.
     fn from_arguments(arguments: &SimulateArgs) -> Result<Self, Failure> {
-        let mut overrides: Vec<_> = arguments.impact.implied_override().into_iter().collect();
-        overrides.extend(arguments.parameter.iter().cloned());
-        overrides.extend(arguments.impact.overrides());
-        let (mut parameters, warnings) = load(&arguments.config, &overrides)?;
-        for warning in &warnings {
-            eprintln!("Warning: {warning}");
-        }
-        if let Some(height) = arguments.impact.height() {
-            let column = parameters.column_properties();
-            let total = column.length_below + column.length_above;
-            if !(height > 0.0 && height < total) {
-                return Err(SimulateError::Height { height, total }.into());
-            }
-            overrides.push(format!("geometry.length_below:={}", yaml(height)));
-            overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
-            (parameters, _) = load(&arguments.config, &overrides)?;
-        }
+        let parameters = parameters_of(&arguments.config, &arguments.parameter, &arguments.impact)?;
         let properties = parameters.column_properties();
         let impact = parameters.impact();
-        let title = title(&parameters, &impact, properties.length_below);
+        let vehicle = &parameters.settings().vehicle.name;
+        let title = title(&parameters, vehicle, &impact, properties.length_below);
         let max_duration = parameters.response_duration();
         Ok(Self {
             title,
@@ -317,6 +302,33 @@ impl Case {
             reason,
         })
     }
+}
+
+/// The parameters of the files with the overrides and the options of an impact, which take precedence; prints warnings.
+pub(super) fn parameters_of(
+    files: &[PathBuf],
+    overrides: &[String],
+    impact: &ImpactSpecificationArgs,
+) -> Result<Parameters, Failure> {
+    let mut all: Vec<_> = impact.implied_override().into_iter().collect();
+    all.extend(overrides.iter().cloned());
+    all.extend(impact.overrides());
+    let mut overrides = all;
+    let (mut parameters, warnings) = load(files, &overrides)?;
+    for warning in &warnings {
+        eprintln!("Warning: {warning}");
+    }
+    if let Some(height) = impact.height() {
+        let column = parameters.column_properties();
+        let total = column.length_below + column.length_above;
+        if !(height > 0.0 && height < total) {
+            return Err(SimulateError::Height { height, total }.into());
+        }
+        overrides.push(format!("geometry.length_below:={}", yaml(height)));
+        overrides.push(format!("geometry.length_above:={}", yaml(total - height)));
+        (parameters, _) = load(files, &overrides)?;
+    }
+    Ok(parameters)
 }
 
 /// Loads the parameters of the files with the overrides.

@@ -20,9 +20,11 @@ const LEDGER_ENTRIES: [LedgerEntry; 7] = [
     }),
     ("damping", colour::DAMPING, |sample| sample.damping_work),
     ("elastic", colour::ELASTIC, |sample| sample.elastic_energy),
-    ("elastic in the vehicle", colour::VEHICLE_ELASTIC, |sample| {
-        sample.vehicle.elastic_energy
-    }),
+    (
+        "elastic in the vehicle",
+        colour::VEHICLE_ELASTIC,
+        |sample| sample.vehicle.elastic_energy,
+    ),
     ("kinetic", colour::KINETIC, |sample| sample.kinetic_energy),
 ];
 

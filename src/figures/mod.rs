@@ -11,6 +11,7 @@ mod force_crush;
 mod histories;
 mod page;
 mod path_chart;
+mod push_down;
 mod raster;
 mod response_history;
 mod thinning;
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
+pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use thinning::HistoryThinning;
 
@@ -145,14 +147,16 @@ pub fn draw_svg(response: &ResponseHistory<'_>) -> Result<Vec<(String, String)>,
     }
     figures
         .into_iter()
-        .map(|(figure, svg)| match svg {
-            Ok(svg) => Ok((figure, svg)),
-            Err(fault) => Err(FigureError::Draw {
-                figure,
-                reason: fault.to_string(),
-            }),
-        })
+        .map(|(figure, svg)| drawn(&figure, svg).map(|svg| (figure, svg)))
         .collect()
+}
+
+/// What was drawn, or the error of the library.
+fn drawn(figure: &str, svg: page::Drawn<String>) -> Result<String, FigureError> {
+    svg.map_err(|fault| FigureError::Draw {
+        figure: figure.to_owned(),
+        reason: fault.to_string(),
+    })
 }
 
 #[cfg(test)]

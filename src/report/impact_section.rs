@@ -2,6 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::assessed::Assessed;
+use super::assessment_section;
 use super::document::fact;
 use super::energy_balance::EnergyBalance;
 use super::reported_impact::ReportedImpact;
@@ -10,7 +12,8 @@ use super::verdict::Verdict;
 use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
-use crate::figures::{FigureError, draw_svg};
+use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
+use crate::parameters::CatalogueVehicle;
 use crate::shape::HINGE_PLACES;
 use crate::twin::Nanos;
 
@@ -25,22 +28,29 @@ pub(super) fn markup(
         impact_number: number,
         count: 0,
     };
-    let verdict = Verdict::of(impact);
+    let assessed = Assessed::of(impact);
+    if let Ok(assessed) = &assessed {
+        let curves = PushDownCurves {
+            title: &impact.title,
+            virgin: &assessed.virgin,
+            now: &assessed.now,
+            remaining: &assessed.remaining,
+        };
+        figures
+            .drawings
+            .push(("push_down".to_owned(), push_down_svg(&curves)?));
+    }
+    let verdict = Verdict::of(impact, &assessed);
     let anchor = number.map_or("impact".to_owned(), |number| format!("impact-{number}"));
     Ok(html! {
         section.impact id=(anchor) {
-            div.verdict.(verdict.tone.class()) {
-                p.headline { (verdict.headline) }
-                p { (verdict.reason) }
-                @if let Some(reservation) = &verdict.reservation { p { strong { (reservation) } } }
-            }
-            h1 {
-                @if let Some(number) = number { "Impact " (number) ": " } @else { "Impact report: " }
-                (impact.title)
-            }
+            @if let Some(number) = number { h1 { "Impact " (number) ": " (impact.title) } }
+            (verdict.markup(""))
+            @if number.is_none() { h1 { "Impact report: " (impact.title) } }
             @for remark in &impact.remarks { p.note { (remark) } }
-            (what_hit_what(impact))
-            (capacity(impact))
+            (what_hit_what(impact, &assessed))
+            @if let Ok(assessed) = &assessed { (assessment_section::criteria(assessed)) }
+            (capacity(&assessed, &mut figures))
             (response(impact))
             (figures.markup("deformed_shape", "Shape of the column before the impact, at its largest displacement and at rest."))
             (figures.markup("fig5_horizontal_displacement", "Displacement of the impact point and of the impactor over time."))
@@ -93,7 +103,7 @@ impl Figures {
     }
 }
 
-fn what_hit_what(impact: &ReportedImpact) -> Markup {
+fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Markup {
     let parameters = &impact.parameters;
     let settings = parameters.settings();
     let section = parameters.section();
@@ -116,7 +126,14 @@ fn what_hit_what(impact: &ReportedImpact) -> Markup {
                     significant(properties.length_below + properties.length_above, 4),
                     support(&properties.base), support(&properties.top))))
                 (fact("Axial load carried", force(properties.top_load)))
+                @if let Ok(assessed) = assessed {
+                    (fact("Plastic plateau of the column", format!("F0 = {}: the force at the impact point at which its hinges \
+                        form a mechanism", force(assessed.plateau))))
+                }
                 (fact("Vehicle", vehicle_in_words(impact)))
+                @if let Some(sources) = vehicle_sources(&impact.vehicle) {
+                    (fact("Sources of the vehicle", sources))
+                }
                 (fact("Speed", format!("{} m/s ({} km/h)", significant(impact.impact.velocity, 4),
                     significant(3.6 * impact.impact.velocity, 4))))
                 (fact("Height of the impact", format!("{} m above the base", significant(properties.length_below, 4))))
@@ -148,27 +165,60 @@ fn support(support: &Support) -> String {
 
 fn vehicle_in_words(impact: &ReportedImpact) -> String {
     let mass = significant(impact.impact.mass, 4);
-    match &impact.impact.vehicle {
-        None => format!(
+    let Some(vehicle) = &impact.impact.vehicle else {
+        return format!(
             "rigid mass of {mass} kg, restitution {}: it does not crush, which overestimates what a real vehicle does",
             significant(impact.impact.restitution, 3)
-        ),
-        Some(vehicle) => format!(
-            "crushable, {mass} kg in {} mass{}",
-            vehicle.masses().len(),
-            if vehicle.masses().len() == 1 {
-                ""
-            } else {
-                "es"
-            }
-        ),
-    }
+        );
+    };
+    let described = CatalogueVehicle::named(&impact.vehicle);
+    let name = described.map_or("given by numbers".to_owned(), |it| {
+        format!("{}: {}", it.name, it.description)
+    });
+    let masses: Vec<_> = vehicle
+        .masses()
+        .iter()
+        .map(|mass| significant(*mass, 4))
+        .collect();
+    format!(
+        "{name}; {} kg, with a front that crushes",
+        masses.join(" + ")
+    )
 }
 
-fn capacity(_impact: &ReportedImpact) -> Markup {
+/// Where the numbers of a vehicle of the catalogue come from.
+fn vehicle_sources(name: &str) -> Option<String> {
+    let vehicle = CatalogueVehicle::named(name)?;
+    let springs = vehicle.springs.iter().enumerate();
+    let sources = springs.map(|(index, spring)| {
+        format!(
+            "spring {} [{}] {}",
+            index + 1,
+            spring.tag.letter(),
+            spring.source
+        )
+    });
+    let masses = &vehicle.masses;
+    let all: Vec<_> = std::iter::once(format!(
+        "masses [{}] {}",
+        masses.tag.letter(),
+        masses.source
+    ))
+    .chain(sources)
+    .collect();
+    Some(all.join("; "))
+}
+
+fn capacity(assessed: &Result<Assessed, String>, figures: &mut Figures) -> Markup {
     html! {
-        h3 { "Remaining capacity" }
-        p.note { "This report does not state what load the column can still carry." }
+        h3 { "Remaining axial capacity" }
+        @match assessed {
+            Ok(assessed) => {
+                (assessment_section::capacity(assessed))
+                (figures.markup("push_down", "Axial force over the shortening of the column, virgin and as it is."))
+            }
+            Err(reason) => { p.note { "Not computed: " (reason) "." } }
+        }
     }
 }
 
@@ -186,7 +236,7 @@ fn response(impact: &ReportedImpact) -> Markup {
     };
     html! {
         h3 { "Response" }
-        table {
+        table.compact {
             caption { "Times count from the event. The response ended at " (time(report.end_time)) " (" (end_in_words(report.end)) ")." }
             thead { tr { th { "quantity" } th.number { "value" } th.number { "time" } } }
             tbody {
@@ -211,7 +261,7 @@ fn hinges(impact: &ReportedImpact) -> Markup {
     let dynamic = impact.model.properties.rate.is_some();
     html! {
         h3 { "Hinges" }
-        table {
+        table.compact {
             thead {
                 tr { th { "hinge" } th.number { "first yield" } th.number { "plastic rotation" } th.number { "utilisation" }
                     @if dynamic { th.number { "strength by strain rate" } } }
@@ -239,7 +289,7 @@ fn vehicle(impact: &ReportedImpact, figures: &mut Figures) -> Markup {
     html! {
         @if crushed.masses > 0 {
             h3 { "Vehicle" }
-            table {
+            table.compact {
                 thead {
                     tr {
                         th { "spring, front first" } th.number { "largest crush" } th.number { "permanent crush" }
@@ -280,7 +330,7 @@ fn energy(impact: &ReportedImpact, figures: &mut Figures) -> Markup {
     };
     html! {
         h3 { "Energy" }
-        table {
+        table.compact {
             thead { tr { th { "at the end" } th.number { "J" } th.number { "% of the supply" } } }
             tbody {
                 @for entry in &balance.spent { tr { (row(&entry.name, entry.energy)) } }

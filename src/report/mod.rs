@@ -6,6 +6,8 @@
 //! The first line of every impact is its verdict. It never claims more than the model knows: what a section needs and the
 //! input does not contain is named as missing.
 
+mod assessed;
+mod assessment_section;
 mod course;
 mod document;
 mod energy_balance;
@@ -27,4 +29,4 @@ pub use energy_balance::{EnergyBalance, EnergyEntry};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;
-pub use words::{end_in_words, outcome_in_words, title};
+pub use words::{end_in_words, outcome_in_words, short, title};

@@ -9,7 +9,7 @@ use super::course::Struck;
 use super::document::{Origin, ReportDocument};
 use super::reported_impact::ReportedImpact;
 use super::words;
-use crate::column::{Model, Sample, State};
+use crate::column::{Impact, Model, Sample, State};
 use crate::evidence::{self, JournalEntry, Observed, Verification, VerifyError, sha256_of_file};
 use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
@@ -197,6 +197,8 @@ fn written_by(reader: &Reader) -> String {
 /// An accepted impact whose report has not come yet.
 struct Announced {
     command: ImpactCommand,
+    /// The completed impact.
+    impact: Option<Impact>,
     /// The column at rest before it; `None` if it was moving.
     before: Option<ColumnSnapshot>,
 }
@@ -264,6 +266,7 @@ impl Gathered {
                 let before = self.at_rest.as_ref().filter(|_| is_at_rest);
                 let announced = Announced {
                     command: command.clone(),
+                    impact: record.impact,
                     before: before.map(Twin::snapshot),
                 };
                 self.announced.insert(command.event_id.clone(), announced);
@@ -328,6 +331,14 @@ impl Gathered {
     }
 }
 
+/// Name of the vehicle that hits: the event's, or that of the parameters.
+fn vehicle_of<'n>(command: &'n ImpactCommand, parameters: &'n Parameters) -> &'n str {
+    match command.vehicle.as_str() {
+        "" => &parameters.settings().vehicle.name,
+        name => name,
+    }
+}
+
 impl Finished {
     /// The impact computed again in every step from the column before it or, where that is not known, as it was published.
     fn reported(self) -> Option<ReportedImpact> {
@@ -343,7 +354,9 @@ impl Finished {
     }
 
     fn recomputed(&self) -> Option<ReportedImpact> {
-        let Announced { command, before } = self.announced.as_ref()?;
+        let Announced {
+            command, before, ..
+        } = self.announced.as_ref()?;
         let before = before.as_ref()?;
         let (model, state, response) = before.struck(&command.vehicle, &command.impact).ok()?;
         let impact = state.impactor?.impact;
@@ -353,7 +366,8 @@ impl Finished {
             response,
         };
         let parameters = Arc::clone(before.parameters());
-        let reported = ReportedImpact::computed(parameters, impact, &struck).ok()?;
+        let vehicle = vehicle_of(command, before.parameters());
+        let reported = ReportedImpact::computed(parameters, vehicle, impact, &struck).ok()?;
         // Otherwise the beginning was not that of the recorded response.
         (reported.report == self.output.report).then_some(reported)
     }
@@ -374,9 +388,9 @@ impl Finished {
             (properties.length_below, properties.length_above) = (lengths.below, lengths.above);
         }
         let model = Model::new(&properties).ok()?;
-        let defaults = parameters.impact();
-        let specification = announced.as_ref()?.command.impact;
-        let impact = specification.complete(&defaults, defaults.vehicle).ok()?;
+        let announced = announced.as_ref()?;
+        let impact = announced.impact?;
+        let vehicle = vehicle_of(&announced.command, &parameters);
         let mut thinning = HistoryThinning::new(samples.len() as u64, output.report.end_time);
         samples.iter().for_each(|sample| thinning.push(sample));
         let samples = thinning.finish();
@@ -385,8 +399,9 @@ impl Finished {
         }
         let rate = parameters.settings().publish_rate;
         Some(ReportedImpact {
-            title: words::title(&parameters, &impact, properties.length_below),
+            title: words::title(&parameters, vehicle, &impact, properties.length_below),
             event: None,
+            vehicle: vehicle.to_owned(),
             impact,
             model,
             samples,

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::assessed::Assessed;
 use super::document::fact;
 use super::recorded::ReportedRecording;
 use super::reported_impact::ReportedImpact;
@@ -21,6 +22,7 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
     let faults = faults(recorded);
     let several = impacts.len() > 1;
     let last = impacts.last().filter(|_| several);
+    let last = last.and_then(|last| Some((last, &last.event.as_ref()?.0)));
     let unreported = impacts.is_empty() || recorded.events.len() > impacts.len();
     html! {
         @if let Some((headline, reason)) = &faults {
@@ -29,12 +31,14 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
                 p { (reason) }
             }
         }
-        @if let Some(last) = last {
-            @let verdict = Verdict::of(last);
-            div.verdict.(verdict.tone.class()) {
-                p.headline { "After the last of " (recorded.events.len()) " impacts: " (lowered(&verdict.headline)) }
-                p { (verdict.reason) }
-                @if let Some(reservation) = &verdict.reservation { p { strong { (reservation) } } }
+        @if let Some((last, event_id)) = last {
+            (Verdict::of(last, &Assessed::of(last)).markup(&format!("After impact \"{event_id}\": ")))
+        }
+        @let open = without_outcome(recorded, impacts);
+        @if !open.is_empty() {
+            p.fault {
+                "Accepted after it, without an outcome in this recording: " (open.join(", ")) ". The verdict does not contain what "
+                "they did to the column."
             }
         }
         @if impacts.is_empty() && faults.is_none() {
@@ -50,6 +54,26 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
             }
         }
     }
+}
+
+/// Impacts after the last one with an outcome that were accepted and have none.
+fn without_outcome<'r>(
+    recorded: &'r ReportedRecording,
+    impacts: &[ReportedImpact],
+) -> Vec<&'r str> {
+    let last = impacts
+        .iter()
+        .filter_map(|impact| Some(impact.event.as_ref()?.1))
+        .max();
+    let events = recorded.events.iter();
+    events
+        .filter(|event| event.refused.is_none() && event.outcome.is_none())
+        .filter(|event| {
+            last.zip(event.stamp)
+                .is_some_and(|(last, stamp)| stamp > last)
+        })
+        .map(|event| event.event_id.as_str())
+        .collect()
 }
 
 /// What is so wrong with the recording that it comes before every verdict.
@@ -100,7 +124,7 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
     let hidden = recorded.events.len().saturating_sub(MAX_ROWS);
     html! {
         @if hidden > 0 { p.note { "The first " (hidden) " events are not listed; column-twin info lists all of them." } }
-        table {
+        table.events {
             thead {
                 tr {
                     th { "event" } th { "time" } th.number { "mass" } th.number { "speed" }
@@ -229,11 +253,4 @@ fn result(found: &Verification) -> Markup {
         @let more = found.unchecked_reasons.saturating_sub(found.unchecked.len() as u64);
         @if more > 0 { p.note { "Not checked for " (more) " further reasons." } }
     }
-}
-
-fn lowered(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_lowercase().chain(letters).collect()
-    })
 }

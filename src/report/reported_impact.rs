@@ -20,6 +20,8 @@ pub struct ReportedImpact {
     pub event: Option<(String, Nanos)>,
     /// The parameters that held.
     pub parameters: Arc<Parameters>,
+    /// Name of the vehicle in the catalogue; empty: given by numbers.
+    pub vehicle: String,
     /// What hit the column.
     pub impact: Impact,
     /// The column that was hit; its lower bar ends at the impact point.
@@ -52,19 +54,22 @@ impl ReportedImpact {
             state,
             response,
         };
+        let vehicle = &parameters.settings().vehicle.name;
         Ok(Self::computed(
             Arc::new(parameters.clone()),
+            vehicle,
             impact,
             &struck,
         )?)
     }
 
-    /// An impact that is computed from its beginning.
+    /// An impact of the vehicle of this name, computed from its beginning.
     ///
     /// # Errors
     /// A step that does not converge.
     pub fn computed(
         parameters: Arc<Parameters>,
+        vehicle: &str,
         impact: Impact,
         struck: &Struck,
     ) -> Result<Self, StepError> {
@@ -74,8 +79,14 @@ impl ReportedImpact {
             settled,
         } = struck.course()?;
         Ok(Self {
-            title: words::title(&parameters, &impact, struck.model.properties.length_below),
+            title: words::title(
+                &parameters,
+                vehicle,
+                &impact,
+                struck.model.properties.length_below,
+            ),
             event: None,
+            vehicle: vehicle.to_owned(),
             parameters,
             impact,
             model: struck.model,

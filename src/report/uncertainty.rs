@@ -96,7 +96,7 @@ fn band_table(Band { ideal, hardening }: &Band) -> Markup {
         }
     };
     html! {
-        table {
+        table.compact {
             caption {
                 "Band of hardening, the slope of the steel after yield relative to its modulus of elasticity. Without hardening, \
                  displacements are on the safe side and forces on the unsafe side."

@@ -1,131 +1,143 @@
-//! The first line of the report.
+//! The first line of the report: the severity, and the criterion that decides with its margin.
 
+use maud::{Markup, html};
+
+use super::assessed::{Assessed, action};
 use super::reported_impact::ReportedImpact;
+use super::words::capitalised;
+use crate::assessment::Severity;
 use crate::column::{End, HINGE_NAMES, Outcome};
 use crate::figures::units::{Unit, significant};
 use crate::shape::HINGE_PLACES;
 
-/// How bad an outcome is, for its colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tone {
-    Calm,
-    Warning,
-    Alarm,
-}
-
-impl Tone {
-    /// Name of the style class.
-    pub fn class(self) -> &'static str {
-        match self {
-            Self::Calm => "calm",
-            Self::Warning => "warning",
-            Self::Alarm => "alarm",
-        }
-    }
-}
-
 /// The verdict on one impact.
 pub(super) struct Verdict {
-    pub tone: Tone,
-    /// The first line.
-    pub headline: String,
-    /// What decides, with its margin.
-    pub reason: String,
+    /// Class of the style.
+    class: &'static str,
+    /// The severity and the deciding criterion with its margin.
+    headline: String,
+    /// What has to be done.
+    action: String,
+    /// The outcome in numbers.
+    outcome: String,
     /// What the verdict leaves open.
-    pub reservation: Option<String>,
+    reservations: Vec<String>,
 }
 
 impl Verdict {
-    /// The verdict of the model.
-    pub fn of(impact: &ReportedImpact) -> Self {
+    /// The verdict of the model; `assessed` has the reason where there is no assessment.
+    pub fn of(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -> Self {
         let report = &impact.report;
-        let hinge = impact.governing_hinge();
-        let named = format!("hinge {} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
-        let unit = Unit::length(report.max_v1);
-        let (tone, headline, reason) = match report.outcome {
-            Outcome::Elastic => {
-                let utilisation = report.hinges[hinge].max_utilisation;
-                (
-                    Tone::Calm,
-                    "No permanent deformation is predicted".to_owned(),
-                    format!(
-                        "No hinge of the model yields. The most highly utilised one, {named}, reaches a utilisation of \
-                         {utilisation:.3}, where 1 is yielding: a margin of {:.3}. The impact point moves {} at most.",
-                        1.0 - utilisation,
-                        unit.show(report.max_v1),
+        let mut reservations = Vec::new();
+        if report.end == End::DurationReached {
+            reservations.push(format!(
+                "The computation ended after {} (response.duration), before the column came to rest: what happens later is not \
+                 included.",
+                Unit::time(report.end_time).show(report.end_time),
+            ));
+        }
+        let (class, headline, action) = match assessed {
+            Ok(assessed) => {
+                let severity = assessed.assessment.severity;
+                let statement = assessed
+                    .deciding()
+                    .map_or("", |criterion| &criterion.statement);
+                let headline = match severity {
+                    Severity::None => format!(
+                        "None: no criterion that decides is exceeded. Closest to its limit: {}",
+                        lowered(statement)
                     ),
-                )
+                    severity => format!("{}. {statement}", capitalised(&severity.to_string())),
+                };
+                reservations.push(assessed.reservations().to_owned());
+                (class_of(severity), headline, action(severity).to_owned())
             }
-            Outcome::Plastic => {
-                let rotation = report.hinges[hinge].plastic_rotation;
-                let remains = report.residual_v1.map_or(
-                    "permanent deformation is predicted, without an equilibrium at its end"
-                        .to_owned(),
-                    |residual| {
-                        format!(
-                            "{} of permanent displacement are predicted",
-                            unit.show(residual)
-                        )
-                    },
-                );
-                (
-                    Tone::Warning,
-                    capitalised(&remains),
-                    format!(
-                        "{} of 4 hinges yield; the largest plastic rotation is {} rad ({:.1}°), at {named}. The impact point \
-                         moves {} at most.",
-                        report
-                            .hinges
-                            .iter()
-                            .filter(|it| it.first_yield.is_some())
-                            .count(),
-                        significant(rotation, 3),
-                        rotation.to_degrees(),
-                        unit.show(report.max_v1),
-                    ),
-                )
-            }
-            Outcome::Collapsed => (
-                Tone::Alarm,
-                "Collapse is predicted".to_owned(),
-                format!(
-                    "The column of the model loses its shape or its equilibrium {} after the event.",
-                    Unit::time(report.end_time).show(report.end_time),
-                ),
+            Err(reason) => (
+                "warning",
+                format!("No assessment: {reason}"),
+                "An engineer has to examine the column.".to_owned(),
             ),
-            Outcome::Severed => {
-                let rotation = report.hinges[hinge].plastic_rotation;
-                (
-                    Tone::Alarm,
-                    "The column is severed".to_owned(),
-                    format!(
-                        "{} tears {} after the event, at a plastic rotation of {} rad ({:.1}°); a torn hinge carries nothing.",
-                        capitalised(&named),
-                        Unit::time(report.end_time).show(report.end_time),
-                        significant(rotation, 3),
-                        rotation.to_degrees(),
-                    ),
-                )
-            }
         };
         Self {
-            tone,
+            class,
             headline,
-            reason,
-            reservation: (report.end == End::DurationReached).then(|| {
-                format!(
-                    "The computation ended after {} (response.duration), before the column came to rest: what happens \
-                     later is not included.",
-                    Unit::time(report.end_time).show(report.end_time),
-                )
-            }),
+            action,
+            outcome: outcome(impact),
+            reservations,
+        }
+    }
+
+    /// The box, with a text before the severity where there are several impacts.
+    pub fn markup(&self, before: &str) -> Markup {
+        html! {
+            div.verdict.(self.class) {
+                p.headline { (before) (self.headline) }
+                p { strong { (self.action) } }
+                p { (self.outcome) }
+                @for reservation in self.reservations.iter().filter(|it| !it.is_empty()) { p.reservation { (reservation) } }
+            }
         }
     }
 }
 
-fn capitalised(text: &str) -> String {
+fn class_of(severity: Severity) -> &'static str {
+    match severity {
+        Severity::None => "calm",
+        Severity::Inspect => "notice",
+        Severity::Restrict => "warning",
+        Severity::Prop | Severity::Evacuate => "alarm",
+    }
+}
+
+/// What the model predicts, with its numbers.
+fn outcome(impact: &ReportedImpact) -> String {
+    let report = &impact.report;
+    let hinge = impact.governing_hinge();
+    let named = format!("hinge {} ({})", HINGE_NAMES[hinge], HINGE_PLACES[hinge]);
+    let length = Unit::length(report.max_v1);
+    let end = Unit::time(report.end_time).show(report.end_time);
+    let rotation = report.hinges[hinge].plastic_rotation;
+    let angle = format!(
+        "{} rad ({:.1}°)",
+        significant(rotation, 3),
+        rotation.to_degrees()
+    );
+    let yielded = report
+        .hinges
+        .iter()
+        .filter(|it| it.first_yield.is_some())
+        .count();
+    match report.outcome {
+        Outcome::Elastic => format!(
+            "The model predicts no plastic deformation by this impact: {named} comes closest to yielding, with a utilisation of \
+             {:.3}. The impact point moves {} at most.",
+            report.hinges[hinge].max_utilisation,
+            length.show(report.max_v1),
+        ),
+        Outcome::Plastic => format!(
+            "The model predicts a displacement of the impact point of {} at most, of which {}. {yielded} of 4 hinges yield; the \
+             largest plastic rotation is {angle}, at {named}.",
+            length.show(report.max_v1),
+            report
+                .residual_v1
+                .map_or("the rest is not known".to_owned(), |it| format!(
+                    "{} remain",
+                    length.show(it)
+                )),
+        ),
+        Outcome::Collapsed => format!(
+            "The model predicts that the column loses its shape or its equilibrium {end} after the event."
+        ),
+        Outcome::Severed => format!(
+            "The model predicts that {named} tears {end} after the event, at a plastic rotation of {angle}; a torn hinge carries \
+             nothing."
+        ),
+    }
+}
+
+fn lowered(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(letters).collect()
+        first.to_lowercase().chain(letters).collect()
     })
 }

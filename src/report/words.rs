@@ -2,7 +2,7 @@
 
 use crate::column::{End, Impact, Outcome};
 use crate::figures::units::significant;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, RIGID};
 
 /// The outcome of an impact, for a sentence that is a line of its own.
 #[must_use]
@@ -26,13 +26,14 @@ pub fn end_in_words(end: End) -> &'static str {
     }
 }
 
-/// One line that describes the column and what hits it, `length_below` \[m\] above its base.
+/// One line that describes the column and the vehicle of this name that hits it, `length_below` \[m\] above its base.
 #[must_use]
-pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> String {
+pub fn title(parameters: &Parameters, vehicle: &str, impact: &Impact, length_below: f64) -> String {
     let section = parameters.section().name;
     format!(
-        "{}: {} kg at {} m/s ({} km/h), {} m above the base",
+        "{}: {}, {} kg at {} m/s ({} km/h), {} m above the base",
         section.unwrap_or(&parameters.settings().column_id),
+        vehicle_in_words(vehicle),
         short(impact.mass),
         short(impact.velocity),
         short(3.6 * impact.velocity),
@@ -40,9 +41,27 @@ pub fn title(parameters: &Parameters, impact: &Impact, length_below: f64) -> Str
     )
 }
 
+/// The vehicle of this name in words.
+fn vehicle_in_words(name: &str) -> &str {
+    match name {
+        "" => "vehicle by numbers",
+        RIGID => "rigid mass",
+        name => name,
+    }
+}
+
 /// Four significant digits without trailing zeros.
-pub(super) fn short(value: f64) -> String {
+#[must_use]
+pub fn short(value: f64) -> String {
     let text = significant(value, 4);
     text.parse::<f64>()
         .map_or(text, |rounded| rounded.to_string())
+}
+
+/// The text with a capital letter at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }

@@ -51,7 +51,7 @@ pub fn recommended_step_nanos(properties: &ColumnProperties) -> Result<u64, Mode
 
 /// The properties with half the step, for the run that [`error_estimate`] compares with; `None` where the step is 1 ns.
 pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnProperties> {
-    (properties.step_nanos > 1).then(|| ColumnProperties {
+    (properties.step_nanos > 1).then_some(ColumnProperties {
         step_nanos: properties.step_nanos / 2,
         ..*properties
     })

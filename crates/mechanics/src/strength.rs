@@ -84,12 +84,14 @@ impl BarStrength {
 
     /// Whether a stress lies outside of either surface.
     fn exceeded(&self, bar: &Bar, stress: &BarForces) -> bool {
-        [0, 1].into_iter().any(|k| {
-            bar.surface.exceeded(
-                [stress.moment[k] * self.per_moment[k], 0.0],
-                stress.normal * self.per_axial[k],
-            )
-        })
+        let surface = &bar.surface;
+        let n = surface.relative_axial(stress.normal).abs();
+        surface.either_exceeded(
+            [0, 1].map(|k| surface.relative_moment(stress.moment[k]).abs() * self.per_moment[k]),
+            self.per_axial.map(|per_axial| n * per_axial),
+            self.weaker,
+            &self.lead,
+        )
     }
 }
 

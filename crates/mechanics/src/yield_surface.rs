@@ -64,6 +64,8 @@ pub(crate) struct PairedPoint {
     pub weaker: Jet,
     /// The moment that the other hinge can bear, relative to its own resistance.
     pub stronger: Jet,
+    /// The coordinate to the power of its exponent.
+    power: f64,
 }
 
 /// How much weaker one of two hinges is against a normal force, with `r` the ratio of both resistances.
@@ -135,6 +137,11 @@ impl YieldSurface {
         self.alpha.of((moment * self.per_moment).abs())
     }
 
+    /// `M/M^p`.
+    pub(crate) fn relative_moment(&self, moment: f64) -> f64 {
+        moment * self.per_moment
+    }
+
     /// `N/N^p`.
     pub(crate) fn relative_axial(&self, normal_force: f64) -> f64 {
         normal_force * self.per_axial
@@ -152,6 +159,25 @@ impl YieldSurface {
         let n = self.relative_axial(normal_force).abs();
         // With exponents >= 1 no power of a number below 1 exceeds it.
         m + n > 1.0 && self.alpha.of(m) + self.beta.of(n) > 1.0 + YIELD_TOLERANCE
+    }
+
+    /// Whether any of two hinges lies outside of its own surface, with `m` and `n` their moments and normal forces relative to
+    /// their own resistances, the hinge `weaker` being the weaker one against normal forces.
+    pub(crate) fn either_exceeded(
+        &self,
+        m: [f64; 2],
+        n: [f64; 2],
+        weaker: usize,
+        lead: &AxialLead,
+    ) -> bool {
+        if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
+            return false;
+        }
+        let axial = self.beta.of(n[weaker]);
+        let exceeded = |k: usize, axial: f64| {
+            m[k] + n[k] > 1.0 && self.alpha.of(m[k]) + axial > 1.0 + YIELD_TOLERANCE
+        };
+        exceeded(weaker, axial) || exceeded(1 - weaker, lead.share * axial)
     }
 
     /// Where the branches meet: `n = m` there.
@@ -202,11 +228,12 @@ impl YieldSurface {
         self.axial_curve.ratio * lead.share * self.alpha.root(lead.rest) / lead.rest
     }
 
-    /// `-dm/dn` of the stronger curve at a point; `n` counts in the weaker one's resistance, and `lead.rest > 0`.
+    /// `-dm/dn` of the stronger curve at a point of the branch of the moment; `n` counts in the weaker one's resistance, and
+    /// `lead.rest > 0`.
     pub(crate) fn stronger_slope(&self, point: &PairedPoint, lead: &AxialLead) -> f64 {
         let (n, m) = (point.axial.value, point.stronger.value);
-        let less_one = self.beta.less_one(n, self.beta.of(n));
-        self.axial_curve.ratio * lead.share * less_one * m / self.alpha.of(m)
+        let less_one = self.beta.less_one(n, 1.0 - point.power);
+        self.axial_curve.ratio * lead.share * less_one * m / (lead.rest + lead.share * point.power)
     }
 
     /// The point of two quarter curves with coordinate `t`, `0 <= t <= split`, on `branch` of the weaker one.
@@ -245,6 +272,7 @@ impl YieldSurface {
             axial,
             weaker,
             stronger,
+            power,
         }
     }
 
@@ -301,6 +329,7 @@ impl PairedPoint {
             axial: self.axial.moved_by(step),
             weaker: self.weaker.moved_by(step),
             stronger: self.stronger.moved_by(step),
+            power: self.power,
         }
     }
 }

@@ -11,7 +11,8 @@ use std::fs;
 use std::path::Path;
 
 use column_mechanics::{
-    CapacityEnd, ColumnProperties, Model, PerBar, PlasticFlow, State, capacity, residual_state,
+    CapacityEnd, ColumnProperties, Model, PerBar, PlasticFlow, PushDown, State, Support, capacity,
+    carried_load, push_down, residual_state,
 };
 use example::example;
 use serde_json::Value;
@@ -91,5 +92,96 @@ fn push_down_agrees_with_the_reference() {
             assert_eq!(found.end, CapacityEnd::ForceFell);
             assert!(error.abs() < number("tol", which), "{name} {which}");
         }
+    }
+}
+
+/// The mechanism limit `N w = 2 M(N)`: solved for HEB 220 in S355, and met by the push-down of damaged columns.
+#[test]
+fn the_force_of_a_damaged_column_is_that_of_its_mechanism() {
+    let (mut p, _) = example(&["yield_surface.alpha:=1.0", "yield_surface.beta:=1.3"]);
+    p.resistance_moment = 293.6e3;
+    p.resistance_axial = 3232e3;
+    let surface = Model::new(&p).expect("a column").frame.below.surface;
+    for (w, expected) in [(0.05, 2654e3), (0.1, 2236e3), (0.2, 1681e3)] {
+        let (mut low, mut high) = (0.0, p.resistance_axial);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if middle * w < 2.0 * surface.moment_resistance(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        assert!((low - expected).abs() < 1e3, "w {w}: {low}");
+    }
+    for (name, case) in cases().as_object().expect("cases") {
+        let model = Model::new(&column(case)).expect("a column");
+        let state = at_rest(&model, plastic(case));
+        let found = capacity(&model, &state, case["e0"].as_f64().expect("e0")).expect("N_u");
+        let limit = 2.0 * model.frame.below.surface.moment_resistance(found.force);
+        let ratio = found.force * found.v1 / limit;
+        println!("{name}: N w / 2 M(N) = {ratio:.4}");
+        assert!((0.9..1.02).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+/// An elastic column with a bow: `N = N_cr (1 - e0 / v1)`, with the critical load of two rigid bars and elastic springs.
+#[test]
+fn an_elastic_column_follows_its_critical_load() {
+    let (mut p, _) = example(&["hinge.elastic_law:=coupled"]);
+    p.length_below = 4.0;
+    p.length_above = 4.0;
+    p.base = Support::Pinned;
+    p.top = Support::Pinned;
+    p.resistance_moment *= 100.0;
+    p.resistance_axial *= 100.0;
+    p.top_load = 0.0;
+    let model = Model::new(&p).expect("a column");
+    let critical = 12.0 * p.bending_stiffness / 64.0;
+    let mut checked = 0;
+    let bow = 0.002;
+    push_down(&model, &State::at_rest(&model), bow, &mut |point| {
+        if (2.0 * bow..50.0 * bow).contains(&point.v1) {
+            let expected = critical * (1.0 - bow / point.v1);
+            assert!(
+                (point.force / expected - 1.0).abs() < 5e-3,
+                "{point:?} {expected}"
+            );
+            checked += 1;
+        }
+    })
+    .expect("a capacity");
+    assert!(checked > 20, "{checked}");
+}
+
+/// Slices change nothing, and nothing is allocated.
+#[test]
+fn a_push_down_in_slices_is_the_same_bit_for_bit() {
+    let (p, _) = example(&[]);
+    let model = Model::new(&p).expect("a column");
+    let state = State::at_rest(&model);
+    let mut whole = None;
+    let allocated = allocation_counter::measure(|| {
+        whole = Some(capacity(&model, &state, 0.016).expect("a capacity"));
+    });
+    assert_eq!(allocated.count_total, 0);
+    let mut sliced = PushDown::new(&model, &state, 0.016).expect("a push-down");
+    let found = loop {
+        if let Some(found) = sliced.advance(7) {
+            break found;
+        }
+    };
+    assert_eq!(Some(found), whole);
+    let carried = carried_load(&model, &state);
+    assert!((carried / -model.rest.normal_force - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_imperfection_out_of_range_is_rejected() {
+    let (p, _) = example(&[]);
+    let model = Model::new(&p).expect("a column");
+    for bow in [0.0, -0.01, f64::NAN, 0.41, f64::INFINITY] {
+        let error = capacity(&model, &State::at_rest(&model), bow).expect_err("out of range");
+        assert!(error.to_string().contains("at most 0.4 m"), "{error}");
     }
 }

@@ -1,5 +1,10 @@
 //! Compliant vehicles against reference solutions by an unrelated program, closed forms and a measured wall test.
 
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests may compare with the system's functions"
+)]
+
 mod example;
 
 use std::fs;
@@ -7,8 +12,8 @@ use std::path::Path;
 
 use column_mechanics::{
     ColumnProperties, CrushCurve, CrushSpring, End, Impact, Model, Outcome, Progress, RateLaw,
-    RateProperties, Report, Response, Scheme, State, Vehicle, residual_state, respond, simulate,
-    step,
+    RateProperties, Report, Response, Scheme, State, Vehicle, recommended_step_nanos,
+    residual_state, respond, simulate, step,
 };
 use example::paper;
 use proptest::prelude::*;
@@ -223,6 +228,27 @@ fn check(scheme: Scheme, step_nanos: u64, factor: f64) {
 fn the_conserving_scheme_meets_the_reference() {
     assert_eq!(cases().len(), 6);
     check(Scheme::ConservingMidpoint, 20_000, 1.0);
+}
+
+#[test]
+fn the_reference_is_met_at_the_step_that_is_chosen_for_the_column() {
+    for scheme in SCHEMES {
+        for case in cases() {
+            let column = ColumnProperties {
+                scheme,
+                ..case.column
+            };
+            let step_nanos = recommended_step_nanos(&column).expect("a column");
+            println!("{} {scheme:?} {step_nanos} ns", case.name);
+            let column = ColumnProperties {
+                step_nanos,
+                ..column
+            };
+            for (name, error, tolerance) in errors(&case, &column) {
+                assert!(error.abs() <= tolerance, "{name}: {error:e}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -126,7 +126,10 @@ pub(super) fn chapter() -> String {
         // The analytic solution is that of small rotations; at 0.5 MN the column collapses at a rotation of 45 degrees.
         let tolerance = if load < 1e6 { 0.15 } else { 0.04 };
         row(
-            &format!("the same, P = {} MN: speed at which it collapses", 1e-6 * load),
+            &format!(
+                "the same, P = {} MN: speed at which it collapses",
+                1e-6 * load
+            ),
             "m/s",
             expected,
             0.5 * (stands + collapses),
@@ -207,33 +210,54 @@ fn wall() -> ColumnProperties {
 
 /// The catalogue's mid-size car against the wall, compared with the crash test.
 fn wall_test() -> String {
-    let car = Vehicle::new(&[1719.0], &[CrushSpring {
-        envelope: CrushCurve::new(&[
-            [0.10, 30e3],
-            [0.20, 275e3],
-            [0.33, 285e3],
-            [0.40, 550e3],
-            [0.50, 635e3],
-            [0.56, 330e3],
-            [0.68, 450e3],
-            [1.0, 600e3],
-        ])
-        .expect("a curve"),
-        unloading_stiffness: 15e6,
-        slack: 0.0,
-    }])
+    let car = Vehicle::new(
+        &[1719.0],
+        &[CrushSpring {
+            envelope: CrushCurve::new(&[
+                [0.10, 30e3],
+                [0.20, 275e3],
+                [0.33, 285e3],
+                [0.40, 550e3],
+                [0.50, 635e3],
+                [0.56, 330e3],
+                [0.68, 450e3],
+                [1.0, 600e3],
+            ])
+            .expect("a curve"),
+            unloading_stiffness: 15e6,
+            slack: 0.0,
+        }],
+    )
     .expect("a vehicle");
     let impact = Impact {
         vehicle: Some(car),
         ..Impact::rigid(1719.0, 15.86)
     };
     let mut samples = Vec::new();
-    let report = simulate(&wall(), &impact, 1.0, &mut |sample| samples.push(*sample))
-        .expect("a response");
+    let report =
+        simulate(&wall(), &impact, 1.0, &mut |sample| samples.push(*sample)).expect("a response");
     let rows = [
-        ("peak force", "kN", 659.0, 635.0, 1e-3 * report.peak_contact_force),
-        ("largest 25 ms average", "kN", 490.0, 492.0, 1e-3 * largest_average(&samples, 0.025)),
-        ("largest 50 ms average", "kN", 473.0, 456.0, 1e-3 * largest_average(&samples, 0.050)),
+        (
+            "peak force",
+            "kN",
+            659.0,
+            635.0,
+            1e-3 * report.peak_contact_force,
+        ),
+        (
+            "largest 25 ms average",
+            "kN",
+            490.0,
+            492.0,
+            1e-3 * largest_average(&samples, 0.025),
+        ),
+        (
+            "largest 50 ms average",
+            "kN",
+            473.0,
+            456.0,
+            1e-3 * largest_average(&samples, 0.050),
+        ),
         ("crush", "m", 0.68, 0.68, report.vehicle.max_crush[0]),
     ];
     let mut text = WALL.to_owned();

@@ -69,7 +69,10 @@ impl FibreCase {
         ];
         if !self.case.starts_with("paper") {
             overrides.push(format!("section.name:={}", self.section));
-            overrides.push(format!("steel.yield_strength:={:?}", self.yield_strength_pa));
+            overrides.push(format!(
+                "steel.yield_strength:={:?}",
+                self.yield_strength_pa
+            ));
         }
         let overrides: Vec<_> = overrides.iter().map(|it| parse_override(it)).collect();
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
@@ -157,7 +160,10 @@ pub(super) fn chapter() -> String {
     }
     let (mean, square) = scatter(&rigid[0]);
     let (residual_mean, residual_square) = scatter(&rigid[1]);
-    assert!((mean - 1.0).abs() < 0.02 && square < 0.03, "{mean} {square}");
+    assert!(
+        (mean - 1.0).abs() < 0.02 && square < 0.03,
+        "{mean} {square}"
+    );
     let count = rigid[0].len();
     let _ = write!(
         text,

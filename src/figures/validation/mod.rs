@@ -7,13 +7,13 @@ mod fibre;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::column::{Report, Sample, simulate};
 use crate::figures::axis::PlotAxis;
 use crate::figures::chart::{Curve, TimeChart, axes};
 use crate::figures::page::{self, Drawn, LegendKey, Stroke, colour};
 use crate::figures::raster::Raster;
 use crate::figures::reference::Reference;
 use crate::figures::units::Unit;
-use crate::column::{Report, Sample, simulate};
 use crate::parameters::{Parameters, parse_override};
 
 /// Exponents of a reference response.

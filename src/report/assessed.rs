@@ -1,0 +1,103 @@
+//! What the impact has left of the column: its remaining capacity, judged by the criteria.
+
+use super::reported_impact::ReportedImpact;
+use crate::assessment::{
+    Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess, imperfection,
+};
+use crate::column::{Outcome, PushDownPoint, State, push_down};
+
+/// Remaining capacity and assessment after one impact.
+#[derive(Debug, Clone)]
+pub(super) struct Assessed {
+    pub remaining: RemainingCapacity,
+    pub assessment: Assessment,
+    /// `F0`: plastic plateau of the column \[N\].
+    pub plateau: f64,
+    /// Push-down curve of the virgin column.
+    pub virgin: Vec<PushDownPoint>,
+    /// Push-down curve of the column as it is; empty if it is virgin or carries nothing.
+    pub now: Vec<PushDownPoint>,
+}
+
+impl Assessed {
+    /// Computes the capacities and evaluates every criterion.
+    ///
+    /// # Errors
+    /// Why there is no assessment, in words.
+    pub fn of(impact: &ReportedImpact) -> Result<Self, String> {
+        let stands = matches!(impact.report.outcome, Outcome::Elastic | Outcome::Plastic);
+        let state = match (stands, &impact.settled) {
+            (false, _) => None,
+            (true, Some(state)) => Some(state),
+            (true, None) => {
+                return Err("the state of the column after the impact is not known".into());
+            }
+        };
+        let (parameters, model) = (&impact.parameters, &impact.model);
+        let remaining = RemainingCapacity::compute(parameters, model, state)
+            .map_err(|error| error.to_string())?;
+        let bow = imperfection(parameters);
+        let curve = |state: &State| {
+            let mut curve = Vec::new();
+            push_down(model, state, bow, &mut |point| curve.push(*point))
+                .map(|_| curve)
+                .map_err(|error| error.to_string())
+        };
+        let virgin_state = State::at_rest(model);
+        let now = match state {
+            Some(state) if state.plastic != virgin_state.plastic => curve(state)?,
+            _ => Vec::new(),
+        };
+        let virgin = curve(&virgin_state)?;
+        let input = AssessmentInput::of_response(
+            parameters,
+            model,
+            &impact.impact,
+            &impact.report,
+            remaining,
+        );
+        Ok(Self {
+            remaining,
+            assessment: assess(&input),
+            plateau: input.plateau,
+            virgin,
+            now,
+        })
+    }
+
+    /// The criterion that decides.
+    pub fn deciding(&self) -> Option<&Criterion> {
+        let name = self.assessment.deciding_criterion;
+        self.assessment
+            .criteria
+            .iter()
+            .find(|criterion| criterion.name == name)
+    }
+
+    /// What the reason of the assessment says beside the deciding criterion: what was not evaluated and is not known.
+    pub fn reservations(&self) -> &str {
+        let reason = &self.assessment.reason;
+        let statement = self.deciding().map_or("", |criterion| &criterion.statement);
+        reason
+            .find(statement)
+            .map_or(reason.as_str(), |place| &reason[place + statement.len()..])
+            .trim()
+    }
+}
+
+/// What has to be done, as a sentence.
+pub(super) fn action(severity: Severity) -> &'static str {
+    match severity {
+        Severity::None => {
+            "None of the criteria that decide is exceeded. This is the answer of a model and replaces no inspection."
+        }
+        Severity::Inspect => "An engineer has to examine the column.",
+        Severity::Restrict => {
+            "Keep people and additional loads away from the column until an engineer has examined it."
+        }
+        Severity::Prop => "Take the load off the column at once.",
+        Severity::Evacuate => {
+            "Everybody has to leave the part of the building that the column carries."
+        }
+    }
+}
