@@ -16,7 +16,7 @@ use column_twin::ros::{
 /// Arguments of `column-twin impact`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-#[command(mut_arg("mass", |it| it.required(true)), mut_arg("velocity", |it| it.required(true)))]
+#[command(mut_arg("mass", |it| it.required_unless_present("vehicle")), mut_arg("velocity", |it| it.required(true)))]
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
@@ -34,8 +34,10 @@ pub struct ImpactArgs {
 const EXAMPLE: &str = "\
 The parameters named as defaults are those of the twin.
 
-Example: a car of 1.5 t at 36 km/h
+Example: 1.5 t of the twin's vehicle at 36 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --mass 1500 --velocity 10
+Example: a van of its own mass at 50 km/h
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --vehicle van --velocity 13.9
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 
@@ -49,15 +51,11 @@ pub fn run(
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    if arguments.impact.vehicle().is_some() {
-        let text = "--vehicle: impact events do not carry a vehicle yet";
-        return Err(Failure::plain(Exit::BadInput, text));
-    }
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
         event_id: arguments.event.clone(),
-        vehicle: String::new(),
+        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
         impact: arguments.impact.specification(),
         match_timeout: timeout,
         answer_timeout: timeout,

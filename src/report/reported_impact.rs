@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
-    self, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+    Impact, Model, Report, Response, Sample, SimulationError, State, StepError, error_estimate,
     with_half_the_step,
 };
 use crate::figures::ResponseHistory;
@@ -103,9 +103,11 @@ impl ReportedImpact {
     /// the beginning of the impact is not known or the second run does not converge.
     #[must_use]
     pub fn error_estimate(&self) -> Option<f64> {
-        let halved = with_half_the_step(&self.model.properties)?;
+        let properties = self.model.properties;
+        let halved = with_half_the_step(&properties)?;
         let finer = self.struck?.with_properties(&halved)?.report().ok()?;
-        Some(column::error_estimate(self.report.max_v1, finer.max_v1))
+        let error = error_estimate(self.report.max_v1, finer.max_v1);
+        error.is_finite().then_some(error)
     }
 
     /// The history for the figures.
