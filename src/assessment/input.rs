@@ -147,6 +147,6 @@ impl AssessmentInput {
     /// The largest rotation of a bar at its support \[deg\], its shortening neglected.
     pub(super) fn support_rotation(&self) -> f64 {
         let shorter = self.length_below.min(self.length_above);
-        (self.max_v1 / shorter).atan().to_degrees()
+        libm::atan(self.max_v1 / shorter).to_degrees()
     }
 }

@@ -47,8 +47,8 @@ impl HingeSlenderness {
         let Self { member, web, .. } = *self;
         let rest = self.rest();
         RotationLimits {
-            a: (0.8 * rest.powf(2.2) / (0.1 * member + 0.8 * web) - 0.0035).max(0.0),
-            b: (7.4 * rest.powf(2.3) / (0.5 * member + 2.9 * web) - 0.006).max(0.0),
+            a: (0.8 * libm::pow(rest, 2.2) / (0.1 * member + 0.8 * web) - 0.0035).max(0.0),
+            b: (7.4 * libm::pow(rest, 2.3) / (0.5 * member + 2.9 * web) - 0.006).max(0.0),
         }
     }
 
@@ -58,8 +58,8 @@ impl HingeSlenderness {
         let Self { member, web, .. } = *self;
         let (rest, root) = (self.rest(), member.sqrt());
         RotationLimits {
-            a: (5.5 * web.powf(-0.95) / root * rest.powf(2.4)).min(0.07),
-            b: (20.0 * web.powf(-0.9) / root * rest.powf(3.4)).min(0.07),
+            a: (5.5 * libm::pow(web, -0.95) / root * libm::pow(rest, 2.4)).min(0.07),
+            b: (20.0 * libm::pow(web, -0.9) / root * libm::pow(rest, 3.4)).min(0.07),
         }
     }
 
@@ -67,7 +67,11 @@ impl HingeSlenderness {
     /// begins to lower the moment.
     #[must_use]
     pub fn capping_rotation(&self) -> f64 {
-        (294.0 * self.web.powf(-1.7) * self.member.powf(-0.7) * self.rest().powf(1.6)).min(0.20)
+        (294.0
+            * libm::pow(self.web, -1.7)
+            * libm::pow(self.member, -0.7)
+            * libm::pow(self.rest(), 1.6))
+        .min(0.20)
     }
 }
 

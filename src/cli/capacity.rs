@@ -237,7 +237,7 @@ impl Column {
         let state = State::settled(&column.model, saved.displacement, saved.plastic);
         column.state = match &saved.condition {
             Condition::Standing => residual_state(&column.model, &state),
-            Condition::Collapsed => None,
+            Condition::Collapsed | Condition::Severed => None,
             Condition::Faulted(reason) => {
                 return Err(CapacityCommandError::Faulted(reason.to_string()));
             }

@@ -17,7 +17,9 @@ use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::evidence;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, RIGID, Value};
-use column_twin::ros::{Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact};
+use column_twin::ros::{
+    Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact, severity_word,
+};
 use column_twin::shape::HINGE_PLACES;
 
 /// Arguments of `column-twin demo`.
@@ -332,6 +334,14 @@ impl<'a, 'b> Narration<'a, 'b> {
 
     fn take(&mut self, seen: &Seen, since: Duration) {
         match seen {
+            // The forecast is published again with the error of its time step.
+            Seen::Forecast(report) if self.forecast.is_some() => {
+                self.out.print(format_args!(
+                    "  the time step makes an error of about {:.1e} of the peak\n",
+                    report.error_estimate
+                ));
+                self.forecast = Some(report.clone());
+            }
             Seen::Forecast(report) => {
                 self.out.print(format_args!(
                     "  forecast after {:.1} ms ({:.1} ms of computing): peak of v1 {:.1} mm, residual {:.1} mm; {}\n",
@@ -361,6 +371,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             (Some(_), ColumnState::FREE) => Some("separation"),
             (_, ColumnState::REST) => Some("at rest"),
             (_, ColumnState::COLLAPSED) => Some("COLLAPSE"),
+            (_, ColumnState::SEVERED) => Some("SEVERED"),
             _ => None,
         };
         if fell && !self.peak_announced {
@@ -410,13 +421,15 @@ impl<'a, 'b> Narration<'a, 'b> {
     }
 }
 
-fn outcome_text(report: &ImpactReport) -> &'static str {
-    match report.outcome {
+fn outcome_text(report: &ImpactReport) -> String {
+    let outcome = match report.outcome {
         ImpactReport::ELASTIC => "elastic",
-        ImpactReport::PLASTIC => "plastic: hinges yield",
-        ImpactReport::COLLAPSED => "the column collapses",
-        _ => "a hinge is torn",
-    }
+        ImpactReport::PLASTIC => "plastic",
+        ImpactReport::SEVERED => "a hinge is severed",
+        _ => "the column collapses",
+    };
+    let severity = severity_word(report.severity);
+    format!("{outcome}; severity {severity}: {}", report.severity_reason)
 }
 
 fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrinter<'_>) {

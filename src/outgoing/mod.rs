@@ -4,6 +4,7 @@
 //! Every state with its hinge forces, every report, forecast and status becomes a message. Joint states and markers serve
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
+mod assessment;
 mod joint_states;
 mod markers;
 mod tap;
@@ -276,9 +277,7 @@ impl Outgoing {
             column_id: self.column_id.clone(),
             event_id: output.event_id.to_string(),
             kind,
-            compute_time: output.compute_time,
-            ..ImpactReport::from(&output.report)
-                .of_impact(&output.striking.vehicle, &output.striking.impact)
+            ..ImpactReport::from(output)
         }
     }
 
@@ -306,6 +305,7 @@ impl Outgoing {
             plastic_elongation: status.plastic_elongation,
             ..TwinStatus::default()
         }
+        .assessed(status)
     }
 
     /// The header of a message with this stamp, in the frame of the column.
@@ -328,6 +328,7 @@ pub fn phase_code(phase: TwinPhase) -> u8 {
         TwinPhase::Free => TwinStatus::FREE,
         TwinPhase::Rest => TwinStatus::REST,
         TwinPhase::Collapsed => TwinStatus::COLLAPSED,
+        TwinPhase::Severed => TwinStatus::SEVERED,
         TwinPhase::Faulted => TwinStatus::FAULTED,
     }
 }

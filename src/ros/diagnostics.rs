@@ -8,6 +8,7 @@ use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyVal
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
+use super::lines::severity_word;
 use super::live_twin::Health;
 
 /// Losses of the node itself since the start.
@@ -68,8 +69,21 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
             DiagnosticStatus::ERROR,
             "the column has collapsed; call ~/reset to start with a new one".to_owned(),
         ),
+        TwinStatus::SEVERED => (
+            DiagnosticStatus::ERROR,
+            "a hinge of the column is severed; call ~/reset to start with a new one".to_owned(),
+        ),
         TwinStatus::IDLE | TwinStatus::REST => (DiagnosticStatus::OK, "at rest".to_owned()),
         _ => (DiagnosticStatus::OK, "response in progress".to_owned()),
+    };
+    let (level, message) = match severity_level(twin) {
+        DiagnosticStatus::OK => (level, message),
+        of_severity => {
+            let severity = severity_word(twin.severity);
+            let reason = &twin.severity_reason;
+            let message = format!("{message}; severity {severity}: {reason}");
+            (level.max(of_severity), message)
+        }
     };
     let values = [
         ("phase", phase_name(twin.phase).to_owned()),
@@ -91,6 +105,12 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
             "plastic work since reset [J]",
             twin.plastic_work_since_reset.to_string(),
         ),
+        ("severity", severity_word(twin.severity).to_owned()),
+        ("deciding criterion", twin.deciding_criterion.clone()),
+        ("severity reason", twin.severity_reason.clone()),
+        ("virgin capacity [N]", twin.virgin_capacity.to_string()),
+        ("residual capacity [N]", twin.residual_capacity.to_string()),
+        ("reserve", twin.reserve.to_string()),
     ];
     entry(
         "twin",
@@ -98,6 +118,15 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
         message,
         values.map(|(key, value)| (key.to_owned(), value)),
     )
+}
+
+/// WARN to inspect or restrict, ERROR to prop or evacuate, or if the column could not be assessed.
+fn severity_level(twin: &TwinStatus) -> u8 {
+    match twin.severity {
+        TwinStatus::SEVERITY_NONE => DiagnosticStatus::OK,
+        TwinStatus::SEVERITY_INSPECT | TwinStatus::SEVERITY_RESTRICT => DiagnosticStatus::WARN,
+        _ => DiagnosticStatus::ERROR,
+    }
 }
 
 fn solver_status(health: &Health) -> DiagnosticStatus {
@@ -206,6 +235,7 @@ fn phase_name(phase: u8) -> &'static str {
         TwinStatus::FREE => "FREE",
         TwinStatus::REST => "REST",
         TwinStatus::COLLAPSED => "COLLAPSED",
+        TwinStatus::SEVERED => "SEVERED",
         TwinStatus::FAULTED => "FAULTED",
         _ => "unknown",
     }
@@ -284,7 +314,11 @@ mod tests {
             levels(&TwinStatus::default(), &health, &counters),
             [0, 1, 1, 1]
         );
-        for phase in [TwinStatus::COLLAPSED, TwinStatus::FAULTED] {
+        for phase in [
+            TwinStatus::COLLAPSED,
+            TwinStatus::FAULTED,
+            TwinStatus::SEVERED,
+        ] {
             let twin = TwinStatus {
                 phase,
                 ..TwinStatus::default()
@@ -292,6 +326,32 @@ mod tests {
             assert_eq!(
                 levels(&twin, &health, &counters)[0],
                 DiagnosticStatus::ERROR
+            );
+        }
+    }
+
+    #[test]
+    fn the_severity_is_the_level_of_the_twin_with_its_reason() {
+        for (severity, level) in [
+            (TwinStatus::SEVERITY_NONE, DiagnosticStatus::OK),
+            (TwinStatus::SEVERITY_INSPECT, DiagnosticStatus::WARN),
+            (TwinStatus::SEVERITY_RESTRICT, DiagnosticStatus::WARN),
+            (TwinStatus::SEVERITY_PROP, DiagnosticStatus::ERROR),
+            (TwinStatus::SEVERITY_EVACUATE, DiagnosticStatus::ERROR),
+            (TwinStatus::SEVERITY_UNKNOWN, DiagnosticStatus::ERROR),
+        ] {
+            let status = twin_status(&TwinStatus {
+                severity,
+                severity_reason: "a hinge has turned too far".to_owned(),
+                ..TwinStatus::default()
+            });
+            assert_eq!(status.level, level);
+            let is_named = status.message.contains("a hinge has turned too far");
+            assert_eq!(
+                is_named,
+                level != DiagnosticStatus::OK,
+                "{}",
+                status.message
             );
         }
     }

@@ -308,10 +308,7 @@ fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactRe
                 },
                 column_id: settings.column_id.clone(),
                 event_id: request.event_id.clone(),
-                kind: ImpactReport::PREDICTION,
-                compute_time: prediction.compute_time,
-                ..ImpactReport::from(&prediction.report)
-                    .of_impact(&prediction.striking.vehicle, &prediction.striking.impact)
+                ..ImpactReport::from(&prediction)
             },
             ..PredictImpactResponse::default()
         },

@@ -44,6 +44,11 @@ impl WatchLines {
                     state_line(state)
                 })
             }
+            // It is published again with the error of its time step.
+            Seen::Forecast(report) if !report.error_estimate.is_nan() => Some(format!(
+                "forecast of {}: the time step makes an error of about {:.2e} of the largest v1",
+                report.event_id, report.error_estimate
+            )),
             Seen::Forecast(report) => Some(report_line("forecast", report)),
             Seen::Report(report) => Some(report_line("result", report)),
             Seen::Forces(_) => None,
@@ -77,6 +82,7 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
         ImpactReport::COLLAPSED => "COLLAPSED",
+        ImpactReport::SEVERED => "SEVERED",
         _ => "unknown",
     };
     let hinges: Vec<_> = HINGE_NAMES
@@ -90,14 +96,44 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     } else {
         format!(", plastic rotations [mrad] {}", hinges.join(" "))
     };
+    let crush = match &report.max_crush[..] {
+        [] => String::new(),
+        [front, ..] => format!(", front crushed by {:.0} mm", 1e3 * front),
+    };
     format!(
-        "{kind} of {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges} (computed in {:.2} ms)",
+        "{kind} of {}: severity {}: {} Vehicle {}: {outcome}, v1 up to {:.2} mm after {:.4} s, residual {:.2} mm{hinges}{crush}, \
+         N_u {:.0} kN of {:.0} kN (computed in {:.2} ms)",
         report.event_id,
+        severity_word(report.severity),
+        report.severity_reason,
+        vehicle_word(&report.vehicle),
         1e3 * report.max_v1,
         report.max_v1_time,
         1e3 * report.residual_v1,
+        1e-3 * report.residual_capacity,
+        1e-3 * report.virgin_capacity,
         1e3 * report.compute_time
     )
+}
+
+/// The word for a severity in `ImpactReport` and `TwinStatus`.
+#[must_use]
+pub fn severity_word(severity: u8) -> &'static str {
+    match severity {
+        ImpactReport::SEVERITY_NONE => "none",
+        ImpactReport::SEVERITY_INSPECT => "inspect",
+        ImpactReport::SEVERITY_RESTRICT => "RESTRICT",
+        ImpactReport::SEVERITY_PROP => "PROP",
+        ImpactReport::SEVERITY_EVACUATE => "EVACUATE",
+        _ => "unknown",
+    }
+}
+
+fn vehicle_word(name: &str) -> &str {
+    match name {
+        "" => "by numbers",
+        name => name,
+    }
 }
 
 fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
@@ -112,11 +148,16 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
         fault => format!(": {fault}"),
     };
     format!(
-        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm",
+        "{} {}{fault}; {} impacts since the last reset, residual {:.2} mm, severity {}{}",
         status.column_id,
         phase_word(status.phase),
         status.impacts_since_reset,
-        1e3 * status.residual_v1
+        1e3 * status.residual_v1,
+        severity_word(status.severity),
+        match status.severity {
+            TwinStatus::SEVERITY_NONE => String::new(),
+            _ => format!(": {}", status.severity_reason),
+        }
     )
 }
 
@@ -129,6 +170,7 @@ fn phase_word(phase: u8) -> &'static str {
         ColumnState::REST => "rest",
         ColumnState::COLLAPSED => "COLLAPSED",
         ColumnState::FAULTED => "FAULTED",
+        ColumnState::SEVERED => "SEVERED",
         _ => "unknown",
     }
 }

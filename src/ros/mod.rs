@@ -37,7 +37,7 @@ pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use fresh_domain::FreshDomain;
-pub use lines::{Seen, report_line};
+pub use lines::{Seen, report_line, severity_word};
 pub use live_twin::{Health, LiveTwin, LiveTwinError};
 pub use matches::Matches;
 pub use names::{NameError, NameKind, Names, RemapRule, RemapTarget};

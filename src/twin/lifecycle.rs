@@ -2,19 +2,21 @@
 
 use std::sync::Arc;
 
+use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput};
+use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
 use super::saved_state::SavedState;
 use super::status::{Status, StatusClock, TwinPhase};
-use super::timeline::{Advanced, History, Outlook, Timeline};
+use super::timeline::{Advanced, History, LookAhead, Outlook, Timeline};
 use super::what_if::{ColumnSnapshot, Striking};
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
-use crate::column::{End, ModelError, StepError};
+use crate::assessment::imperfection;
+use crate::column::{End, ModelError, Report, StepError};
 use crate::parameters::Parameters;
 
 /// Gives monotonic nanoseconds; used only to measure compute times.
@@ -26,6 +28,10 @@ pub struct Twin {
     pub(super) parameters: ParameterSet,
     /// The column at rest, as the last response or a reset left it.
     pub(super) at_rest: Plant,
+    /// Its assessment; `None` if it cannot be computed.
+    pub(super) assessed: Option<Arc<Assessed>>,
+    /// Virgin capacity of the last column that was assessed.
+    virgin: Option<VirginCapacity>,
     pub(super) response: Option<ActiveResponse>,
     /// The last response that is over.
     pub(super) last: Option<LastResponse>,
@@ -40,7 +46,19 @@ pub struct Twin {
 pub(super) struct ActiveResponse {
     pub event_id: Arc<str>,
     pub striking: Striking,
+    /// Those that held when it began, so that forecast and result are assessed alike.
+    pub parameters: Arc<Parameters>,
     pub timeline: Timeline,
+    /// What the look-ahead has found.
+    pub foreseen: Option<Foreseen>,
+}
+
+/// The end of a response, known in advance.
+#[derive(Debug)]
+pub(super) struct Foreseen {
+    pub report: Report,
+    pub assessed: Option<Arc<Assessed>>,
+    pub error_estimate: Option<f64>,
 }
 
 /// A response that is over.
@@ -86,17 +104,32 @@ impl Twin {
                 saved.plant(&properties)?
             }
         };
-        Ok(Self {
+        let mut twin = Self {
             registry,
             parameters: ParameterSet::new(parameters),
             at_rest,
+            assessed: None,
+            virgin: None,
             response: None,
             last: None,
             journal: JournalClock::new(now),
             status: StatusClock::new(now),
             solver: SolverStatistics::default(),
             stopwatch,
-        })
+        };
+        twin.assess();
+        Ok(twin)
+    }
+
+    /// Assesses the column at rest at once: after a start, a reset or a change of parameters. After a response, the look-ahead
+    /// has done it in slices.
+    pub(super) fn assess(&mut self) {
+        self.assessed = assess_at_once(
+            self.parameters.current(),
+            &self.at_rest,
+            self.registry.life.last_impact.as_ref(),
+            &mut self.virgin,
+        );
     }
 
     /// The column's name.
@@ -168,6 +201,7 @@ impl Twin {
             column_id: Arc::clone(self.registry.column_id()),
             parameters: Arc::clone(self.parameters.current()),
             plant,
+            virgin: self.virgin,
         }
     }
 
@@ -220,43 +254,65 @@ impl Twin {
         self.report_status(now, out);
     }
 
-    /// Carries the forecast on by at most `max_steps`, and gives it out when it is complete.
+    /// Carries the forecast on by at most `max_steps`: it is given out when the response and the remaining capacity are known,
+    /// and again when the error of the time step is known.
     pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let Some(ActiveResponse {
-            event_id,
-            striking,
-            timeline,
-        }) = &mut self.response
-        else {
-            return;
-        };
-        let Some((outlook, compute_nanos)) = timeline.look_ahead(max_steps, &self.stopwatch) else {
-            return;
-        };
-        match outlook {
-            Outlook::Running => {}
-            Outlook::Over { report, residual } => {
-                out.put(Output::Forecast(ReportOutput {
-                    stamp: timeline.origin(),
-                    event_id: Arc::clone(event_id),
-                    striking: striking.clone(),
+        let mut budget = max_steps;
+        while let Some(response) = &mut self.response {
+            let ahead = response.timeline.look_ahead(&mut budget, &self.stopwatch);
+            let Some((outlook, compute_nanos)) = ahead else {
+                return;
+            };
+            match outlook {
+                Outlook::Running | Outlook::Complete => return,
+                Outlook::Over {
                     report,
-                    compute_time: seconds(compute_nanos),
-                }));
-                // Saved now: if the machine stops before the response is over, the damage is known all the same.
-                let condition = condition_after(report.end, residual.as_ref());
-                let mut expected = timeline.plant().settled(residual, condition);
-                if residual.is_none() {
-                    // The damage before the response is then the last that can be saved.
-                    expected.state = self.at_rest.state;
+                    at_rest,
+                    has_residual,
+                    capacities,
+                    virgin,
+                } => {
+                    self.virgin = virgin.or(self.virgin);
+                    let last = LastImpact::new(&response.striking, &report, None);
+                    let foreseen = Foreseen {
+                        report,
+                        assessed: capacities
+                            .map(|it| assessed(&response.parameters, &at_rest, Some(&last), &it)),
+                        error_estimate: None,
+                    };
+                    response.put_forecast(&foreseen, compute_nanos, out);
+                    out.verdict(
+                        "forecast",
+                        &response.event_id,
+                        foreseen.assessed.as_deref(),
+                        now,
+                    );
+                    response.foreseen = Some(foreseen);
+                    // Saved now: if the machine stops before the response is over, the damage is known all the same.
+                    let mut expected = at_rest;
+                    if !has_residual {
+                        // The damage before the response is then the last that can be saved.
+                        expected.state = self.at_rest.state;
+                    }
+                    let mut saved = self.saved_state_of(&expected, now);
+                    saved.plastic_work_since_reset += report.plastic_work;
+                    saved.last_impact = Some(last);
+                    out.put(Output::Save(Arc::new(saved)));
                 }
-                let mut saved = self.saved_state_of(&expected, now);
-                saved.plastic_work_since_reset += report.plastic_work;
-                out.put(Output::Save(Arc::new(saved)));
-            }
-            Outlook::Failed(reason) => {
-                let text = format!("no forecast of impact \"{event_id}\": {reason}");
-                out.notice(Severity::Warning, now, text);
+                Outlook::Refined(estimate) => {
+                    if let Some(mut foreseen) = response.foreseen.take() {
+                        foreseen.error_estimate = estimate;
+                        if estimate.is_some() {
+                            response.put_forecast(&foreseen, compute_nanos, out);
+                        }
+                        response.foreseen = Some(foreseen);
+                    }
+                }
+                Outlook::Failed(reason) => {
+                    let event_id = &response.event_id;
+                    let text = format!("no forecast of impact \"{event_id}\": {reason}");
+                    out.notice(Severity::Warning, now, text);
+                }
             }
         }
     }
@@ -286,7 +342,14 @@ impl Twin {
     /// The state of the twin now.
     pub fn status(&self, now: Nanos) -> Status {
         let struck = self.response.as_ref().map(|it| it.timeline.plant());
-        Status::new(now, self.phase(), &self.registry, &self.at_rest, struck)
+        Status::new(
+            now,
+            self.phase(),
+            &self.registry,
+            &self.at_rest,
+            self.assessed.as_ref(),
+            struck,
+        )
     }
 
     /// The damage to be saved, without what the present response will add.
@@ -301,6 +364,7 @@ impl Twin {
     fn phase(&self) -> TwinPhase {
         match (&self.at_rest.condition, &self.response) {
             (Condition::Collapsed, _) => TwinPhase::Collapsed,
+            (Condition::Severed, _) => TwinPhase::Severed,
             (Condition::Faulted(_), _) => TwinPhase::Faulted,
             (Condition::Standing, None) => TwinPhase::Idle,
             (Condition::Standing, Some(response)) => {
@@ -495,10 +559,14 @@ impl Twin {
         let history = self.last.take().map_or_else(History::default, |last| {
             last.response.timeline.into_history()
         });
+        let parameters = Arc::clone(self.parameters.current());
+        let ahead = LookAhead::new(struck, imperfection(&parameters), self.virgin);
         self.response = Some(ActiveResponse {
             event_id,
             striking,
-            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
+            parameters,
+            timeline: Timeline::begin(stamp, ahead, struck, steps_per_sample, history),
+            foreseen: None,
         });
         self.status.set_changed();
     }
@@ -560,14 +628,43 @@ impl Twin {
         let residual = plant.residual();
         let condition = condition_after(report.end, residual.as_ref());
         response.put_state(Some(condition.final_phase()), out);
-        out.put(Output::Report(ReportOutput {
-            stamp: response.timeline.origin(),
-            event_id: Arc::clone(&response.event_id),
-            striking: response.striking.clone(),
+        let settled = plant.settled(residual, condition);
+        // The look-ahead followed the same response. Without a forecast, because of its length, the assessment is made here.
+        let foreseen = response.foreseen.take().filter(|it| it.report == report);
+        let error_estimate = foreseen.as_ref().and_then(|it| it.error_estimate);
+        let last = LastImpact::new(&response.striking, &report, error_estimate);
+        let assessed = match foreseen {
+            Some(foreseen) => foreseen.assessed,
+            None => assess_at_once(
+                &response.parameters,
+                &settled,
+                Some(&last),
+                &mut self.virgin,
+            ),
+        };
+        let output = response.report_output(
             report,
-            compute_time: seconds(response.timeline.compute_nanos()),
-        }));
-        self.settle(response, plant.settled(residual, condition), now, out);
+            assessed.clone(),
+            error_estimate,
+            response.timeline.compute_nanos(),
+        );
+        out.put(Output::Report(output));
+        out.verdict("result", &response.event_id, assessed.as_deref(), now);
+        self.registry.life.last_impact = Some(last);
+        let parameters = Arc::clone(&response.parameters);
+        self.settle(
+            response,
+            settled,
+            now,
+            |twin| {
+                // Another set of parameters may have come into force.
+                match Arc::ptr_eq(&parameters, twin.parameters.current()) {
+                    true => twin.assessed = assessed,
+                    false => twin.assess(),
+                }
+            },
+            out,
+        );
     }
 
     /// Ends a response whose next step cannot be computed. One impact does not take the twin out of service: it goes on with
@@ -585,12 +682,13 @@ impl Twin {
         self.end(End::NotConverged, now, out);
     }
 
-    /// Back to rest after a response; what has waited for its end follows.
+    /// Back to rest after a response; what has waited for its end follows. `assess` gives the column its assessment.
     fn settle(
         &mut self,
         response: ActiveResponse,
         settled: Plant,
         now: Nanos,
+        assess: impl FnOnce(&mut Self),
         out: &mut impl Outputs,
     ) {
         let plastic_work = self.registry.life.plastic_work_since_reset;
@@ -605,6 +703,7 @@ impl Twin {
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         self.apply_waiting_parameters(now, out);
+        assess(self);
         self.save(now, out);
         while self.response.is_none()
             && let Some(next) = self.registry.take_pending()
@@ -618,6 +717,35 @@ impl Twin {
 }
 
 impl ActiveResponse {
+    fn put_forecast(&self, foreseen: &Foreseen, compute_nanos: u64, out: &mut impl Outputs) {
+        let Foreseen {
+            report,
+            assessed,
+            error_estimate,
+        } = foreseen;
+        let output = self.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
+        out.put(Output::Forecast(output));
+    }
+
+    fn report_output(
+        &self,
+        report: Report,
+        assessed: Option<Arc<Assessed>>,
+        error_estimate: Option<f64>,
+        compute_nanos: u64,
+    ) -> ReportOutput {
+        ReportOutput {
+            stamp: self.timeline.origin(),
+            event_id: Arc::clone(&self.event_id),
+            striking: self.striking.clone(),
+            report,
+            assessed,
+            error_estimate,
+            step_nanos: self.timeline.plant().model.properties.step_nanos,
+            compute_time: seconds(compute_nanos),
+        }
+    }
+
     pub fn newton_iterations(&self) -> u64 {
         self.timeline.plant().state.newton_iterations
     }

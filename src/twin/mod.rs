@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | `plant` | the column and what strikes it: state, step, equilibrium, condition | clock, identifiers |
 //! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the forecast | identifiers |
+//! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
 //! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
 //! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
 //! | `journal` | what a recording needs, numbered | what the entries mean |
@@ -29,6 +30,8 @@
 //!   the impact meets the column as the response left it: a checkpoint does not contain the time of the last impact.
 //! - An impact that is still to come is accepted, and refused after all if the column cannot take it when it comes, for
 //!   example because it has collapsed by then. It then counts as refused only.
+//! - Forecast and result have the same assessment, by the parameters that held when the response began. The column at rest is
+//!   assessed by those that hold then.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no longer
 //!   holds; a notice tells which.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
@@ -36,6 +39,7 @@
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
+mod assessed;
 mod command;
 mod exact_number;
 mod journal;
@@ -54,6 +58,7 @@ mod status;
 mod timeline;
 mod what_if;
 
+pub use assessed::{Assessed, LastImpact};
 pub use command::{Accepted, Command, ImpactCommand, Nanos};
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use super::assessed::Assessed;
 use super::command::{Accepted, Nanos};
 use super::journal::Journal;
 use super::registry::Refused;
 use super::saved_state::SavedState;
 use super::status::{Status, TwinPhase};
 use super::what_if::Striking;
+use crate::assessment;
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
 
@@ -16,7 +18,8 @@ use crate::parameters::Parameters;
 pub enum Output {
     /// The column at one instant of a response.
     State(StateOutput),
-    /// What an impact that has just been accepted will do; `stamp` is the event's.
+    /// What an impact that has just been accepted will do; `stamp` is the event's. It is given out again when the error of the
+    /// time step is known.
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
@@ -71,6 +74,12 @@ pub struct ReportOutput {
     pub striking: Striking,
     /// Its outcome.
     pub report: Report,
+    /// The assessment of the column that it leaves behind; `None` if that column cannot be computed.
+    pub assessed: Option<Arc<Assessed>>,
+    /// Estimated relative error of `max_v1` by the time step; `None` if it is not known, or not yet.
+    pub error_estimate: Option<f64>,
+    /// Length of a time step \[ns\].
+    pub step_nanos: u64,
     /// What computing it took \[s\].
     pub compute_time: f64,
 }
@@ -125,6 +134,31 @@ pub trait Outputs {
             severity,
             text: text.into(),
         }));
+    }
+}
+
+/// The lines of the log about the severity of a forecast or a result.
+pub(super) trait Verdicts {
+    /// Takes what an impact will have done, or has done, to the column.
+    fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos);
+}
+
+impl<O: Outputs> Verdicts for O {
+    fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos) {
+        let Some(Assessed { assessment, .. }) = assessed else {
+            let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed");
+            return self.notice(Severity::Error, now, text);
+        };
+        let severity = match assessment.severity {
+            assessment::Severity::None => Severity::Info,
+            assessment::Severity::Inspect | assessment::Severity::Restrict => Severity::Warning,
+            assessment::Severity::Prop | assessment::Severity::Evacuate => Severity::Error,
+        };
+        let text = format!(
+            "{kind} of impact \"{event_id}\": severity {}; {}",
+            assessment.severity, assessment.reason
+        );
+        self.notice(severity, now, text);
     }
 }
 

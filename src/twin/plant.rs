@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::refusal::{Refusal, RefusalCode};
 use crate::column::{
     ColumnProperties, Displacement, End, Impact, Model, ModelError, PerBar, Phase, PlasticFlow,
-    Progress, Report, Response, Scheme, State, StepError, residual_state,
+    Progress, Report, Response, Scheme, State, StepError, residual_state, with_half_the_step,
 };
 
 /// Heights that differ by less than this are the same hinges \[m\].
@@ -19,8 +19,10 @@ pub const HEIGHT_TOLERANCE: f64 = 1e-3;
 pub enum Condition {
     /// It is in equilibrium, or responding to an impact.
     Standing,
-    /// It has collapsed, or a hinge of it is severed.
+    /// It has collapsed.
     Collapsed,
+    /// A hinge of it is severed.
+    Severed,
     /// It cannot be computed any further, for this reason.
     Faulted(Arc<str>),
 }
@@ -59,7 +61,7 @@ impl Plant {
         }
     }
 
-    /// The column with a damage that was saved; under another load than then it is in its new equilibrium.
+    /// The column with a damage that was saved (`None`: the accumulated rotations \[rad\] are the absolute ones); under another load than then it is in its new equilibrium.
     ///
     /// # Errors
     /// The column is impossible.
@@ -68,10 +70,14 @@ impl Plant {
         impact_height: f64,
         displacement: Displacement,
         plastic: PerBar<PlasticFlow>,
+        accumulated_rotation: Option<PerBar<[f64; 2]>>,
         condition: Condition,
     ) -> Result<Self, ModelError> {
         let model = Model::new(&with_impact_height(properties, impact_height))?;
-        let state = State::settled(&model, displacement, plastic);
+        let mut state = State::settled(&model, displacement, plastic);
+        if let Some(accumulated) = accumulated_rotation {
+            state.set_accumulated_rotation(&model, &accumulated);
+        }
         let mut restored = Self {
             model,
             state,
@@ -113,6 +119,10 @@ impl Plant {
             if from == to {
                 return Ok(self.clone());
             }
+            if self.condition == Condition::Severed {
+                let reason = "a hinge of the column is severed; reset the twin first (~/reset)";
+                return Err(Refusal::new(RefusalCode::ColumnSevered, reason));
+            }
             let reason =
                 "the column has collapsed or cannot be computed; reset the twin first (~/reset)";
             return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
@@ -132,6 +142,9 @@ impl Plant {
             model,
             ..self.clone()
         };
+        // The factors of the strain rate are those of the new model; the accumulated rotations remain.
+        let accumulated = changed.state.accumulated_rotation();
+        changed.state.set_accumulated_rotation(&model, &accumulated);
         let statics = |it: &Model| (it.properties.top_spring_stiffness, it.properties.top_load);
         if statics(&model) != statics(&self.model) {
             changed.state = equilibrium(&model, &self.state).ok_or_else(|| {
@@ -158,6 +171,10 @@ impl Plant {
             Condition::Collapsed => {
                 let reason = "the column has collapsed; reset the twin first (~/reset)";
                 return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
+            }
+            Condition::Severed => {
+                let reason = "a hinge of the column is severed; reset the twin first (~/reset)";
+                return Err(Refusal::new(RefusalCode::ColumnSevered, reason));
             }
             Condition::Faulted(fault) => {
                 let reason =
@@ -214,6 +231,15 @@ impl Plant {
 }
 
 impl Struck {
+    /// The same impact with half the time step, before any step was made; `None` where the step cannot be halved.
+    pub fn with_half_the_step(&self) -> Option<Self> {
+        let properties = with_half_the_step(&self.model.properties)?;
+        Some(Self {
+            model: Model::new(&properties).ok()?,
+            ..*self
+        })
+    }
+
     /// Advances by at most `max_steps`; more than one at a time only while an impactor approaches a column at rest.
     ///
     /// # Errors
@@ -252,7 +278,8 @@ impl Struck {
 /// The condition of a column whose response has ended.
 pub(super) fn condition_after(end: End, residual: Option<&State>) -> Condition {
     match (end, residual) {
-        (End::Collapsed | End::Severed, _) => Condition::Collapsed,
+        (End::Collapsed, _) => Condition::Collapsed,
+        (End::Severed, _) => Condition::Severed,
         (_, Some(_)) => Condition::Standing,
         (_, None) => no_equilibrium(),
     }
@@ -262,8 +289,8 @@ fn no_equilibrium() -> Condition {
     Condition::Faulted("the damaged column has no equilibrium under its load".into())
 }
 
-/// The part of the properties to which a damage belongs: without the load, what stands on the column, and how it is
-/// computed.
+/// The part of the properties to which a damage belongs: without the load, what stands on the column, what a damage does not
+/// depend on, and how it is computed.
 pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
     ColumnProperties {
         top_spring_stiffness: 0.0,
@@ -272,6 +299,8 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
         damping_ratio: 0.0,
         scheme: Scheme::ConservingMidpoint,
         step_nanos: 1,
+        rate: None,
+        ultimate_rotation: 0.0,
         ..*properties
     }
 }

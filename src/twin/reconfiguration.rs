@@ -30,6 +30,7 @@ impl Twin {
             self.parameters.apply(&planned.parameters, changes)?;
             if self.response.is_none() {
                 self.replace_column(column);
+                self.assess();
             }
             Accepted::Applied
         };
@@ -132,6 +133,7 @@ impl Twin {
         self.at_rest =
             Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
         self.apply_waiting_parameters(now, out);
+        self.assess();
         let text = format!("reset by {source}: the column is virgin");
         out.notice(Severity::Info, now, text);
         self.status.set_changed();

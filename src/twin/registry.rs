@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::assessed::LastImpact;
 use super::command::Nanos;
 use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
@@ -43,6 +44,9 @@ pub struct Life {
     pub plastic_work_since_reset: f64,
     /// The last accepted impact; empty before the first.
     pub last_event_id: Arc<str>,
+    /// The last impact whose response has ended; `None` before the first.
+    #[serde(default)]
+    pub last_impact: Option<LastImpact>,
 }
 
 /// The last refusal since the start of the program.

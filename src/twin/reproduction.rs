@@ -32,6 +32,7 @@ impl Twin {
         twin.registry.counts = from.counts;
         twin.registry.last_refusal = from.last_refusal.clone();
         twin.journal = JournalClock::continuing(from);
+        twin.assess();
         Ok(twin)
     }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
+use super::assessed::LastImpact;
 use super::command::Nanos;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
@@ -15,8 +16,11 @@ use crate::parameters::Parameters;
 /// Format name in every state file.
 const FORMAT: &str = "column_twin state";
 
-/// The format version that this program writes, and the only one that it reads.
-const VERSION: u32 = 1;
+/// The format version that this program writes.
+const VERSION: u32 = 2;
+
+/// The oldest version that it reads: version 1 knows neither accumulated rotations nor the last impact.
+const OLDEST_VERSION: u32 = 1;
 
 /// The damage of the column, and the impacts that caused it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,6 +40,9 @@ pub struct SavedState {
     pub displacement: Displacement,
     /// Plastic deformation of the hinges.
     pub plastic: PerBar<PlasticFlow>,
+    /// Accumulated plastic rotations \[rad\]; `None` in files of version 1, where they are the absolute plastic rotations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accumulated_rotation: Option<PerBar<[f64; 2]>>,
     /// Work dissipated in the hinges since the last reset \[J\].
     pub plastic_work_since_reset: f64,
     /// Accepted impacts since the last reset.
@@ -44,6 +51,9 @@ pub struct SavedState {
     pub refused_since_reset: u64,
     /// Identifier of the last accepted impact; empty if there was none.
     pub last_event_id: Arc<str>,
+    /// The last impact; `None` before the first, and in files of version 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_impact: Option<LastImpact>,
     /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
     pub seen_ids: Vec<Arc<str>>,
 }
@@ -56,7 +66,7 @@ pub enum SavedStateError {
     Malformed(String),
     /// The text has another format or version.
     #[error(
-        "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {VERSION}"
+        "it has format \"{format}\", version {version}; expected \"{FORMAT}\", version {OLDEST_VERSION} to {VERSION}"
     )]
     OtherVersion {
         /// The format found.
@@ -113,6 +123,7 @@ impl SavedState {
             refused_since_reset,
             plastic_work_since_reset,
             last_event_id,
+            last_impact,
         } = registry.life.clone();
         Self {
             column_id: Arc::clone(registry.column_id()),
@@ -122,10 +133,12 @@ impl SavedState {
             impact_height: plant.impact_height(),
             displacement: plant.state.displacement,
             plastic: plant.state.plastic,
+            accumulated_rotation: Some(plant.state.accumulated_rotation()),
             plastic_work_since_reset,
             impacts_since_reset,
             refused_since_reset,
             last_event_id,
+            last_impact,
             seen_ids: registry.seen_ids(),
         }
     }
@@ -137,6 +150,7 @@ impl SavedState {
             refused_since_reset: self.refused_since_reset,
             plastic_work_since_reset: self.plastic_work_since_reset,
             last_event_id: Arc::clone(&self.last_event_id),
+            last_impact: self.last_impact.clone(),
         }
     }
 
@@ -150,6 +164,7 @@ impl SavedState {
             self.impact_height,
             self.displacement,
             self.plastic,
+            self.accumulated_rotation,
             self.condition.clone(),
         )
     }
@@ -174,7 +189,7 @@ impl SavedState {
     pub fn from_json(text: &str, parameters: &Parameters) -> Result<Self, SavedStateError> {
         let malformed = |error: serde_json::Error| SavedStateError::Malformed(error.to_string());
         let Header { format, version } = serde_json::from_str(text).map_err(malformed)?;
-        if format != FORMAT || version != VERSION {
+        if format != FORMAT || !(OLDEST_VERSION..=VERSION).contains(&version) {
             let format = printable(&format);
             return Err(SavedStateError::OtherVersion { format, version });
         }

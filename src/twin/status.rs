@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::STATUS_PERIOD;
+use super::assessed::Assessed;
 use super::command::Nanos;
 use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
 use super::registry::{Counts, LastRefusal, Registry};
-use crate::column::{HINGES, Phase};
+use crate::column::{HINGES, Phase, VehicleReport};
 
 /// Where column and twin are in the course of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,6 +26,8 @@ pub enum TwinPhase {
     Rest,
     /// The column has lost its shape or its equilibrium; the twin waits for a reset.
     Collapsed,
+    /// A hinge of the column is severed; the twin waits for a reset.
+    Severed,
     /// The twin cannot continue and waits for a reset.
     Faulted,
 }
@@ -46,6 +49,7 @@ impl Condition {
         match self {
             Self::Standing => TwinPhase::Rest,
             Self::Collapsed => TwinPhase::Collapsed,
+            Self::Severed => TwinPhase::Severed,
             Self::Faulted(_) => TwinPhase::Faulted,
         }
     }
@@ -83,15 +87,23 @@ pub struct Status {
     pub plastic_rotation: [f64; HINGES],
     /// Plastic elongation of each hinge since the last reset \[m\].
     pub plastic_elongation: [f64; HINGES],
+    /// The assessment of the column at rest, without the present impact; `None` if the column cannot be computed.
+    pub assessed: Option<Arc<Assessed>>,
+    /// The vehicle of the last response that has ended.
+    pub vehicle: VehicleReport,
+    /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
+    pub error_estimate: Option<f64>,
 }
 
 impl Status {
-    /// The status at `now`; `struck` is the column where it is responding to an impact.
+    /// The status at `now`; `assessed` is the assessment of the column at rest, `struck` the column where it is responding to
+    /// an impact.
     pub(super) fn new(
         now: Nanos,
         phase: TwinPhase,
         registry: &Registry,
         at_rest: &Plant,
+        assessed: Option<&Arc<Assessed>>,
         struck: Option<&Struck>,
     ) -> Self {
         let sample_at_rest = at_rest.state.sample(&at_rest.model);
@@ -102,6 +114,7 @@ impl Status {
             }
         };
         let life = &registry.life;
+        let last = life.last_impact.as_ref();
         let refused = registry.last_refusal.as_ref();
         let text = |text: fn(&LastRefusal) -> &Arc<str>| {
             refused.map(|it| Arc::clone(text(it))).unwrap_or_default()
@@ -116,7 +129,7 @@ impl Status {
             last_refusal_event_id: text(|it| &it.event_id),
             fault: match &at_rest.condition {
                 Condition::Faulted(reason) => Arc::clone(reason),
-                Condition::Standing | Condition::Collapsed => Arc::default(),
+                Condition::Standing | Condition::Collapsed | Condition::Severed => Arc::default(),
             },
             impacts_since_reset: life.impacts_since_reset,
             residual_v1: sample_at_rest.v1,
@@ -124,6 +137,9 @@ impl Status {
             plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,
             plastic_rotation: hinges.map(|hinge| hinge.plastic_rotation),
             plastic_elongation: hinges.map(|hinge| hinge.plastic_elongation),
+            assessed: assessed.map(Arc::clone),
+            vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
+            error_estimate: last.and_then(|it| it.error_estimate),
         }
     }
 }

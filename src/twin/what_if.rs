@@ -2,18 +2,17 @@
 
 use std::sync::Arc;
 
+use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
 use super::plant::{Plant, Struck, is_same_height, with_impact_height};
 use super::refusal::{Refusal, RefusalCode};
-use super::registry::{check_column_id, printable};
+use super::registry::check_column_id;
 use super::seconds;
 use super::timeline::{LookAhead, Outlook};
+use crate::assessment::imperfection;
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
 };
-use crate::parameters::{Parameter, Parameters, Value};
-
-/// The paper's rigid mass.
-const RIGID: &str = "rigid";
+use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value};
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;
@@ -24,6 +23,7 @@ pub struct ColumnSnapshot {
     pub(super) column_id: Arc<str>,
     pub(super) parameters: Arc<Parameters>,
     pub(super) plant: Plant,
+    pub(super) virgin: Option<VirginCapacity>,
 }
 
 /// What hits the column: an impact with everything that its specification left open.
@@ -42,6 +42,12 @@ pub struct Prediction {
     pub striking: Striking,
     /// What the impact would do.
     pub report: Report,
+    /// The assessment of the column that it would leave behind; `None` if that column cannot be computed.
+    pub assessed: Option<Arc<Assessed>>,
+    /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
+    pub error_estimate: Option<f64>,
+    /// Length of a time step \[ns\].
+    pub step_nanos: u64,
     /// What computing it took \[s\].
     pub compute_time: f64,
 }
@@ -69,19 +75,35 @@ impl ColumnSnapshot {
             check_column_id(&self.column_id, column_id)?;
         }
         let striking = self.complete(vehicle, specification)?;
-        let mut ahead = LookAhead::new(self.strike(striking.impact, specification.height)?);
-        match ahead.run(u64::MAX, stopwatch) {
-            Outlook::Over { report, .. } => Ok(Prediction {
-                striking,
+        let struck = self.strike(striking.impact, specification.height)?;
+        let mut ahead = LookAhead::new(struck, imperfection(&self.parameters), self.virgin);
+        let not_computed = |reason| Err(Refusal::new(RefusalCode::NotComputed, reason));
+        let mut budget = u64::MAX;
+        let (report, at_rest, capacities) = match ahead.run(&mut budget, stopwatch) {
+            Outlook::Over {
                 report,
-                compute_time: seconds(ahead.compute_nanos()),
-            }),
-            Outlook::Failed(reason) => Err(Refusal::new(RefusalCode::NotComputed, reason)),
-            Outlook::Running => {
-                let reason = "the prediction was not carried to its end";
-                Err(Refusal::new(RefusalCode::NotComputed, reason))
+                at_rest,
+                capacities,
+                ..
+            } => (report, at_rest, capacities),
+            Outlook::Failed(reason) => return not_computed(reason),
+            Outlook::Running | Outlook::Refined(_) | Outlook::Complete => {
+                return not_computed("the prediction was not carried to its end".to_owned());
             }
-        }
+        };
+        let error_estimate = match ahead.run(&mut budget, stopwatch) {
+            Outlook::Refined(estimate) => estimate,
+            _ => None,
+        };
+        let last = LastImpact::new(&striking, &report, error_estimate);
+        Ok(Prediction {
+            assessed: capacities.map(|it| assessed(&self.parameters, &at_rest, Some(&last), &it)),
+            striking,
+            report,
+            error_estimate,
+            step_nanos: struck.model.properties.step_nanos,
+            compute_time: seconds(ahead.compute_nanos()),
+        })
     }
 
     /// The column with an impact on its way, for a caller who follows the response in every step. An empty `vehicle` means
@@ -156,13 +178,13 @@ impl ColumnSnapshot {
                  allowed: up to {MAX_VEHICLE_NAME_CHARS} characters, no control characters"
             ));
         }
-        match name {
-            "" | RIGID => Ok((RIGID.into(), None)),
-            other => Err(format!(
-                "the vehicle `{}` is not known; known: {RIGID}",
-                printable(other)
-            )),
-        }
+        let vehicle = self.parameters.vehicle_named(name);
+        let vehicle = vehicle.map_err(|fault| fault.to_string())?;
+        let name = match name.trim() {
+            "" => self.parameters.settings().vehicle.name.as_str(),
+            _ => CatalogueVehicle::named(name).map_or(RIGID, |row| row.name.as_str()),
+        };
+        Ok((name.into(), vehicle))
     }
 
     /// A copy of the column with an impactor on its way to this height above the base \[m\]; `None`: where the

@@ -6,7 +6,7 @@ use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Report, Sample, 
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Output, RefusedInput, Severity, StateOutput, TwinPhase};
+use crate::twin::{Output, RefusedInput, ReportOutput, Severity, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
@@ -55,6 +55,14 @@ pub struct Announcement {
 }
 
 impl Announcement {
+    fn of_output(output: &ReportOutput) -> Self {
+        Self {
+            stamp: output.stamp,
+            event_id: Arc::clone(&output.event_id),
+            report: Box::new(ImpactReport::from(output)),
+        }
+    }
+
     /// The announcement of a report of the mechanics.
     #[must_use]
     pub fn new(stamp: i64, event_id: Arc<str>, report: &Report) -> Self {
@@ -72,12 +80,10 @@ impl ViewerItem {
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {
             Output::State(state) => Self::State(state),
-            Output::Forecast(it) => {
-                Self::Forecast(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
-            Output::Report(it) => {
-                Self::Result(Announcement::new(it.stamp, it.event_id, &it.report))
-            }
+            // It is given out again with its error estimate, and the numbers that are shown remain.
+            Output::Forecast(it) if it.error_estimate.is_some() => return None,
+            Output::Forecast(it) => Self::Forecast(Announcement::of_output(&it)),
+            Output::Report(it) => Self::Result(Announcement::of_output(&it)),
             Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {
                 stamp: status.stamp,
                 v1: status.residual_v1,
@@ -130,6 +136,7 @@ fn twin_phase(code: u8) -> TwinPhase {
         ColumnState::CONTACT => TwinPhase::Contact,
         ColumnState::REST => TwinPhase::Rest,
         ColumnState::COLLAPSED => TwinPhase::Collapsed,
+        ColumnState::SEVERED => TwinPhase::Severed,
         ColumnState::FAULTED => TwinPhase::Faulted,
         _ => TwinPhase::Free,
     }
@@ -205,16 +212,24 @@ mod tests {
     /// A sample survives the conversion to messages and back.
     #[test]
     fn messages_contain_the_whole_sample() {
-        let impact = Impact {
-            mass: 1500.0,
-            velocity: 10.0,
-            gap: 0.01,
-            restitution: 0.0,
-            vehicle: None,
-        };
-        let mut samples = Vec::new();
         let column = Parameters::default().column_properties();
-        simulate(&column, &impact, 2.0, &mut |sample| samples.push(*sample)).expect("simulated");
+        let mut samples = Vec::new();
+        for name in ["rigid", "van", "lorry_8t"] {
+            let changes = [
+                ("vehicle.name", name.into()),
+                ("impact.mass", 8500.0.into()),
+            ];
+            let parameters = Parameters::from_values(changes).expect("admissible");
+            let impact = Impact {
+                velocity: 10.0,
+                gap: 0.01,
+                ..parameters.impact()
+            };
+            simulate(&column, &impact, 0.2, &mut |sample| samples.push(*sample))
+                .expect("simulated");
+        }
+        let masses = |wanted| samples.iter().any(|sample| sample.vehicle.masses == wanted);
+        assert!(masses(0) && masses(1) && masses(2));
         for sample in &samples {
             let (state, forces) = (ColumnState::from(sample), HingeForces::from(sample));
             let ViewerItem::State(read) = ViewerItem::of_messages(&state, &forces, None) else {

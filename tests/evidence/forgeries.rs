@@ -10,7 +10,7 @@ use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ColumnState, ImpactReport};
 use column_twin::messages::std_msgs;
 use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
-use column_twin::twin::Journal;
+use column_twin::twin::{ImpactCommand, Journal};
 use tempfile::TempDir;
 
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
@@ -158,6 +158,43 @@ fn reports_are_compared_except_for_their_compute_time() {
 }
 
 /// Exact states at rest are compared too.
+/// A program with another catalogue of vehicles cannot confirm the recording, and tells which number differs.
+#[test]
+fn another_catalogue_of_vehicles_is_named() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(ImpactCommand {
+        vehicle: "mid_car".to_owned(),
+        ..event("a", twin.now)
+    });
+    twin.until_rest();
+    let original = twin.finish();
+    original.assert_verified();
+    let (_directory, path) = forged(&original.path(), |message| {
+        if *message.topic != *"/column_twin/journal" {
+            return Some(message.data.clone());
+        }
+        let text: std_msgs::String = cdr::decode(&message.data).unwrap();
+        let mut line: serde_json::Value = serde_json::from_str(&text.data).unwrap();
+        let impact = line.pointer_mut("/entry/twin/command/impact/vehicle/springs/0");
+        if let Some(spring) = impact {
+            spring["unloading_stiffness"] = serde_json::json!(16e6);
+        }
+        let data = line.to_string();
+        Some(cdr::encode(&std_msgs::String { data }).unwrap())
+    });
+    let found = verify(&path).unwrap();
+    assert!(found.is_contradicted(), "{found}");
+    let first = found.first_difference.clone().unwrap();
+    assert!(
+        first.field.starts_with("impact.vehicle") && first.field.ends_with("unloading_stiffness"),
+        "{first}"
+    );
+    assert!(
+        found.unchecked[0].contains("catalogue of vehicles"),
+        "{found}"
+    );
+}
+
 #[test]
 fn a_changed_state_at_rest_is_found() {
     let original = recording();

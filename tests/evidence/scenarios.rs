@@ -275,6 +275,62 @@ fn a_recording_that_begins_during_a_response_is_no_forgery() {
     assert!(unchecked < paths.len(), "{unchecked} of {}", paths.len());
 }
 
+/// Vehicles by name and by numbers, on a column whose strength depends on the strain rate and on what has yielded.
+#[test]
+fn vehicles_strain_rate_hardening_and_capacity() {
+    let changes = [
+        ("rate.law", Value::from("logarithmic")),
+        ("hardening.ratio", Value::from(0.005)),
+        ("section.height", Value::from(0.22)),
+        ("vehicle.name", Value::from("")),
+        ("vehicle.masses", Value::from(vec![800.0, 700.0])),
+        ("vehicle.slack", Value::from(vec![0.05])),
+        ("vehicle.spring_1.crush", Value::from(vec![0.2, 1.0])),
+        ("vehicle.spring_1.force", Value::from(vec![200e3, 400e3])),
+        ("vehicle.spring_1.unloading_stiffness", Value::from(5e6)),
+        ("vehicle.spring_2.crush", Value::from(vec![0.1, 0.5])),
+        ("vehicle.spring_2.force", Value::from(vec![300e3, 300e3])),
+        ("vehicle.spring_2.unloading_stiffness", Value::from(8e6)),
+    ];
+    let changed = parameters().with_changes(changes.map(|(name, value)| (name.to_owned(), value)));
+    let mut twin = RecordedTwin::new(changed.expect("admissible"));
+    for (id, vehicle, mass, velocity) in [
+        ("a", "", 2000.0, 9.0),
+        ("b", "van", f64::NAN, 8.0),
+        ("c", "rigid", 500.0, 4.0),
+        ("d", "lorry_8t", 0.0, 4.0),
+        ("e", "tank", 0.0, 4.0),
+    ] {
+        twin.hit(ImpactCommand {
+            vehicle: vehicle.to_owned(),
+            impact: ImpactSpecification {
+                mass,
+                velocity,
+                ..event(id, twin.now).impact
+            },
+            ..event(id, twin.now)
+        });
+        // The second one hits the moving column.
+        match id {
+            "a" => (0..30).for_each(|_| twin.advance(MS)),
+            _ => twin.until_rest(),
+        }
+        twin.set(&[(
+            "assessment.criteria",
+            Value::from(vec!["damage_20".to_owned()]),
+        )]);
+        twin.advance(1_100 * MS);
+    }
+    let status = twin.twin.status(twin.now);
+    assert_eq!(
+        status.last_refusal_code,
+        Some(column_twin::twin::RefusalCode::VehicleInvalid)
+    );
+    assert!(status.assessed.is_some_and(|it| it.remaining.ratio < 1.0));
+    assert!(status.vehicle.permanent_crush[0] > 0.0);
+    twin.finish().assert_verified();
+}
+
 /// SplitMix64.
 struct Random(u64);
 
@@ -294,8 +350,9 @@ impl Random {
 
 fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
     ImpactCommand {
+        vehicle: random.of(&["", "", "small_car", "lorry_8t"]).to_owned(),
         impact: ImpactSpecification {
-            mass: random.of(&[300.0, 1500.0, -1.0]),
+            mass: random.of(&[300.0, 1500.0, 0.0, -1.0]),
             velocity: random.of(&[1.0, 3.0, 7.0]),
             gap: random.of(&[None, Some(0.01), Some(0.1), Some(0.123_456)]),
             restitution: random.of(&[None, Some(0.0), Some(0.5)]),

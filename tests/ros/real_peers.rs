@@ -7,9 +7,11 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
+use column_twin::column::{Impact, ImpactSpecification, Report};
 use column_twin::messages::column_twin::{ImpactEvent, ImpactReport};
 use column_twin::parameters::Parameters;
 use column_twin::ros::qos;
+use column_twin::twin::Twin;
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
@@ -72,6 +74,20 @@ fn numbers(message: &impl Serialize) -> Map<String, Json> {
     fields
 }
 
+/// The report with its assessment and its error estimate, as a prediction for the virgin column gives them.
+fn assessed(report: &Report) -> Map<String, Json> {
+    let twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).unwrap();
+    let impact = ImpactSpecification::from(Impact::rigid(MASS, VELOCITY));
+    let impact = ImpactSpecification {
+        gap: None,
+        restitution: None,
+        ..impact
+    };
+    let predicted = twin.snapshot().predict("", "", &impact, &|| 0).unwrap();
+    assert_eq!(predicted.report, *report);
+    numbers(&ImpactReport::from(&predicted))
+}
+
 /// The expected result of the event, computed by the simulation alone.
 fn expectation(folder: &Path) -> PathBuf {
     let (samples, report) = simulation::stream(&Parameters::default(), MASS, VELOCITY);
@@ -79,7 +95,7 @@ fn expectation(folder: &Path) -> PathBuf {
         .iter()
         .map(|it| json!({ "since": it.since, "state": numbers(&it.state), "forces": numbers(&it.forces) }))
         .collect();
-    let report = numbers(&ImpactReport::from(&report));
+    let report = assessed(&report);
     let expected =
         json!({ "mass": MASS, "velocity": VELOCITY, "samples": samples, "report": report });
     let path = folder.join("expected.json");

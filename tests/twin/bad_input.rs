@@ -39,7 +39,7 @@ fn invalid_numbers_are_rejected() {
                 },
                 ..good.clone()
             },
-            "mass = NaN: is not a finite number",
+            "mass = NaN: is required, because a rigid vehicle has no mass of its own",
         ),
         (
             ImpactCommand {

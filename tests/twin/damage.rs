@@ -378,3 +378,39 @@ fn another_height_is_rejected_while_the_column_responds() {
             .contains("while the column is responding")
     );
 }
+
+/// A file of version 1 has neither accumulated rotations nor the last impact, and its digest of the column knows neither
+/// strain rate nor hardening.
+#[test]
+fn a_state_file_of_version_1_is_read() {
+    let mut bench = Bench::new(&[]);
+    bench.hit(event("a", START));
+    bench.rest();
+    let saved = SavedState {
+        accumulated_rotation: None,
+        last_impact: None,
+        ..bench.twin.saved_state(bench.now)
+    };
+    let text = saved.to_json().expect("JSON");
+    let old = text.replacen("\"version\": 2", "\"version\": 1", 1);
+    assert_ne!(old, text);
+    let parameters = parameters(&[]);
+    let read = SavedState::from_json(&old, &parameters).expect("version 1 is read");
+    assert_eq!(read, saved);
+    let properties = serde_json::to_string(&parameters.column_properties()).expect("JSON");
+    for added in ["rate", "hardening_ratio", "ultimate_rotation"] {
+        assert!(!properties.contains(added), "{properties}");
+    }
+    let restarted = Bench::with(parameters, Some(&read));
+    let (before, after) = (bench.status(), restarted.status());
+    assert_eq!(before.plastic_rotation, after.plastic_rotation);
+    assert_eq!(before.residual_v1, after.residual_v1);
+    let remaining = |status: &column_twin::twin::Status| {
+        status.assessed.as_ref().map(|it| it.remaining.now.force)
+    };
+    assert_eq!(remaining(&before), remaining(&after));
+    let newer = text.replacen("\"version\": 2", "\"version\": 3", 1);
+    let error = SavedState::from_json(&newer, &bench.twin.parameters().clone());
+    let error = error.expect_err("a later version").to_string();
+    assert!(error.contains("version 1 to 2"), "{error}");
+}

@@ -185,8 +185,10 @@ fn the_forecast_is_immediate_and_contains_its_compute_time() {
         &mut out,
     );
     assert!(twin.is_looking_ahead());
-    while twin.is_looking_ahead() {
+    let mut slices = 0_u32;
+    while !out.iter().any(|it| matches!(it, Output::Forecast(_))) {
         twin.run_ahead(64, START, &mut out);
+        slices += 1;
     }
     let forecast = out
         .iter()
@@ -200,8 +202,9 @@ fn the_forecast_is_immediate_and_contains_its_compute_time() {
         .expect("a forecast before the clock has moved");
     assert_eq!((&*forecast.event_id, forecast.stamp), ("a", START));
     // Every slice takes one tick of this stopwatch.
-    let slices = forecast.report.steps.div_ceil(64);
-    assert!((forecast.compute_time - slices as f64 * 1e-3).abs() < 1e-9);
+    assert!((forecast.compute_time - f64::from(slices) * 1e-3).abs() < 1e-9);
+    // The remaining capacity takes some more.
+    assert!(u64::from(slices) > forecast.report.steps.div_ceil(64));
     assert!(out.iter().all(|it| !matches!(it, Output::State(_))));
 }
 
@@ -278,7 +281,7 @@ fn an_event_ahead_of_the_clock_waits_for_its_stamp() {
     let stamp = START + 500 * MS;
     bench.hit(event("a", stamp));
     bench.go_to(stamp - 1);
-    assert_eq!((bench.states().len(), bench.forecasts().len()), (0, 1));
+    assert_eq!((bench.states().len(), bench.forecasts().len()), (0, 2));
     bench.go_to(stamp);
     assert_eq!(bench.states().len(), 1);
     bench.rest();

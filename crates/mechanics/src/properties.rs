@@ -41,13 +41,13 @@ pub struct ColumnProperties {
     /// Fraction of critical damping of every elastic mode about the column at rest, >= 0; 0 in the paper.
     pub damping_ratio: f64,
     /// Increase of the yield surface with the strain rate; `None` in the paper.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<RateProperties>,
     /// `b`: slope of the stress-strain curve after yield over Young's modulus, 0 to 0.1; 0 in the paper.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub hardening_ratio: f64,
     /// Absolute plastic rotation at which a hinge is severed \[rad\], >= 0; 0 for no limit.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub ultimate_rotation: f64,
     /// Time-stepping scheme.
     pub scheme: Scheme,
@@ -64,6 +64,11 @@ pub struct YieldExponents {
     pub beta: f64,
     /// Of the sum, > 0; scales the plastic multiplier only, not the surface.
     pub gamma: f64,
+}
+
+/// What is switched off is not written, so that a column without it is written as before it existed.
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// How the resistances of a hinge grow with the strain rate of its outer fibre.

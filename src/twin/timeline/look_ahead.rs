@@ -1,7 +1,9 @@
-//! A copy of the column that runs ahead of the clock until its response is over.
+//! A copy of the column that runs ahead of the clock until its response is over; then what the response leaves behind: the
+//! remaining capacity, and the error that the time step makes.
 
-use crate::column::{Progress, Report, State};
-use crate::twin::plant::Struck;
+use crate::column::{Progress, Report, error_estimate};
+use crate::twin::assessed::{Capacities, PushDowns, VirginCapacity};
+use crate::twin::plant::{Plant, Struck, condition_after};
 
 /// Most steps of one forecast: minutes of computing. `solver.dt` and `response.duration` together could ask for hours.
 pub const MAX_LOOK_AHEAD_STEPS: u64 = 50_000_000;
@@ -10,8 +12,31 @@ pub const MAX_LOOK_AHEAD_STEPS: u64 = 50_000_000;
 #[derive(Debug)]
 pub struct LookAhead {
     plant: Struck,
+    /// Half the step from the same beginning; `None` where the step cannot be halved.
+    refined: Option<Struck>,
+    stage: Stage,
+    /// `e0` of the push-downs \[m\].
+    imperfection: f64,
+    virgin: Option<VirginCapacity>,
     advances: u64,
     compute_nanos: u64,
+}
+
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one per response")]
+enum Stage {
+    Responding,
+    PushingDown {
+        report: Report,
+        has_residual: bool,
+        push_downs: PushDowns,
+    },
+    /// The response with half the step.
+    Refining {
+        /// Of the response with the whole step \[m\].
+        max_v1: f64,
+    },
+    Complete,
 }
 
 /// How far a forecast has come.
@@ -20,28 +45,44 @@ pub struct LookAhead {
 pub enum Outlook {
     /// It is not complete.
     Running,
-    /// It is complete; `residual` is the equilibrium that the response leaves behind, if there is one.
+    /// The response and its remaining capacity are known.
     Over {
         report: Report,
-        residual: Option<State>,
+        /// The column at rest after it.
+        at_rest: Plant,
+        /// Whether the response leaves an equilibrium behind.
+        has_residual: bool,
+        /// `None` if the column cannot be computed any further.
+        capacities: Option<Capacities>,
+        /// For the next forecast of the same column.
+        virgin: Option<VirginCapacity>,
     },
+    /// The error that the time step makes is known; nothing remains to be computed.
+    Refined(Option<f64>),
     /// It cannot be completed, for this reason.
     Failed(String),
+    /// Nothing remains to be computed.
+    Complete,
 }
 
 impl LookAhead {
-    pub fn new(plant: Struck) -> Self {
+    pub fn new(plant: Struck, imperfection: f64, virgin: Option<VirginCapacity>) -> Self {
         Self {
             plant,
+            refined: plant.with_half_the_step(),
+            stage: Stage::Responding,
+            imperfection,
+            virgin,
             advances: 0,
             compute_nanos: 0,
         }
     }
 
-    /// Runs ahead by at most `max_steps`. `stopwatch` gives monotonic nanoseconds.
-    pub fn run(&mut self, max_steps: u64, stopwatch: &dyn Fn() -> u64) -> Outlook {
+    /// Runs ahead until there is news, or until `budget` steps and increments are made, which are taken from it. `stopwatch`
+    /// gives monotonic nanoseconds.
+    pub fn run(&mut self, budget: &mut u64, stopwatch: &dyn Fn() -> u64) -> Outlook {
         let started = stopwatch();
-        let outlook = self.advance(max_steps);
+        let outlook = self.advance(budget);
         let taken = stopwatch().saturating_sub(started);
         self.compute_nanos = self.compute_nanos.saturating_add(taken);
         outlook
@@ -57,26 +98,98 @@ impl LookAhead {
         self.compute_nanos
     }
 
-    fn advance(&mut self, max_steps: u64) -> Outlook {
-        for _ in 0..max_steps {
-            if self.advances == MAX_LOOK_AHEAD_STEPS {
-                return Outlook::Failed(format!(
-                    "the response takes more than {MAX_LOOK_AHEAD_STEPS} steps; \
-                     choose a longer solver.dt or a shorter response.duration"
-                ));
-            }
-            self.advances += 1;
-            match self.plant.advance(u64::MAX) {
-                Ok(Progress::Running) => {}
-                Ok(Progress::Over(end)) => {
-                    return Outlook::Over {
-                        report: self.plant.report(end),
-                        residual: self.plant.residual(),
-                    };
+    fn advance(&mut self, budget: &mut u64) -> Outlook {
+        loop {
+            match &mut self.stage {
+                Stage::Complete => return Outlook::Complete,
+                _ if *budget == 0 => return Outlook::Running,
+                Stage::Responding => {
+                    *budget -= 1;
+                    if let Some(failed) = self.respond() {
+                        return failed;
+                    }
                 }
-                Err(error) => return Outlook::Failed(error.to_string()),
+                Stage::PushingDown {
+                    report,
+                    has_residual,
+                    push_downs,
+                } => {
+                    let Some(capacities) = push_downs.advance(budget) else {
+                        continue;
+                    };
+                    let over = Outlook::Over {
+                        report: *report,
+                        at_rest: push_downs.at_rest().clone(),
+                        has_residual: *has_residual,
+                        capacities,
+                        virgin: push_downs.virgin(),
+                    };
+                    self.stage = Stage::Refining {
+                        max_v1: report.max_v1,
+                    };
+                    return over;
+                }
+                Stage::Refining { max_v1 } => {
+                    *budget -= 1;
+                    let max_v1 = *max_v1;
+                    if let Some(estimate) = self.refine(max_v1) {
+                        self.stage = Stage::Complete;
+                        return Outlook::Refined(estimate);
+                    }
+                }
             }
         }
-        Outlook::Running
+    }
+
+    /// A step of the response; `Some` if it cannot be made.
+    fn respond(&mut self) -> Option<Outlook> {
+        if self.advances == MAX_LOOK_AHEAD_STEPS {
+            self.stage = Stage::Complete;
+            return Some(Outlook::Failed(format!(
+                "the response takes more than {MAX_LOOK_AHEAD_STEPS} steps; \
+                 choose a longer solver.dt or a shorter response.duration"
+            )));
+        }
+        self.advances += 1;
+        match self.plant.advance(u64::MAX) {
+            Ok(Progress::Running) => None,
+            Ok(Progress::Over(end)) => {
+                let report = self.plant.report(end);
+                let residual = self.plant.residual();
+                let condition = condition_after(report.end, residual.as_ref());
+                let at_rest = self.plant.settled(residual, condition);
+                self.stage = Stage::PushingDown {
+                    report,
+                    has_residual: residual.is_some(),
+                    push_downs: PushDowns::new(at_rest, self.imperfection, self.virgin.as_ref()),
+                };
+                None
+            }
+            Err(error) => {
+                self.stage = Stage::Complete;
+                Some(Outlook::Failed(error.to_string()))
+            }
+        }
+    }
+
+    /// A step of the response with half the step. `Some` once the error is known, or known to be unknown: the response cannot
+    /// be computed with half the step, or takes too long.
+    fn refine(&mut self, max_v1: f64) -> Option<Option<f64>> {
+        let Some(refined) = &mut self.refined else {
+            return Some(None);
+        };
+        if self.advances == MAX_LOOK_AHEAD_STEPS {
+            return Some(None);
+        }
+        self.advances += 1;
+        match refined.advance(u64::MAX) {
+            Ok(Progress::Running) => None,
+            Ok(Progress::Over(end)) => {
+                let estimate = error_estimate(max_v1, refined.report(end).max_v1);
+                // An infinite estimate tells that the two responses have nothing in common: the error is not known.
+                Some(Some(estimate).filter(|it| it.is_finite()))
+            }
+            Err(_) => Some(None),
+        }
     }
 }

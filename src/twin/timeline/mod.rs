@@ -48,9 +48,10 @@ pub(super) enum Advanced {
 }
 
 impl Timeline {
-    /// Begins at `origin` with a sample at step 0. `history` is that of an earlier response, for its memory.
+    /// Begins at `origin` with a sample at step 0. `ahead` is a copy of `plant`; `history` is that of an earlier response, for its memory.
     pub fn begin(
         origin: Nanos,
+        ahead: LookAhead,
         plant: Struck,
         steps_per_sample: u64,
         mut history: History,
@@ -63,7 +64,7 @@ impl Timeline {
             next_sample: 0,
             percussion: plant.state.percussion,
             compute_nanos: 0,
-            ahead: Some(LookAhead::new(plant)),
+            ahead: Some(ahead),
             last_step: None,
             history,
         }
@@ -198,28 +199,25 @@ impl Timeline {
         self.ahead.is_some()
     }
 
-    /// Whether the forecast was completed: from then on the damage that the response will leave is known.
+    /// Whether the response ahead was completed: from then on the damage that the response will leave is known.
     pub fn has_forecast(&self) -> bool {
         self.last_step.is_some()
     }
 
-    /// Carries the forecast on by at most `max_steps`; `None` where none is being computed. `stopwatch` gives monotonic
-    /// nanoseconds.
+    /// Carries the forecast on until there is news, by at most `budget` steps, which are taken from it; `None` where none is
+    /// being computed. `stopwatch` gives monotonic nanoseconds.
     pub fn look_ahead(
         &mut self,
-        max_steps: u64,
+        budget: &mut u64,
         stopwatch: &dyn Fn() -> u64,
     ) -> Option<(Outlook, u64)> {
         let ahead = self.ahead.as_mut()?;
-        let outlook = ahead.run(max_steps, stopwatch);
+        let outlook = ahead.run(budget, stopwatch);
         let compute_nanos = ahead.compute_nanos();
         match outlook {
             Outlook::Running => {}
-            Outlook::Over { .. } => {
-                self.last_step = Some(ahead.step());
-                self.ahead = None;
-            }
-            Outlook::Failed(_) => self.ahead = None,
+            Outlook::Over { .. } => self.last_step = Some(ahead.step()),
+            Outlook::Refined(_) | Outlook::Failed(_) | Outlook::Complete => self.ahead = None,
         }
         Some((outlook, compute_nanos))
     }

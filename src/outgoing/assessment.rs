@@ -1,0 +1,159 @@
+//! The outcome of an impact with its assessment as messages.
+
+use crate::assessment::{Assessment, Criterion, RemainingCapacity, Severity};
+use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
+use crate::twin::{Assessed, Prediction, ReportOutput, Status};
+
+impl From<&ReportOutput> for ImpactReport {
+    /// Leaves header, column and event empty, and sets the kind FORECAST.
+    fn from(output: &ReportOutput) -> Self {
+        Self {
+            error_estimate: output.error_estimate.unwrap_or(f64::NAN),
+            dt: seconds(output.step_nanos),
+            compute_time: output.compute_time,
+            ..Self::from(&output.report)
+                .of_impact(&output.striking.vehicle, &output.striking.impact)
+                .assessed(output.assessed.as_deref())
+        }
+    }
+}
+
+impl From<&Prediction> for ImpactReport {
+    /// Leaves header, column and event empty.
+    fn from(prediction: &Prediction) -> Self {
+        Self {
+            kind: Self::PREDICTION,
+            error_estimate: prediction.error_estimate.unwrap_or(f64::NAN),
+            dt: seconds(prediction.step_nanos),
+            compute_time: prediction.compute_time,
+            ..Self::from(&prediction.report)
+                .of_impact(&prediction.striking.vehicle, &prediction.striking.impact)
+                .assessed(prediction.assessed.as_deref())
+        }
+    }
+}
+
+impl ImpactReport {
+    /// The report with its assessment; without one the severity is unknown.
+    fn assessed(self, assessed: Option<&Assessed>) -> Self {
+        let numbers = Numbers::of(assessed);
+        let criteria = assessed.map_or(&[][..], |it| &it.assessment.criteria);
+        Self {
+            virgin_capacity: numbers.virgin_capacity,
+            residual_capacity: numbers.residual_capacity,
+            capacity_ratio: numbers.capacity_ratio,
+            reserve: numbers.reserve,
+            severity: numbers.severity,
+            deciding_criterion: numbers.deciding_criterion.to_owned(),
+            severity_reason: numbers.reason.to_owned(),
+            criteria: criteria.iter().map(AssessmentCriterion::from).collect(),
+            ..self
+        }
+    }
+}
+
+impl TwinStatus {
+    /// The status with the assessment of the column at rest and the last impact.
+    pub(super) fn assessed(self, status: &Status) -> Self {
+        let numbers = Numbers::of(status.assessed.as_deref());
+        Self {
+            virgin_capacity: numbers.virgin_capacity,
+            residual_capacity: numbers.residual_capacity,
+            capacity_ratio: numbers.capacity_ratio,
+            reserve: numbers.reserve,
+            severity: numbers.severity,
+            deciding_criterion: numbers.deciding_criterion.to_owned(),
+            severity_reason: numbers.reason.to_owned(),
+            crush: PerMass::first(&status.vehicle.permanent_crush, status.vehicle.masses),
+            error_estimate: status.error_estimate.unwrap_or(f64::NAN),
+            ..self
+        }
+    }
+}
+
+impl From<&Criterion> for AssessmentCriterion {
+    fn from(criterion: &Criterion) -> Self {
+        Self {
+            name: criterion.name.to_owned(),
+            edition: criterion.edition.to_owned(),
+            value: criterion.value.unwrap_or(f64::NAN),
+            limit: criterion.limit.unwrap_or(f64::NAN),
+            margin: criterion.margin.unwrap_or(f64::NAN),
+            unit: criterion.unit.to_owned(),
+            tag: criterion.tag.to_string(),
+            evaluated: criterion.value.is_some(),
+            exceeded: criterion.exceeded == Some(true),
+            severity: severity_code(criterion.severity),
+            decides: criterion.decides,
+            statement: criterion.statement.clone(),
+        }
+    }
+}
+
+/// The code of a severity in `ImpactReport` and `TwinStatus`.
+fn severity_code(severity: Severity) -> u8 {
+    match severity {
+        Severity::None => ImpactReport::SEVERITY_NONE,
+        Severity::Inspect => ImpactReport::SEVERITY_INSPECT,
+        Severity::Restrict => ImpactReport::SEVERITY_RESTRICT,
+        Severity::Prop => ImpactReport::SEVERITY_PROP,
+        Severity::Evacuate => ImpactReport::SEVERITY_EVACUATE,
+    }
+}
+
+/// What report and status say alike of an assessment.
+struct Numbers<'a> {
+    virgin_capacity: f64,
+    residual_capacity: f64,
+    capacity_ratio: f64,
+    reserve: f64,
+    severity: u8,
+    deciding_criterion: &'static str,
+    reason: &'a str,
+}
+
+impl<'a> Numbers<'a> {
+    fn of(assessed: Option<&'a Assessed>) -> Self {
+        let Some(Assessed {
+            remaining,
+            assessment,
+        }) = assessed
+        else {
+            return Self {
+                virgin_capacity: f64::NAN,
+                residual_capacity: f64::NAN,
+                capacity_ratio: f64::NAN,
+                reserve: f64::NAN,
+                severity: ImpactReport::SEVERITY_UNKNOWN,
+                deciding_criterion: "",
+                reason: "The column cannot be computed, so that it is not assessed.",
+            };
+        };
+        let RemainingCapacity {
+            virgin,
+            now,
+            ratio,
+            reserve,
+            ..
+        } = remaining;
+        let Assessment {
+            severity,
+            deciding_criterion,
+            reason,
+            ..
+        } = assessment;
+        Self {
+            virgin_capacity: virgin.force,
+            residual_capacity: now.force,
+            capacity_ratio: *ratio,
+            reserve: reserve.unwrap_or(f64::NAN),
+            severity: severity_code(*severity),
+            deciding_criterion,
+            reason,
+        }
+    }
+}
+
+fn seconds(nanos: u64) -> f64 {
+    nanos as f64 / 1e9
+}

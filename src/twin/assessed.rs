@@ -1,0 +1,213 @@
+//! The remaining capacity of the column at rest, and its assessment.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::plant::{Condition, Plant};
+use super::what_if::Striking;
+use crate::assessment::{
+    AssessedImpact, Assessment, AssessmentInput, RemainingCapacity, assess, imperfection,
+};
+use crate::column::{
+    Capacity, CapacityEnd, Model, PushDown, Report, State, VehicleReport, carried_load,
+};
+use crate::parameters::Parameters;
+
+/// Increments of a push-down between two looks at the budget.
+const INCREMENTS: u64 = 16;
+
+/// The last impact, as far as the assessment of the column at rest and the status need it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LastImpact {
+    /// What hit the column.
+    pub impact: AssessedImpact,
+    /// Largest `v1` of its response \[m\].
+    pub max_v1: f64,
+    /// The vehicle after the response.
+    pub vehicle: VehicleReport,
+    /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
+    pub error_estimate: Option<f64>,
+}
+
+impl LastImpact {
+    /// The impact of a response that has ended with this report.
+    pub(super) fn new(striking: &Striking, report: &Report, error_estimate: Option<f64>) -> Self {
+        Self {
+            impact: AssessedImpact::from(&striking.impact),
+            max_v1: report.max_v1,
+            vehicle: report.vehicle,
+            error_estimate,
+        }
+    }
+}
+
+/// The assessment of the column at rest, with the capacity behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assessed {
+    /// Virgin and present capacity, and what they mean for the load.
+    pub remaining: RemainingCapacity,
+    /// Severity and criteria.
+    pub assessment: Assessment,
+}
+
+/// Capacities of a column: virgin, and as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Capacities {
+    pub virgin: Capacity,
+    pub now: Capacity,
+}
+
+/// A virgin capacity with all that it depends on, so that it is computed once per column.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VirginCapacity {
+    model: Model,
+    imperfection: f64,
+    capacity: Capacity,
+}
+
+impl VirginCapacity {
+    /// The capacity, if it is that of this column.
+    fn of(&self, model: &Model, imperfection: f64) -> Option<Capacity> {
+        let is_same = self.model == *model && self.imperfection == imperfection;
+        is_same.then_some(self.capacity)
+    }
+}
+
+/// The push-downs of a column at rest, advanced in slices.
+#[derive(Debug)]
+pub(super) struct PushDowns {
+    at_rest: Plant,
+    imperfection: f64,
+    virgin: Option<Capacity>,
+    under_way: Option<PushDown>,
+}
+
+impl PushDowns {
+    /// `known` is a virgin capacity that may be that of this column.
+    pub fn new(at_rest: Plant, imperfection: f64, known: Option<&VirginCapacity>) -> Self {
+        let virgin = known.and_then(|known| known.of(&at_rest.model, imperfection));
+        Self {
+            at_rest,
+            imperfection,
+            virgin,
+            under_way: None,
+        }
+    }
+
+    /// The column.
+    pub fn at_rest(&self) -> &Plant {
+        &self.at_rest
+    }
+
+    /// Makes increments, which are taken from `budget`. `None` until all are made; then the capacities, `None` where there
+    /// are none because the column cannot be computed.
+    pub fn advance(&mut self, budget: &mut u64) -> Option<Option<Capacities>> {
+        loop {
+            let Plant {
+                model,
+                state,
+                condition,
+            } = &self.at_rest;
+            let virgin_state = State::at_rest(model);
+            let wanted = match (self.virgin, condition) {
+                (None, _) => &virgin_state,
+                (Some(virgin), _) => {
+                    let done = |now| Some(Some(Capacities { virgin, now }));
+                    match condition {
+                        Condition::Collapsed => {
+                            return done(Capacity::none(CapacityEnd::NoEquilibrium));
+                        }
+                        Condition::Severed => return done(Capacity::none(CapacityEnd::Severed)),
+                        Condition::Faulted(_) => return Some(None),
+                        Condition::Standing if *state == virgin_state => return done(virgin),
+                        Condition::Standing => state,
+                    }
+                }
+            };
+            let push_down = match &mut self.under_way {
+                Some(push_down) => push_down,
+                None => match PushDown::new(model, wanted, self.imperfection) {
+                    Ok(begun) => self.under_way.insert(begun),
+                    // The parameters were checked against each other.
+                    Err(_) => return Some(None),
+                },
+            };
+            if *budget == 0 {
+                return None;
+            }
+            let increments = INCREMENTS.min(*budget);
+            *budget -= increments;
+            let Some(capacity) = push_down.advance(increments as u32) else {
+                continue;
+            };
+            self.under_way = None;
+            match self.virgin {
+                None => self.virgin = Some(capacity),
+                Some(virgin) => {
+                    return Some(Some(Capacities {
+                        virgin,
+                        now: capacity,
+                    }));
+                }
+            }
+        }
+    }
+
+    /// The virgin capacity, for [`PushDowns::new`] of the same column.
+    pub fn virgin(&self) -> Option<VirginCapacity> {
+        Some(VirginCapacity {
+            model: self.at_rest.model,
+            imperfection: self.imperfection,
+            capacity: self.virgin?,
+        })
+    }
+}
+
+/// The assessment of a column at rest after its last impact, if there was one. It depends on nothing else, so that a column
+/// that was restored from a checkpoint has the same assessment.
+pub(super) fn assessed(
+    parameters: &Parameters,
+    at_rest: &Plant,
+    last: Option<&LastImpact>,
+    capacities: &Capacities,
+) -> Arc<Assessed> {
+    let Plant {
+        model,
+        state,
+        condition,
+    } = at_rest;
+    let carried = match condition {
+        Condition::Standing => carried_load(model, state),
+        _ => carried_load(model, &State::at_rest(model)),
+    };
+    let Capacities { virgin, now } = *capacities;
+    let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
+    let mut input = AssessmentInput::of_state(parameters, model, state, remaining);
+    input.collapsed = *condition == Condition::Collapsed;
+    input.severed = *condition == Condition::Severed;
+    if let Some(last) = last {
+        input.max_v1 = input.max_v1.max(last.max_v1.abs());
+        input.impact = Some(last.impact);
+    }
+    Arc::new(Assessed {
+        remaining,
+        assessment: assess(&input),
+    })
+}
+
+/// The assessment of a column at rest, computed at once; `None` if the column cannot be computed. The virgin capacity is kept
+/// in `known`.
+pub(super) fn assess_at_once(
+    parameters: &Parameters,
+    at_rest: &Plant,
+    last: Option<&LastImpact>,
+    known: &mut Option<VirginCapacity>,
+) -> Option<Arc<Assessed>> {
+    let imperfection = imperfection(parameters);
+    let mut push_downs = PushDowns::new(at_rest.clone(), imperfection, known.as_ref());
+    let capacities = push_downs.advance(&mut u64::MAX.clone())?;
+    *known = push_downs.virgin();
+    Some(assessed(parameters, at_rest, last, &capacities?))
+}
