@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, Verdicts};
+use super::output::{
+    Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, StrikingVehicle, Verdicts,
+};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -764,6 +766,10 @@ impl ActiveResponse {
             phase: phase.unwrap_or(sample.phase.into()),
             sample,
             lengths: Some(lengths),
+            vehicle: Some(StrikingVehicle {
+                name: Arc::clone(&self.striking.vehicle),
+                mass: self.striking.impact.mass,
+            }),
         }));
     }
 }

@@ -236,14 +236,9 @@ fn the_reference_is_met_at_the_step_that_is_chosen_for_the_column() {
         for case in cases() {
             let column = ColumnProperties {
                 scheme,
+                step_nanos: 0,
                 ..case.column
             };
-            let chosen = ColumnProperties {
-                step_nanos: 0,
-                ..column
-            };
-            let column = Model::new(&chosen).expect("a column").properties;
-            println!("{} {scheme:?} {} ns", case.name, column.step_nanos);
             for (name, error, tolerance) in errors(&case, &column) {
                 assert!(error.abs() <= tolerance, "{name}: {error:e}");
             }
