@@ -17,6 +17,7 @@
 //! ```
 
 mod criteria;
+mod evaluation;
 mod input;
 mod remaining;
 mod rotation_limits;
@@ -28,6 +29,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, Relation};
+pub use evaluation::{HARDENING_BAND, HardeningBand, ImpactEvaluation, respond_and_rest};
 pub use input::{AssessedImpact, AssessmentInput};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,

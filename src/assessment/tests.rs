@@ -2,7 +2,7 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::column::{Capacity, CapacityEnd, Impact, Model, State, respond, simulate};
+use crate::column::{Capacity, CapacityEnd, Impact, Model, Outcome, State, respond, simulate};
 use crate::parameters::{CRITERION_NAMES, DEFAULT_CRITERIA, Parameters, parse_override};
 
 fn parameters(overrides: &[&str]) -> Parameters {
@@ -113,28 +113,10 @@ fn a_collapse_always_evacuates() {
         "assessment.criteria:=[plastic_flow]",
         "top.load:=2.0e6",
         "top.spring_stiffness:=0.0",
+        "assessment.ultimate_rotation:=0.0",
     ]);
-    let model = Model::new(&parameters.column_properties()).expect("a column");
-    let impact = Impact {
-        mass: 1500.0,
-        velocity: 12.0,
-        gap: 0.0,
-        restitution: 0.0,
-        vehicle: None,
-    };
-    let report = respond(&model.properties, &impact, 2.0).expect("a response");
-    let remaining = RemainingCapacity::compute(&parameters, &model, None).expect("capacities");
-    assert_eq!(remaining.now.force, 0.0);
-    assert_eq!(remaining.now.end, CapacityEnd::NoEquilibrium);
-    assert_eq!(remaining.reserve, Some(0.0));
-    assert_eq!(remaining.damage, 1.0);
-    let assessment = assess(&AssessmentInput::of_response(
-        &parameters,
-        &model,
-        &impact,
-        &report,
-        remaining,
-    ));
+    let (assessment, outcome) = assessed_as_nothing(&parameters);
+    assert_eq!(outcome, Outcome::Collapsed);
     assert_eq!(assessment.severity, Severity::Evacuate);
     assert_eq!(assessment.deciding_criterion, "collapse");
     assert!(
@@ -142,6 +124,31 @@ fn a_collapse_always_evacuates() {
         "{}",
         assessment.reason
     );
+}
+
+#[test]
+fn a_torn_hinge_always_evacuates() {
+    let parameters = parameters(&["assessment.criteria:=[plastic_flow]", "top.load:=2.0e6"]);
+    let (assessment, outcome) = assessed_as_nothing(&parameters);
+    assert_eq!(outcome, Outcome::Severed);
+    assert_eq!(assessment.severity, Severity::Evacuate);
+    assert_eq!(assessment.deciding_criterion, "collapse");
+}
+
+/// The assessment of an impact after which the column carries nothing, and its outcome.
+fn assessed_as_nothing(parameters: &Parameters) -> (Assessment, Outcome) {
+    let model = Model::new(&parameters.column_properties()).expect("a column");
+    let impact = Impact::rigid(1500.0, 12.0);
+    let report = respond(&model.properties, &impact, 2.0).expect("a response");
+    let remaining = RemainingCapacity::compute(parameters, &model, None).expect("capacities");
+    assert_eq!(remaining.now.force, 0.0);
+    assert_eq!(remaining.now.end, CapacityEnd::NoEquilibrium);
+    assert_eq!(remaining.reserve, Some(0.0));
+    assert_eq!(remaining.damage, 1.0);
+    let assessment = assess(&AssessmentInput::of_response(
+        parameters, &model, &impact, &report, remaining,
+    ));
+    (assessment, report.outcome)
 }
 
 #[test]

@@ -12,10 +12,11 @@ use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::failure::{Exit, Failure, LinePrinter};
-use column_twin::column::ImpactSpecification;
-use column_twin::column::{HINGE_NAMES, HINGES};
+use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
+use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::evidence;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
+use column_twin::parameters::{Parameters, RIGID, Value};
 use column_twin::ros::{
     Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact, severity_word,
 };
@@ -48,6 +49,9 @@ Exit codes: 0 done, 1 failed, 2 bad input or usage.";
 
 /// The paper's column.
 const COLUMN: &str = include_str!("../../config/heb220_paper.yaml");
+
+/// The vehicle that the paper's rigid mass is compared with.
+const REAL_CAR: &str = "mid_car";
 
 /// Maximum wait for the node, and for each of its answers.
 const TIMEOUT: Duration = Duration::from_secs(15);
@@ -104,6 +108,7 @@ fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &LinePrinter<'_>) -> Re
     let ended = node.stop();
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
     print_outcome(&forecast, &outcome, out);
+    print_comparison(arguments, out)?;
     if !ended.is_some_and(|status| status.success()) {
         return Err(node.explain(Failure::plain(
             Exit::Failed,
@@ -447,6 +452,62 @@ fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrin
     });
     row("plastic work", "kJ", |it| 1e-3 * it.plastic_work);
     out.print("");
+}
+
+/// Prints what the same mass at the same speed does to the same column with the front of a real car.
+fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), Failure> {
+    let column = Parameters::from_yaml(Path::new("column.yaml"), COLUMN)?;
+    let evaluated = |vehicle: &str| -> Result<ImpactEvaluation, Failure> {
+        let parameters = column.with_changes([
+            ("vehicle.name", Value::from(vehicle)),
+            ("impact.mass", arguments.mass.into()),
+            ("impact.velocity", arguments.velocity.into()),
+        ])?;
+        let (properties, impact) = (parameters.column_properties(), parameters.impact());
+        respond_and_rest(&properties, &impact, parameters.response_duration())
+            .and_then(|ended| ImpactEvaluation::complete(&parameters, &properties, &impact, ended))
+            .map_err(|error| Failure::plain(Exit::Failed, error))
+    };
+    let both = [evaluated(RIGID)?, evaluated(REAL_CAR)?];
+    out.print(format_args!(
+        "  The paper's vehicle is rigid. The front of a real car gives way, at the same mass and speed:\n"
+    ));
+    let row = |name: &str, words: fn(&ImpactEvaluation) -> String| {
+        let [rigid, car] = both.each_ref().map(words);
+        out.print(format_args!("  {name:26}{rigid:>14}{car:>14}"));
+    };
+    out.print(format_args!(
+        "  {:26}{:>14}{:>14}",
+        "", "rigid mass", REAL_CAR
+    ));
+    row("peak of v1", |it| {
+        format!("{:.2} mm", 1e3 * it.report.max_v1)
+    });
+    row("residual v1", |it| {
+        let residual = it.report.residual_v1;
+        residual.map_or("none".to_owned(), |v1| format!("{:.2} mm", 1e3 * v1))
+    });
+    row("hinges that yield", |it| {
+        let hinges = it.report.hinges.iter();
+        format!(
+            "{} of {HINGES}",
+            hinges.filter(|it| it.first_yield.is_some()).count()
+        )
+    });
+    row("crush of the front", |it| match it.report.vehicle.masses {
+        0 => "none".to_owned(),
+        _ => format!("{:.0} mm", 1e3 * it.report.vehicle.max_crush[0]),
+    });
+    row("absorbed by the vehicle", |it| {
+        let absorbed: f64 = it.report.vehicle.dissipated.iter().sum();
+        format!("{:.0} %", 100.0 * absorbed / it.report.input_energy)
+    });
+    row("severity", |it| {
+        let assessment = it.assessment.as_ref();
+        assessment.map_or("not assessed".to_owned(), |it| it.severity.to_string())
+    });
+    out.print("");
+    Ok(())
 }
 
 /// Draws the figures of the same impact with the command that a user would run.

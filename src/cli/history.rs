@@ -2,16 +2,25 @@
 
 use std::io::Write;
 
-use column_twin::column::{HINGE_NAMES, HingeSample, HingeState, Phase, Sample};
+use column_twin::column::{
+    HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample,
+};
 
 /// Writes samples as CSV: a header with the unit in every name, then one row per sample. Numbers read back to the same
 /// bits.
 pub struct HistoryWriter<W: Write> {
     table: csv::Writer<W>,
     row: csv::StringRecord,
+    /// Masses of the vehicle, each with the spring in front of it; 0 for a rigid one.
+    masses: usize,
 }
 
 type Column = (&'static str, fn(&Sample) -> f64);
+type VehicleColumn = (
+    &'static str,
+    &'static str,
+    fn(&VehicleSample) -> [f64; MAX_MASSES],
+);
 type HingeColumn = (&'static str, &'static str, fn(&HingeSample) -> f64);
 
 /// Columns of column and impactor, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and
@@ -46,13 +55,14 @@ const COLUMNS: [Column; 24] = [
 ];
 
 /// Columns of every hinge: text before its name, unit, and value.
-const HINGE_COLUMNS: [HingeColumn; 7] = [
+const HINGE_COLUMNS: [HingeColumn; 8] = [
     ("M", "Nm", |hinge| hinge.moment),
     ("theta", "rad", |hinge| hinge.rotation),
     ("delta", "m", |hinge| hinge.elongation),
     ("theta_p", "rad", |hinge| hinge.plastic_rotation),
     ("delta_p", "m", |hinge| hinge.plastic_elongation),
     ("utilisation", "-", |hinge| hinge.utilisation),
+    ("dynamic_factor", "-", |hinge| hinge.dynamic_factor),
     // 0 elastic, 1 plastic, 2 unloaded.
     ("state", "-", |hinge| match hinge.state {
         HingeState::Elastic => 0.0,
@@ -61,12 +71,22 @@ const HINGE_COLUMNS: [HingeColumn; 7] = [
     }),
 ];
 
+/// Columns of every spring of a compliant vehicle and of the mass behind it, numbered from the front: text before the
+/// number, unit, and values.
+const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
+    ("crush", "m", |vehicle| vehicle.crush),
+    ("permanent_crush", "m", |vehicle| vehicle.permanent_crush),
+    ("crush_force", "N", |vehicle| vehicle.force),
+    ("vehicle_dissipated", "J", |vehicle| vehicle.dissipated),
+    ("vehicle_velocity", "m_s", |vehicle| vehicle.velocity),
+];
+
 impl<W: Write> HistoryWriter<W> {
-    /// Writes the header.
+    /// Writes the header for a vehicle of so many masses, 0 for a rigid one.
     ///
     /// # Errors
     /// The target cannot be written to.
-    pub fn new(target: W) -> csv::Result<Self> {
+    pub fn new(target: W, masses: usize) -> csv::Result<Self> {
         let mut table = csv::Writer::from_writer(target);
         let mut header: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect();
         for (before, unit, _) in HINGE_COLUMNS {
@@ -75,10 +95,17 @@ impl<W: Write> HistoryWriter<W> {
                 _ => format!("{before}{hinge}_{unit}"),
             }));
         }
+        for (before, unit, _) in VEHICLE_COLUMNS {
+            header.extend((1..=masses).map(|number| format!("{before}{number}_{unit}")));
+        }
+        if masses > 0 {
+            header.push("vehicle_elastic_energy_J".to_owned());
+        }
         table.write_record(&header)?;
         Ok(Self {
             table,
             row: csv::StringRecord::new(),
+            masses,
         })
     }
 
@@ -95,6 +122,15 @@ impl<W: Write> HistoryWriter<W> {
             for hinge in &sample.hinges {
                 self.row.push_field(&exact(value(hinge)));
             }
+        }
+        for (_, _, values) in VEHICLE_COLUMNS {
+            for value in &values(&sample.vehicle)[..self.masses] {
+                self.row.push_field(&exact(*value));
+            }
+        }
+        if self.masses > 0 {
+            let stored = exact(sample.vehicle.elastic_energy);
+            self.row.push_field(&stored);
         }
         self.table.write_record(&self.row)
     }
@@ -123,7 +159,7 @@ mod tests {
     #[test]
     fn a_history_reads_back_to_the_same_bits() {
         let samples = Reference::ellipse().samples;
-        let mut writer = HistoryWriter::new(Vec::new()).unwrap();
+        let mut writer = HistoryWriter::new(Vec::new(), 0).unwrap();
         samples
             .iter()
             .for_each(|sample| writer.write(sample).unwrap());
@@ -150,7 +186,8 @@ mod tests {
     #[test]
     fn names_are_those_of_the_reference() {
         let text = include_str!("../../tests/data/heb220_ellipse.csv");
-        let writer = HistoryWriter::new(Vec::new()).unwrap().finish().unwrap();
+        let writer = HistoryWriter::new(Vec::new(), 0).unwrap();
+        let writer = writer.finish().unwrap();
         let ours: Vec<_> = std::str::from_utf8(&writer)
             .unwrap()
             .trim()

@@ -34,8 +34,10 @@ pub struct ImpactArgs {
 const EXAMPLE: &str = "\
 The parameters named as defaults are those of the twin.
 
-Example: a car of 1.5 t at 36 km/h
+Example: 1.5 t of the twin's vehicle at 36 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --mass 1500 --velocity 10
+Example: a van of its own mass at 50 km/h
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --vehicle van --velocity 13.9
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 

@@ -71,11 +71,11 @@ impl ImpactSpecificationArgs {
         vehicle.into_iter().chain(numbers).collect()
     }
 
-    /// The options as an impact for a twin, for a command that requires mass and velocity.
+    /// The options as an impact for a twin, for a command that requires a velocity, and a mass or a vehicle.
     #[cfg(feature = "ros")]
     pub fn specification(&self) -> ImpactSpecification {
         ImpactSpecification {
-            // clap requires both; a twin would reject NaN.
+            // clap requires a velocity, and a mass unless a vehicle is named, which has its own.
             mass: self.mass.unwrap_or(f64::NAN),
             velocity: self.velocity.unwrap_or(f64::NAN),
             gap: self.gap,

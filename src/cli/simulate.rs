@@ -14,9 +14,8 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::history::HistoryWriter;
 use super::impact_args::{ImpactSpecificationArgs, yaml};
 use super::summary::Summary;
-use column_twin::column::{
-    ColumnProperties, Impact, Report, Sample, SimulationError, respond, simulate,
-};
+use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
+use column_twin::column::{ColumnProperties, Impact, Report, Sample, SimulationError, simulate};
 #[cfg(feature = "record")]
 use column_twin::evidence::SimulatedRecordingError;
 #[cfg(feature = "viewer")]
@@ -153,9 +152,13 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     // The first run is timed and writes nothing; histories come from further runs, which are equal bit for bit. Their length
     // is known by then, so that a history of any length fits in a bounded memory.
     let start = Instant::now();
-    let report =
-        respond(&case.properties, &case.impact, case.max_duration).map_err(SimulateError::from)?;
+    let ended = respond_and_rest(&case.properties, &case.impact, case.max_duration)
+        .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
+    let report = ended.0;
+    let evaluation =
+        ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)
+            .map_err(SimulateError::from)?;
 
     let mut files = String::new();
     if history_to_output {
@@ -184,7 +187,8 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     }
     let summary = Summary {
         title: &case.title,
-        report: &report,
+        vehicle_name: &case.parameters.settings().vehicle.name,
+        evaluation: &evaluation,
         solve_time,
     };
     let text = match arguments.json {
@@ -244,7 +248,8 @@ impl Case {
 
     /// Writes the history and returns the target.
     fn write_history<W: Write>(&self, target: W) -> io::Result<W> {
-        let mut writer = HistoryWriter::new(target)?;
+        let masses = self.impact.vehicle.map_or(0, |it| it.masses().len());
+        let mut writer = HistoryWriter::new(target, masses)?;
         let mut fault = None;
         let simulated = self.simulate(&mut |sample| {
             if fault.is_none() {

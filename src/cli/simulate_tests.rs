@@ -151,6 +151,72 @@ fn unwritable_places_are_named() {
     }
 }
 
+/// A real car hardly damages the column that the same speed of a rigid mass bends.
+#[test]
+fn a_vehicle_crushes_where_a_rigid_mass_does_not() {
+    let json = |line: &[&str]| -> serde_json::Value {
+        let (output, ended) = typed(&[line, &["--json", "--velocity", "10"]].concat());
+        assert!(ended.is_ok(), "{ended:?}");
+        serde_json::from_str(&output).unwrap()
+    };
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let rigid = json(&["--mass", "1719"]);
+    let car = json(&["--vehicle", "mid_car"]);
+    assert_eq!(
+        (&rigid["vehicle"], &car["vehicle"]),
+        (&"rigid".into(), &"mid_car".into())
+    );
+    assert!(number(&rigid["max_v1_m"]) > 10.0 * number(&car["max_v1_m"]));
+    assert_eq!(rigid["crush_max_m"], serde_json::json!([]));
+    let crush = number(&car["crush_max_m"][0]);
+    let permanent = number(&car["crush_permanent_m"][0]);
+    assert!(
+        0.3 < permanent && permanent < crush && crush < 0.7,
+        "{crush}"
+    );
+    // What the front does not absorb is left to the rebound and the column.
+    let absorbed = number(&car["vehicle_dissipated_j"][0]) / number(&car["input_energy_j"]);
+    assert!((0.8..1.0).contains(&absorbed), "{absorbed}");
+    assert!(number(&car["ledger_residual"]) < 1e-10);
+    // Without --mass the vehicle has its own, whatever the parameters give to another one.
+    let energy = 0.5 * 1719.0 * 100.0;
+    assert_eq!(number(&car["input_energy_j"]), energy);
+    let given = json(&["--vehicle", "mid_car", "-p", "impact.mass:=1500.0"]);
+    assert_eq!(number(&given["input_energy_j"]), 0.5 * 1500.0 * 100.0);
+}
+
+/// The history has columns for the springs and masses that the vehicle has, and for no others.
+#[test]
+fn the_history_shows_the_crush() {
+    let header = |line: &[&str]| {
+        let (output, ended) = typed(&[line, &["--csv", "-", "--velocity", "3"]].concat());
+        assert!(ended.is_ok(), "{ended:?}");
+        let mut table = csv::Reader::from_reader(output.as_bytes());
+        let names = table.headers().unwrap().clone();
+        let last = table.records().last().unwrap().unwrap();
+        names
+            .iter()
+            .zip(last.iter())
+            .map(|(name, value)| (name.to_owned(), value.parse::<f64>().unwrap()))
+            .collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let rigid = header(&[]);
+    assert!(!rigid.keys().any(|name| name.contains("crush")));
+    let lorry = header(&["--vehicle", "lorry_8t"]);
+    for name in [
+        "crush1_m",
+        "crush2_m",
+        "permanent_crush1_m",
+        "crush_force2_N",
+        "vehicle_velocity2_m_s",
+        "vehicle_dissipated1_J",
+    ] {
+        assert!(lorry.contains_key(name), "{name}");
+    }
+    assert!(!lorry.contains_key("crush3_m"));
+    assert!(lorry["permanent_crush1_m"] > 0.01 && lorry["vehicle_dissipated1_J"] > 1e3);
+}
+
 /// The report is one file that refers to nothing outside of itself, and whatever the parameters contain is text in it.
 #[test]
 fn the_report_is_one_file_and_escapes_every_text() {

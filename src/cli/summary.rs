@@ -6,25 +6,36 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use column_twin::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome, Report};
+use column_twin::assessment::{Assessment, Criterion, HARDENING_BAND, ImpactEvaluation, Severity};
+use column_twin::column::{
+    End, HINGE_NAMES, HINGES, HingeReport, MAX_ELASTIC_PERCUSSIONS, Outcome, Report,
+};
 use column_twin::figures::units::{Unit, significant};
 use column_twin::report::{EnergyBalance, end_in_words, outcome_in_words};
 use column_twin::shape::HINGE_PLACES;
+
+/// Width of a terminal \[characters\].
+const WIDTH: usize = 80;
 
 /// The summary of one impact. [`Display`] gives the text for a person, [`json`](Self::json) the same for programs.
 #[derive(Debug, Clone, Copy)]
 pub struct Summary<'a> {
     /// One line that describes column and impact.
     pub title: &'a str,
-    /// The outcome.
-    pub report: &'a Report,
+    /// Name of the vehicle; empty if it is given by numbers.
+    pub vehicle_name: &'a str,
+    /// The outcome, and what it means.
+    pub evaluation: &'a ImpactEvaluation,
     /// Computing time of the solver, without histories and figures.
     pub solve_time: Duration,
 }
 
 /// The summary for programs; the names are a stable interface. A value that does not exist is null.
 #[derive(Serialize)]
-struct SummaryFields {
+struct SummaryFields<'a> {
+    severity: Option<Severity>,
+    deciding_criterion: Option<&'static str>,
+    reason: Option<&'a str>,
     outcome: Outcome,
     end: End,
     end_time_s: f64,
@@ -53,6 +64,24 @@ struct SummaryFields {
     ledger_residual: f64,
     steps: u64,
     solve_time_s: f64,
+    dt_s: f64,
+    error_estimate: Option<f64>,
+    max_v1_hardening_band_m: Option<[f64; 2]>,
+    vehicle: &'a str,
+    crush_max_m: &'a [f64],
+    crush_permanent_m: &'a [f64],
+    vehicle_dissipated_j: &'a [f64],
+    vehicle_elastic_energy_j: f64,
+    vehicle_velocity_m_s: &'a [f64],
+    plateau_force_n: f64,
+    front_force_n: Option<f64>,
+    dynamic_factor_max: [f64; HINGES],
+    virgin_capacity_n: Option<f64>,
+    residual_capacity_n: Option<f64>,
+    capacity_ratio: Option<f64>,
+    carried_load_n: Option<f64>,
+    reserve: Option<f64>,
+    criteria: Option<&'a [Criterion]>,
     hinges: BTreeMap<&'static str, HingeFields>,
 }
 
@@ -70,8 +99,15 @@ impl Summary<'_> {
     /// # Errors
     /// None in practice: numbers that are not finite become null.
     pub fn json(&self) -> serde_json::Result<String> {
-        let report = self.report;
+        let evaluation = self.evaluation;
+        let report = &evaluation.report;
+        let assessment = evaluation.assessment.as_ref();
+        let remaining = evaluation.remaining.as_ref();
+        let vehicle = &report.vehicle;
         serde_json::to_string_pretty(&SummaryFields {
+            severity: assessment.map(|it| it.severity),
+            deciding_criterion: assessment.map(|it| it.deciding_criterion),
+            reason: assessment.map(|it| it.reason.as_str()),
             outcome: report.outcome,
             end: report.end,
             end_time_s: report.end_time,
@@ -100,6 +136,28 @@ impl Summary<'_> {
             ledger_residual: report.ledger_residual,
             steps: report.steps,
             solve_time_s: self.solve_time.as_secs_f64(),
+            dt_s: evaluation.step,
+            error_estimate: evaluation.error_estimate,
+            max_v1_hardening_band_m: evaluation.band.map(|it| it.max_v1),
+            vehicle: self.vehicle_name,
+            crush_max_m: &vehicle.max_crush[..vehicle.masses],
+            crush_permanent_m: &vehicle.permanent_crush[..vehicle.masses],
+            vehicle_dissipated_j: &vehicle.dissipated[..vehicle.masses],
+            vehicle_elastic_energy_j: vehicle.elastic_energy,
+            // A rigid vehicle is one mass without a spring.
+            vehicle_velocity_m_s: match vehicle.masses {
+                0 => std::slice::from_ref(&report.impactor_velocity),
+                masses => &vehicle.velocity[..masses],
+            },
+            plateau_force_n: evaluation.plateau,
+            front_force_n: evaluation.front_force,
+            dynamic_factor_max: report.max_dynamic_factor,
+            virgin_capacity_n: remaining.map(|it| it.virgin.force),
+            residual_capacity_n: remaining.map(|it| it.now.force),
+            capacity_ratio: remaining.map(|it| it.ratio),
+            carried_load_n: remaining.map(|it| it.carried_load),
+            reserve: remaining.and_then(|it| it.reserve),
+            criteria: assessment.map(|it| it.criteria.as_slice()),
             hinges: HINGE_NAMES
                 .into_iter()
                 .zip(report.hinges.iter().map(HingeFields::from))
@@ -107,20 +165,170 @@ impl Summary<'_> {
         })
     }
 
+    fn report(&self) -> &Report {
+        &self.evaluation.report
+    }
+
     fn time(&self, secs: f64) -> String {
-        Unit::time(self.report.end_time).show(secs)
+        Unit::time(self.report().end_time).show(secs)
     }
 
     fn outcome(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let report = self.report;
+        let report = self.report();
         let verdict = outcome_in_words(report.outcome);
         let end = end_in_words(report.end);
         writeln!(f, "Outcome    {verdict}")?;
         writeln!(f, "Ended      at {} ({end})", self.time(report.end_time))
     }
 
+    /// The verdict, before everything else.
+    fn verdict(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let words = match &self.evaluation.assessment {
+            Some(Assessment {
+                severity, reason, ..
+            }) => format!("{}: {reason}", severity.to_string().to_uppercase()),
+            None => "NOT ASSESSED: the capacity of the column could not be computed".to_owned(),
+        };
+        wrapped(f, "Severity", &words)
+    }
+
+    /// What the column still carries; whether it stands is never said without it.
+    fn capacity(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Some(remaining) = &self.evaluation.remaining else {
+            return Ok(());
+        };
+        let unit = Unit::force(remaining.virgin.force);
+        let bound = |is_lower: bool| if is_lower { "at least " } else { "" };
+        writeln!(
+            f,
+            "\n{:<32}{:>14}{:>14}{:>14}",
+            "Axial capacity in the plane", "virgin", "now", "ratio"
+        )?;
+        writeln!(
+            f,
+            "  {:<30}{:>14}{:>14}{:>14}",
+            "N_u  by push-down",
+            unit.show(remaining.virgin.force),
+            format!(
+                "{}{}",
+                bound(remaining.now.is_lower_bound()),
+                unit.show(remaining.now.force)
+            ),
+            format!("{:.1} %", 100.0 * remaining.ratio),
+        )?;
+        let lines = [
+            (
+                "carried load N_Ed",
+                Unit::force(remaining.carried_load).show(remaining.carried_load),
+            ),
+            (
+                "reserve N_u / N_Ed",
+                remaining
+                    .reserve
+                    .map_or("none is carried".into(), |it| significant(it, 3)),
+            ),
+            (
+                "EN 1993-1-1, strong axis",
+                format!("{} when virgin", unit.show(remaining.strong.force)),
+            ),
+            (
+                "EN 1993-1-1, weak axis",
+                remaining.weak.map_or("not known".into(), |it| {
+                    format!("{}, assumed undamaged", unit.show(it.force))
+                }),
+            ),
+            (
+                "remaining resistance",
+                remaining
+                    .resistance
+                    .map_or("not known".into(), |it| unit.show(it)),
+            ),
+        ];
+        lines
+            .iter()
+            .try_for_each(|(name, value)| writeln!(f, "  {name:<32}{value}"))
+    }
+
+    /// The vehicle: its crush and the energy that it absorbs, and the plateau of the column over its force.
+    fn vehicle(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let evaluation = self.evaluation;
+        let plateau = Unit::force(evaluation.plateau).show(evaluation.plateau);
+        let report = self.report();
+        let name = match self.vehicle_name {
+            "" => "by numbers",
+            name => name,
+        };
+        writeln!(f, "\nVehicle: {name}")?;
+        let Some(front) = evaluation.front_force else {
+            writeln!(f, "  {:<32}none: all energy goes into the column", "crush")?;
+            return writeln!(f, "  {:<32}{plateau}", "plastic plateau F0");
+        };
+        let crushed = &report.vehicle;
+        for index in 0..crushed.masses {
+            let unit = Unit::length(crushed.max_crush[index]);
+            let energy = Unit::energy(crushed.dissipated[index]);
+            writeln!(
+                f,
+                "  {:<32}{} (permanent {}), absorbs {}",
+                format!("crush of spring {}", index + 1),
+                unit.show(crushed.max_crush[index]),
+                unit.show(crushed.permanent_crush[index]),
+                energy.show(crushed.dissipated[index]),
+            )?;
+        }
+        writeln!(
+            f,
+            "  {:<32}{plateau} / {} = {}",
+            "plateau F0 / crush force",
+            Unit::force(front).show(front),
+            significant(evaluation.plateau / front, 3),
+        )
+    }
+
+    /// What the number of the largest displacement is worth.
+    fn accuracy(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let evaluation = self.evaluation;
+        let step = evaluation.step;
+        writeln!(f, "\nAccuracy of the largest v1")?;
+        writeln!(
+            f,
+            "  {:<32}{}{}",
+            "time step",
+            Unit::time(step).show(step),
+            evaluation.error_estimate.map_or(String::new(), |error| {
+                format!("; relative error about {error:.1e}")
+            })
+        )?;
+        if let Some(band) = &evaluation.band {
+            let unit = Unit::length(self.report().max_v1);
+            let one = |index: usize| match band.outcome[index] {
+                Outcome::Collapsed => "collapse".to_owned(),
+                Outcome::Severed => "a torn hinge".to_owned(),
+                Outcome::Elastic | Outcome::Plastic => unit.show(band.max_v1[index]),
+            };
+            let [without, with] = HARDENING_BAND.map(|it| 100.0 * it);
+            writeln!(
+                f,
+                "  {:<32}{} to {}",
+                format!("hardening of {without} to {with} %"),
+                one(0),
+                one(1),
+            )?;
+        }
+        let factors = self.report().max_dynamic_factor;
+        let largest = factors.into_iter().fold(1.0, f64::max);
+        if largest > 1.0 {
+            writeln!(
+                f,
+                "  {:<32}at most {largest:.3} on the strength of a hinge",
+                "dynamic increase factor"
+            )?;
+        }
+        Ok(())
+    }
+
     fn displacements(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let report = self.report;
+        let report = self.report();
         let (v1, u2) = (Unit::length(report.max_v1), Unit::length(report.max_u2));
         // Round-off of the solver is not a residual.
         let residual = |value: Option<f64>, unit: Unit| match value {
@@ -152,7 +360,7 @@ impl Summary<'_> {
     }
 
     fn contact(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let report = self.report;
+        let report = self.report();
         writeln!(f, "\nContact")?;
         let Some(first) = report.first_contact_time else {
             return writeln!(f, "  none: the impactor did not reach the column");
@@ -206,7 +414,7 @@ impl Summary<'_> {
         )?;
         let mut order: Vec<usize> = (0..HINGES).collect();
         let when = |hinge: usize| {
-            self.report.hinges[hinge]
+            self.report().hinges[hinge]
                 .first_yield
                 .unwrap_or(f64::INFINITY)
         };
@@ -217,7 +425,7 @@ impl Summary<'_> {
                 max_utilisation,
                 plastic_rotation,
                 ..
-            } = self.report.hinges[hinge];
+            } = self.report().hinges[hinge];
             writeln!(
                 f,
                 "  {:<3}{:<19}{:>14}{:>24}{:>16}",
@@ -236,7 +444,7 @@ impl Summary<'_> {
     }
 
     fn energy(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let report = self.report;
+        let report = self.report();
         let balance = EnergyBalance::from(report);
         let supplied = balance.supplied();
         let row = |f: &mut Formatter<'_>, name: &str, energy: f64| {
@@ -283,9 +491,13 @@ fn aligned(energy: f64, sum: f64) -> String {
 
 impl Display for Summary<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}\n", self.title)?;
+        self.verdict(f)?;
+        writeln!(f, "\n{}\n", self.title)?;
         self.outcome(f)?;
+        self.capacity(f)?;
         self.displacements(f)?;
+        self.accuracy(f)?;
+        self.vehicle(f)?;
         self.contact(f)?;
         self.hinges(f)?;
         self.energy(f)?;
@@ -293,9 +505,32 @@ impl Display for Summary<'_> {
             f,
             "\nSolved in {} ({} steps)",
             Unit::time(self.solve_time.as_secs_f64()).show(self.solve_time.as_secs_f64()),
-            self.report.steps,
-        )
+            self.report().steps,
+        )?;
+        if self.report().restitution_ended_early() {
+            writeln!(
+                f,
+                "Rattling   from percussion {MAX_ELASTIC_PERCUSSIONS} on the restitution was 0"
+            )?;
+        }
+        Ok(())
     }
+}
+
+/// A text behind its name, in lines that fit into a terminal.
+fn wrapped(f: &mut Formatter<'_>, name: &str, text: &str) -> fmt::Result {
+    let mut line = format!("{name:<10}");
+    let indent = line.len();
+    for word in text.split(' ') {
+        let has_words = line.len() > indent;
+        if has_words && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            writeln!(f, "{line}")?;
+            line = " ".repeat(indent);
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    writeln!(f, "{line}")
 }
 
 impl From<&HingeReport> for HingeFields {
@@ -313,15 +548,30 @@ impl From<&HingeReport> for HingeFields {
 mod tests {
     use super::*;
     use crate::cli::reference::Reference;
+    use column_twin::assessment::respond_and_rest;
+    use column_twin::parameters::Parameters;
 
-    fn text(report: &Report) -> String {
-        let title = "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base";
+    /// The evaluation of this report on the paper's column, with the state in which the program leaves it.
+    fn evaluated(report: &Report) -> ImpactEvaluation {
+        let paper = concat!(env!("CARGO_MANIFEST_DIR"), "/config/heb220_paper.yaml");
+        let parameters = Parameters::load(&[paper.into()], &[]).unwrap();
+        let (properties, impact) = (parameters.column_properties(), parameters.impact());
+        let duration = parameters.response_duration();
+        let (_, rest) = respond_and_rest(&properties, &impact, duration).unwrap();
+        ImpactEvaluation::complete(&parameters, &properties, &impact, (*report, rest)).unwrap()
+    }
+
+    fn summary<'a>(evaluation: &'a ImpactEvaluation) -> Summary<'a> {
         Summary {
-            title,
-            report,
+            title: "HEB220, 1500 kg at 10 m/s (36.00 km/h), 1 m above the base",
+            vehicle_name: "rigid",
+            evaluation,
             solve_time: Duration::from_micros(5300),
         }
-        .to_string()
+    }
+
+    fn text(report: &Report) -> String {
+        summary(&evaluated(report)).to_string()
     }
 
     #[test]
@@ -356,16 +606,43 @@ mod tests {
         report.hinges[2].first_yield = None;
         report.release_time = None;
         report.impulse = f64::NAN;
-        let summary = Summary {
-            title: "",
-            report: &report,
-            solve_time: Duration::from_millis(5),
-        };
-        let json: serde_json::Value = serde_json::from_str(&summary.json().unwrap()).unwrap();
+        report.vehicle.masses = 2;
+        report.vehicle.max_crush = [0.5, 0.1, 0.0];
+        report.vehicle.velocity = [-1.0, -2.0, 0.0];
+        report.max_dynamic_factor = [1.1, 1.2, 1.3, 1.4];
+        let evaluation = evaluated(&report);
+        let json = summary(&evaluation).json().unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["vehicle"], "rigid");
+        assert_eq!(json["crush_max_m"], serde_json::json!([0.5, 0.1]));
+        assert_eq!(
+            json["vehicle_velocity_m_s"],
+            serde_json::json!([-1.0, -2.0])
+        );
+        assert_eq!(
+            json["dynamic_factor_max"],
+            serde_json::json!([1.1, 1.2, 1.3, 1.4])
+        );
+        let number = |name: &str| json[name].as_f64().expect(name);
+        let ratio = number("residual_capacity_n") / number("virgin_capacity_n");
+        assert!((ratio - number("capacity_ratio")).abs() < 1e-12 && ratio < 0.95);
+        let reserve = number("residual_capacity_n") / number("carried_load_n");
+        assert!((reserve - number("reserve")).abs() < 1e-12 && reserve > 1.0);
+        assert_eq!(number("dt_s"), 2e-5);
+        assert!(number("error_estimate") < 1e-2);
+        let criteria = json["criteria"].as_array().unwrap();
+        let deciding = criteria
+            .iter()
+            .find(|it| it["name"] == json["deciding_criterion"])
+            .expect("the deciding criterion is listed");
+        assert_eq!(deciding["severity"], json["severity"]);
+        for name in ["name", "edition", "value", "limit", "margin", "tag"] {
+            assert!(criteria.iter().all(|it| it.get(name).is_some()), "{name}");
+        }
         assert_eq!(json["max_v1_m"], report.max_v1);
         assert_eq!(json["outcome"], "plastic");
         assert_eq!(json["end"], "at_rest");
-        assert_eq!(json["solve_time_s"], 0.005);
+        assert_eq!(json["solve_time_s"], 0.0053);
         assert!(json["release_time_s"].is_null() && json["impulse_n_s"].is_null());
         assert_eq!(json["hinges"]["3"]["first_yield_s"], 0.000_317);
         assert!(json["hinges"]["2"]["first_yield_s"].is_null());

@@ -356,6 +356,7 @@ impl ImpactReport {
     pub const END_DURATION_REACHED: u8 = 1;
     pub const END_COLLAPSED: u8 = 2;
     pub const END_SEVERED: u8 = 3;
+    pub const END_NOT_CONVERGED: u8 = 4;
     pub const SEVERITY_NONE: u8 = 0;
     pub const SEVERITY_INSPECT: u8 = 1;
     pub const SEVERITY_RESTRICT: u8 = 2;

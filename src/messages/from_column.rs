@@ -203,6 +203,7 @@ fn end_code(end: End) -> u8 {
         End::DurationReached => ImpactReport::END_DURATION_REACHED,
         End::Collapsed => ImpactReport::END_COLLAPSED,
         End::Severed => ImpactReport::END_SEVERED,
+        End::NotConverged => ImpactReport::END_NOT_CONVERGED,
     }
 }
 

@@ -152,14 +152,14 @@ impl Parameter {
             Admissible::RealOrZero { min, max, .. } | Admissible::RealOrOpen { min, max, .. } => {
                 number == 0.0 || (min..=max).contains(&number)
             }
-            Admissible::WholeNanoseconds { min, max } => {
+            Admissible::WholeNanoseconds { min, max, .. } => {
                 let nanos = number * 1e9;
                 let whole = (nanos - nanos.round()).abs() <= 1e-6; // a decimal is not exact in binary
                 if !whole && (min..=max).contains(&number) {
                     let nearest = readable(nanos.round() / 1e9);
                     return Err(Problem::NotWholeNanoseconds { nearest });
                 }
-                (min..=max).contains(&number)
+                number == 0.0 || (min..=max).contains(&number)
             }
             _ => false,
         };
@@ -252,8 +252,9 @@ impl Parameter {
             Admissible::RealOrOpen { min, max, open } => {
                 format!("{}, or 0 or NaN ({open})", range(min, max))
             }
-            Admissible::WholeNanoseconds { min, max } => {
-                format!("{}, a whole number of nanoseconds", range(min, max))
+            Admissible::WholeNanoseconds { min, max, zero } => {
+                let range = range(min, max);
+                format!("{range}, a whole number of nanoseconds, or 0 ({zero})")
             }
             Admissible::Choice(words) => either(words),
             Admissible::Text {
@@ -350,7 +351,7 @@ mod tests {
             let (min, max) = match parameter.admissible {
                 Admissible::Real { min, max }
                 | Admissible::RealOrZero { min, max, .. }
-                | Admissible::WholeNanoseconds { min, max } => (min, max),
+                | Admissible::WholeNanoseconds { min, max, .. } => (min, max),
                 Admissible::Integer { min, max } => {
                     for (number, fits) in
                         [(min, true), (max, true), (min - 1, false), (max + 1, false)]
@@ -412,7 +413,7 @@ mod tests {
 
     #[test]
     fn a_time_step_is_a_whole_number_of_nanoseconds() {
-        for dt in [1e-7, 2e-5, 1e-3, 12345e-9, 1.7e-6] {
+        for dt in [0.0, 1e-7, 2e-5, 1e-3, 12345e-9, 1.7e-6] {
             assert_eq!(check("solver.dt", dt), Ok(Value::Double(dt)));
         }
         assert_eq!(

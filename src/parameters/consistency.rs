@@ -5,9 +5,7 @@
 use super::settings::{RateLawKind, Settings, SpringSettings, SupportKind};
 use super::value::readable;
 use super::vehicles::VehicleFault;
-use crate::column::{
-    CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError,
-};
+use crate::column::{CrushCurve, CrushSpring, ElasticLaw, MAX_IMPERFECTION, Vehicle, VehicleError};
 
 /// Parameters that are not compatible.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,6 +160,7 @@ fn hinge_stiffness_has_its_law(settings: &Settings, found: &mut Vec<Inconsistenc
 }
 
 fn rate_suits_the_step(settings: &Settings, found: &mut Vec<Inconsistency>) {
+    // The longest step that the mechanics chooses is shorter than the shortest period of publishing.
     let per_step = settings.publish_rate * settings.solver.dt;
     if per_step > 1.0 + 1e-9 {
         found.push(Inconsistency {

@@ -56,11 +56,12 @@ pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use settings::{
-    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings, GeometrySettings,
-    HardeningSettings, HingeSettings, RateLawKind, RateSettings, RealTimeSettings, RecordMode,
-    RecordSettings, ResistanceSettings, ResponseSettings, SectionSettings, Settings,
-    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
-    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
+    GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
+    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
+    SectionSettings, Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
+    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -72,8 +73,8 @@ pub use vehicles::{
 };
 
 use crate::column::{
-    ColumnProperties, Impact, ImpactSpecification, RateLaw, RateProperties, Support, Vehicle,
-    YieldExponents,
+    ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
+    RateProperties, Support, Vehicle, YieldExponents,
 };
 use draft::Draft;
 use given::Assignment;
@@ -339,7 +340,7 @@ impl Parameters {
         })
     }
 
-    /// The column as the mechanics needs it.
+    /// The column as the mechanics needs it; a step of 0 ns is still to be chosen, by [`Model::new`].
     #[must_use]
     pub fn column_properties(&self) -> ColumnProperties {
         let Settings {
@@ -388,6 +389,19 @@ impl Parameters {
             ultimate_rotation: assessment.ultimate_rotation,
             scheme: solver.scheme,
             step_nanos: (solver.dt * 1e9).round() as u64,
+        }
+    }
+
+    /// Length of a step \[ns\], as given or as the mechanics chooses it for the hinges where the parameters have them; the
+    /// longest that it would choose where they do not make a column.
+    #[must_use]
+    pub fn step_nanos(&self) -> u64 {
+        let properties = self.column_properties();
+        match properties.step_nanos {
+            0 => Model::new(&properties).map_or(MAX_RECOMMENDED_STEP_NANOS, |model| {
+                model.properties.step_nanos
+            }),
+            given => given,
         }
     }
 

@@ -73,12 +73,14 @@ pub enum Admissible {
         /// Meaning of 0.
         open: &'static str,
     },
-    /// A duration in seconds that is a whole number of nanoseconds.
+    /// A duration in seconds that is a whole number of nanoseconds, or 0 with a special meaning.
     WholeNanoseconds {
-        /// Shortest \[s\].
+        /// Shortest apart from 0 \[s\].
         min: f64,
         /// Longest \[s\].
         max: f64,
+        /// Meaning of 0.
+        zero: &'static str,
     },
     /// One of these words.
     Choice(&'static [&'static str]),

@@ -733,13 +733,14 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "solver.dt",
         unit: "s",
-        default: DefaultValue::Double(2e-5),
+        default: DefaultValue::Double(0.0),
         admissible: Admissible::WholeNanoseconds {
             min: 1e-7,
             max: 1e-3,
+            zero: "chosen from the column's own period",
         },
         applies: Applies::AfterResponse,
-        meaning: "time step",
+        meaning: "time step; a chosen one is 1e-6 to 2e-5 s and keeps the error of the largest displacement below about 3.5e-4",
     },
     Parameter {
         name: "damping.ratio",

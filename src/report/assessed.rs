@@ -13,6 +13,8 @@ pub(super) struct Assessed {
     pub assessment: Assessment,
     /// `F0`: plastic plateau of the column \[N\].
     pub plateau: f64,
+    /// Largest force of the vehicle's front within its crush curve \[N\]; `None` for a rigid vehicle.
+    pub front_force: Option<f64>,
     /// Push-down curve of the virgin column.
     pub virgin: Vec<PushDownPoint>,
     /// Push-down curve of the column as it is; empty if it is virgin or carries nothing.
@@ -60,6 +62,7 @@ impl Assessed {
             remaining,
             assessment: assess(&input),
             plateau: input.plateau,
+            front_force: input.impact.and_then(|impact| impact.front_force),
             virgin,
             now,
         })

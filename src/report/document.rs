@@ -33,14 +33,6 @@ pub struct ReportDocument {
 }
 
 impl Origin {
-    fn overview(&self, impacts: &[ReportedImpact]) -> Markup {
-        match self {
-            Self::Simulation => html! {},
-            #[cfg(feature = "record")]
-            Self::Recording(recorded) => recording_section::overview(recorded, impacts),
-        }
-    }
-
     fn facts(&self) -> Markup {
         match self {
             Self::Simulation => fact(
@@ -95,7 +87,7 @@ impl ReportDocument {
                 }
                 body {
                     main {
-                        (self.origin.overview(&self.impacts))
+                        (self.overview())
                         @for section in &sections { (section) }
                         (limits())
                         (self.provenance())
@@ -105,6 +97,14 @@ impl ReportDocument {
             }
         };
         Ok(page.into_string())
+    }
+
+    fn overview(&self) -> Markup {
+        match &self.origin {
+            Origin::Simulation => html! {},
+            #[cfg(feature = "record")]
+            Origin::Recording(recorded) => recording_section::overview(recorded, &self.impacts),
+        }
     }
 
     fn provenance(&self) -> Markup {

@@ -129,6 +129,10 @@ fn what_hit_what(impact: &ReportedImpact, assessed: &Result<Assessed, String>) -
                 @if let Ok(assessed) = assessed {
                     (fact("Plastic plateau of the column", format!("F0 = {}: the force at the impact point at which its hinges \
                         form a mechanism", force(assessed.plateau))))
+                    @if let Some(front) = assessed.front_force {
+                        (fact("Plateau over crush force", format!("{}, with {} as the largest force of the vehicle's front: above 1 \
+                            the front crushes first, below 1 the column bends first", significant(assessed.plateau / front, 3), force(front))))
+                    }
                 }
                 (fact("Vehicle", vehicle_in_words(impact)))
                 @if let Some(sources) = vehicle_sources(&impact.vehicle) {

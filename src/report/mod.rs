@@ -27,6 +27,6 @@ pub use course::Struck;
 pub use document::{Origin, ReportDocument};
 pub use energy_balance::{EnergyBalance, EnergyEntry};
 #[cfg(feature = "record")]
-pub use recorded::{MAX_SECTIONS, RecordedReportError, ReportedRecording};
+pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;
 pub use words::{end_in_words, outcome_in_words, short, title};

@@ -28,8 +28,8 @@ pub const MAX_SECTIONS: usize = 30;
 pub struct ReportedRecording {
     /// The recording as the user named it.
     pub path: PathBuf,
-    /// Name, size in bytes and SHA-256 of every file; the error where one cannot be read again.
-    pub files: Vec<(String, Result<(u64, String), String>)>,
+    /// Its files.
+    pub files: Vec<RecordedFile>,
     /// Name and version of the program that wrote the recording.
     pub written_by: String,
     /// First and last time \[ns\]; `None` without messages.
@@ -44,6 +44,15 @@ pub struct ReportedRecording {
     pub events: Vec<EventSummary>,
     /// Impacts with a report that have no section of their own, because there are too many.
     pub without_section: usize,
+}
+
+/// A file of a recording.
+#[derive(Debug, Clone)]
+pub struct RecordedFile {
+    /// Its name.
+    pub name: String,
+    /// Its size in bytes and its SHA-256; the error if it cannot be read again.
+    pub fingerprint: Result<(u64, String), String>,
 }
 
 /// Why there is no report about a recording.
@@ -181,11 +190,17 @@ fn check_events(
     })
 }
 
-fn fingerprint(file: &Path) -> (String, Result<(u64, String), String>) {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+fn fingerprint(file: &Path) -> RecordedFile {
     let read =
         || -> io::Result<(u64, String)> { Ok((file.metadata()?.len(), sha256_of_file(file)?)) };
-    (name.into_owned(), read().map_err(|error| error.to_string()))
+    RecordedFile {
+        name: file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        fingerprint: read().map_err(|error| error.to_string()),
+    }
 }
 
 fn written_by(reader: &Reader) -> String {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::assessed::Assessed;
 use super::document::fact;
-use super::recorded::ReportedRecording;
+use super::recorded::{RecordedFile, ReportedRecording};
 use super::reported_impact::ReportedImpact;
 use super::verdict::Verdict;
 use super::words::short;
@@ -186,7 +186,7 @@ pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
         })))
         (fact("Complete", recorded.incomplete.as_deref().unwrap_or("yes")))
         (fact("Declared losses", recorded.lost.map_or("unknown".to_owned(), |lost| format!("{lost} messages"))))
-        @for (name, fingerprint) in &recorded.files {
+        @for RecordedFile { name, fingerprint } in &recorded.files {
             tr {
                 th scope="row" { "SHA-256 of " (name) }
                 td {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::course::{Course, Struck};
 use super::words;
 use crate::column::{
-    ColumnProperties, Impact, Model, Report, Response, Sample, SimulationError, State, StepError,
+    Impact, Model, Report, Response, Sample, SimulationError, State, StepError, error_estimate,
+    with_half_the_step,
 };
 use crate::figures::ResponseHistory;
 use crate::parameters::Parameters;
@@ -103,13 +104,10 @@ impl ReportedImpact {
     #[must_use]
     pub fn error_estimate(&self) -> Option<f64> {
         let properties = self.model.properties;
-        let halved = ColumnProperties {
-            step_nanos: (properties.step_nanos / 2).max(1),
-            ..properties
-        };
+        let halved = with_half_the_step(&properties)?;
         let finer = self.struck?.with_properties(&halved)?.report().ok()?;
-        let scale = finer.max_v1.abs().max(f64::MIN_POSITIVE);
-        Some((self.report.max_v1 - finer.max_v1).abs() / scale)
+        let error = error_estimate(self.report.max_v1, finer.max_v1);
+        error.is_finite().then_some(error)
     }
 
     /// The history for the figures.

@@ -23,6 +23,7 @@ pub fn end_in_words(end: End) -> &'static str {
         End::DurationReached => "stopped at response.duration, not at rest",
         End::Collapsed => "collapsed",
         End::Severed => "severed",
+        End::NotConverged => "stopped where the equations did not converge",
     }
 }
 

@@ -272,11 +272,13 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
             // A step of 0 would rule out all values between the ends.
             step: 1,
         }),
-        Admissible::Real { min, max } | Admissible::WholeNanoseconds { min, max } => {
-            it.floating_point_range.push(reals(min, max));
-        }
+        Admissible::Real { min, max } => it.floating_point_range.push(reals(min, max)),
         // A range has no gap; the additional constraint describes the rest.
-        Admissible::RealOrZero { max, .. } | Admissible::RealOrOpen { max, .. } => it.floating_point_range.push(reals(0.0, max)),
+        Admissible::RealOrZero { max, .. }
+        | Admissible::RealOrOpen { max, .. }
+        | Admissible::WholeNanoseconds { max, .. } => {
+            it.floating_point_range.push(reals(0.0, max));
+        }
         Admissible::Switch
         | Admissible::Choice(_)
         | Admissible::Text { .. }

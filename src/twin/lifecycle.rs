@@ -640,20 +640,19 @@ impl Twin {
         );
     }
 
+    /// Ends a response whose next step cannot be computed. One impact does not take the twin out of service: it goes on with
+    /// the damage that the column had by then.
     fn fail(&mut self, error: &StepError, now: Nanos, out: &mut impl Outputs) {
-        self.run_ahead(u64::MAX, now, out);
-        let Some(mut response) = self.response.take() else {
-            return;
-        };
-        let text = format!(
-            "the response to impact \"{}\" cannot be computed: {error}",
-            response.event_id
-        );
-        let condition = Condition::Faulted(text.as_str().into());
-        response.put_state(Some(condition.final_phase()), out);
-        out.notice(Severity::Error, now, text);
-        let settled = response.timeline.plant().settled(None, condition);
-        self.settle(response, settled, now, |twin| twin.assessed = None, out);
+        if let Some(response) = &self.response {
+            let text = format!(
+                "the response to impact \"{}\" cannot be computed beyond {} s after it: {error}; the column keeps the damage \
+                 that it had by then, which may be less than the impact has caused",
+                response.event_id,
+                response.timeline.plant().report(End::NotConverged).end_time,
+            );
+            out.notice(Severity::Error, now, text);
+        }
+        self.end(End::NotConverged, now, out);
     }
 
     /// Back to rest after a response; what has waited for its end follows. `assess` gives the column its assessment.
@@ -687,5 +686,65 @@ impl Twin {
                 self.save(now, out); // it was refused: fewer impacts than were saved
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::ImpactSpecification;
+
+    const NOW: Nanos = 1_800_000_000_000_000_000;
+
+    fn hit(twin: &mut Twin, id: &str, now: Nanos, out: &mut Vec<Output>) -> bool {
+        let command = Command::Impact(ImpactCommand {
+            event_id: id.to_owned(),
+            column_id: twin.column_id().to_string(),
+            stamp: now,
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity: 10.0,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            vehicle: Default::default(),
+        });
+        twin.handle(command, now, out).is_ok()
+    }
+
+    /// A step that did not converge once made the twin refuse everything until it was reset. No impact is known that does
+    /// this any more, so the error is given here.
+    #[test]
+    fn a_step_that_does_not_converge_leaves_the_twin_in_service() {
+        let parameters = Parameters::from_values([("solver.dt", 1e-4.into())]).expect("admissible");
+        let mut twin = Twin::new(parameters, None, Box::new(|| 0), NOW).expect("a column");
+        let mut out = Vec::new();
+        assert!(hit(&mut twin, "first", NOW, &mut out));
+        let now = NOW + 10_000_000;
+        twin.advance_to(now, &mut out);
+        let error = StepError::NotConverged {
+            step: 100,
+            part_secs: 1e-9,
+        };
+        twin.fail(&error, now, &mut out);
+        assert!(!twin.is_responding());
+        let status = twin.status(now);
+        assert_eq!(status.phase, TwinPhase::Idle);
+        assert!(status.fault.is_empty());
+        assert!(twin.at_rest.is_damaged());
+        let reports: Vec<_> = out
+            .iter()
+            .filter_map(|output| match output {
+                Output::Report(report) => Some(report.report),
+                _ => None,
+            })
+            .collect();
+        assert!(matches!(reports[..], [report] if report.end == End::NotConverged));
+        assert!(out.iter().any(|output| matches!(
+            output,
+            Output::Notice(notice) if notice.severity == Severity::Error
+        )));
+        assert!(hit(&mut twin, "second", now, &mut out));
     }
 }

@@ -205,7 +205,7 @@ impl Ranges {
             ..*impact
         };
         let column = parameters.column_properties();
-        let longest = MAX_PREDICTED_STEPS * 1e-9 * column.step_nanos as f64;
+        let longest = MAX_PREDICTED_STEPS * 1e-9 * parameters.step_nanos() as f64;
         let duration = parameters.response_duration().min(longest);
         // If the impact cannot be simulated, the axes follow the states that arrive.
         let _ = simulate(&column, &impact, duration, &mut |sample| {

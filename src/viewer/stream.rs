@@ -146,7 +146,7 @@ impl ViewerStream {
         parameters: Arc<Parameters>,
         options: StreamOptions,
     ) -> RecordingStreamResult<Self> {
-        let timeline = Timeline::new(parameters.column_properties().step_nanos);
+        let timeline = Timeline::new(parameters.step_nanos());
         let shown = Self {
             drawing: Drawing::new(&parameters),
             ranges: options.ranges,
@@ -333,7 +333,7 @@ impl ViewerStream {
         if self.drawn {
             return Ok(());
         }
-        let before = Timeline::before(self.parameters.column_properties().step_nanos, stamp);
+        let before = Timeline::before(self.parameters.step_nanos(), stamp);
         self.tell(before, Told::Nothing)?;
         let scene = self.drawing.scene(&self.drawing.at_rest, None);
         self.frames(&[(before, scene)])
@@ -371,8 +371,7 @@ impl ViewerStream {
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
         self.drawing = Drawing::new(&parameters);
-        self.timeline
-            .change_step(parameters.column_properties().step_nanos);
+        self.timeline.change_step(parameters.step_nanos());
         self.parameters = parameters;
         self.predicted = None;
         self.shown_top = ShownTop::default();

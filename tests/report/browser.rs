@@ -36,6 +36,10 @@ fn a_real_browser_shows_and_prints_every_report() {
             format!("--config {real} --mass 20000 --velocity 20"),
         ),
         (
+            "lorry",
+            format!("--config {real} --vehicle lorry_8t --velocity 6"),
+        ),
+        (
             "hostile",
             format!("--config {real} -p column_id:=<b>{}</b>", "x".repeat(200)),
         ),

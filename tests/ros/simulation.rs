@@ -32,7 +32,7 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
         &mut |sample: &Sample| steps.push(*sample),
     )
     .expect("a possible impact");
-    let period = 1e9 / parameters.settings().publish_rate / properties.step_nanos as f64;
+    let period = 1e9 / parameters.settings().publish_rate / parameters.step_nanos() as f64;
     let last = steps.len() - 1;
     let mut percussion = 0.0;
     let mut expected = Vec::new();
@@ -47,7 +47,7 @@ pub fn stream(parameters: &Parameters, mass: f64, velocity: f64) -> (Vec<Expecte
             state.phase = ColumnState::REST;
         }
         expected.push(Expected {
-            since: i64::try_from(step as u64 * properties.step_nanos).expect("seconds"),
+            since: i64::try_from(step as u64 * parameters.step_nanos()).expect("seconds"),
             state,
             forces: HingeForces::from(sample),
         });

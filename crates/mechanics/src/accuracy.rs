@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::model::{Model, ModelError, NANOS_PER_SECOND};
 use super::properties::ColumnProperties;
+
+/// Nanoseconds in a second.
+pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
 
 /// Longest step that is recommended \[ns\]: the axial vibration needs it where the transverse one is slow.
 pub const MAX_RECOMMENDED_STEP_NANOS: u64 = 20_000;
@@ -23,33 +25,20 @@ const STEP_GRAIN_NANOS: u64 = 100;
 /// first yield and contact events leave. The estimate assumes the first order, the larger factor.
 pub const ERROR_PER_DIFFERENCE: f64 = 2.0;
 
-impl Model {
-    /// The step that keeps the error of the largest `v1` below about 3.5e-4 \[ns\]: a fraction of the period in which the
-    /// mass at the impact point vibrates across the column, within fixed bounds. Does not depend on the model's own step.
-    pub fn recommended_step_nanos(&self) -> u64 {
-        let period = TAU * (self.impact_point_mass / self.transverse_stiffness).sqrt();
-        let nanos = period / STEPS_PER_PERIOD * NANOS_PER_SECOND;
-        // `as` saturates, and a period that is not a number is 0.
-        let grains = (nanos as u64) / STEP_GRAIN_NANOS;
-        grains
-            .saturating_mul(STEP_GRAIN_NANOS)
-            .clamp(MIN_RECOMMENDED_STEP_NANOS, MAX_RECOMMENDED_STEP_NANOS)
-    }
+/// The step that keeps the error of the largest `v1` below about 3.5e-4 \[ns\]: a fraction of the period in which the mass at
+/// the impact point \[kg\] vibrates against the transverse stiffness of the virgin column \[N/m\], within fixed bounds.
+pub(crate) fn recommended_step_nanos(impact_point_mass: f64, transverse_stiffness: f64) -> u64 {
+    let period = TAU * (impact_point_mass / transverse_stiffness).sqrt();
+    let nanos = period / STEPS_PER_PERIOD * NANOS_PER_SECOND;
+    // `as` saturates, and what is not a number becomes 0.
+    let grains = (nanos as u64) / STEP_GRAIN_NANOS;
+    grains
+        .saturating_mul(STEP_GRAIN_NANOS)
+        .clamp(MIN_RECOMMENDED_STEP_NANOS, MAX_RECOMMENDED_STEP_NANOS)
 }
 
-/// [`Model::recommended_step_nanos`] of a column whose properties have any step \[ns\].
-///
-/// # Errors
-/// The properties do not make a column.
-pub fn recommended_step_nanos(properties: &ColumnProperties) -> Result<u64, ModelError> {
-    let any_step = ColumnProperties {
-        step_nanos: MAX_RECOMMENDED_STEP_NANOS,
-        ..*properties
-    };
-    Model::new(&any_step).map(|model| model.recommended_step_nanos())
-}
-
-/// The properties with half the step, for the run that [`error_estimate`] compares with; `None` where the step is 1 ns.
+/// The properties with half the step, for the run that [`error_estimate`] compares with; `None` where the step is 1 ns or
+/// still to be chosen. Takes those of a [`Model`](super::Model), whose step is chosen.
 pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnProperties> {
     (properties.step_nanos > 1).then_some(ColumnProperties {
         step_nanos: properties.step_nanos / 2,

@@ -49,8 +49,8 @@ mod vehicle;
 mod yield_surface;
 
 pub use accuracy::{
-    ERROR_PER_DIFFERENCE, MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD, error_estimate,
-    recommended_step_nanos, with_half_the_step,
+    ERROR_PER_DIFFERENCE, MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD,
+    error_estimate, with_half_the_step,
 };
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{

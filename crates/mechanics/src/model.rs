@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::accuracy::{self, NANOS_PER_SECOND};
 use super::bar::{Bar, PerBar};
 use super::frame::Frame;
 use super::geometry::Displacement;
@@ -10,9 +11,6 @@ use super::properties::{ColumnProperties, ElasticLaw, RateLaw, Scheme, Support};
 use super::rate::StrengthLaw;
 use super::sample::HINGE_NAMES;
 use super::yield_surface::YieldSurface;
-
-/// Nanoseconds in a second.
-pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
 
 /// Longest step \[ns\]: more than this is longer than the impacts for which this model is made.
 const MAX_STEP_NANOS: u64 = 10_000_000;
@@ -24,7 +22,7 @@ const MAX_HARDENING_RATIO: f64 = 0.1;
 /// A column that can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// The properties from which it was derived.
+    /// The properties from which it was derived, with the length of a step that was chosen.
     pub properties: ColumnProperties,
     /// The two bars with their hinges, and the spring at the top.
     pub frame: Frame,
@@ -34,8 +32,6 @@ pub struct Model {
     pub rest: RestState,
     /// Period of the slowest elastic mode about it \[s\].
     pub slowest_period: f64,
-    /// Stiffness of the virgin column against `v1` about it, `beta1` free \[N/m\].
-    pub(crate) transverse_stiffness: f64,
     /// `None` for a column without damping.
     pub(crate) damping: Option<Damping>,
     /// `None` where the resistances of the hinges are constant.
@@ -106,7 +102,7 @@ impl Model {
     /// A number out of its range, a contradiction, or a column that its load alone squashes or buckles.
     pub fn new(properties: &ColumnProperties) -> Result<Self, ModelError> {
         check(properties)?;
-        let p = *properties;
+        let mut p = *properties;
         let surface = YieldSurface::new(p.resistance_moment, p.resistance_axial, p.yield_surface);
         let [stiffness_1a, stiffness_1b, stiffness_2, stiffness_3] = p.hinge_stiffness;
         let bar = |length: f64, support, given| {
@@ -126,6 +122,9 @@ impl Model {
         let stiffness = modes::transverse_stiffness(&frame, &at_rest);
         let slowest_period = modes::slowest_period(&frame, &masses, &at_rest, &PerBar::default())
             .ok_or(ModelError::Buckled { stiffness })?;
+        if p.step_nanos == 0 {
+            p.step_nanos = accuracy::recommended_step_nanos(impact_point_mass, stiffness);
+        }
         let step_secs = p.step_nanos as f64 / NANOS_PER_SECOND;
         Ok(Self {
             properties: p,
@@ -133,7 +132,6 @@ impl Model {
             impact_point_mass,
             rest,
             slowest_period,
-            transverse_stiffness: stiffness,
             damping: (p.damping_ratio > 0.0)
                 .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
             strength: StrengthLaw::new(&p, step_secs),
@@ -291,11 +289,11 @@ fn check(p: &ColumnProperties) -> Result<(), ModelError> {
     }
     check_supports(p)?;
     check_strength(p)?;
-    if p.step_nanos == 0 || p.step_nanos > MAX_STEP_NANOS {
+    if p.step_nanos > MAX_STEP_NANOS {
         return Err(ModelError::OutOfRange {
             name: "length of a time step [ns]",
             found: p.step_nanos as f64,
-            expected: "a whole number from 1 to 10 000 000",
+            expected: "a whole number from 1 to 10 000 000, or 0 (chosen from the period of the column)",
         });
     }
     Ok(())

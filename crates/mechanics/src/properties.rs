@@ -51,7 +51,7 @@ pub struct ColumnProperties {
     pub ultimate_rotation: f64,
     /// Time-stepping scheme.
     pub scheme: Scheme,
-    /// Length of a time step \[ns\].
+    /// Length of a time step \[ns\]; with 0 the model chooses it from the column's own period.
     pub step_nanos: u64,
 }
 

@@ -32,6 +32,8 @@ pub enum End {
     Collapsed,
     /// A hinge has been severed.
     Severed,
+    /// The next step did not converge, however small its parts; the report tells what happened until then.
+    NotConverged,
 }
 
 /// The outcome of one impact. Times count from the event \[s\]; an event that did not happen is `None`.

@@ -335,8 +335,10 @@ impl Response {
             outcome: match end {
                 End::Collapsed => Outcome::Collapsed,
                 End::Severed => Outcome::Severed,
-                End::AtRest | End::DurationReached if yielded => Outcome::Plastic,
-                End::AtRest | End::DurationReached => Outcome::Elastic,
+                End::AtRest | End::DurationReached | End::NotConverged if yielded => {
+                    Outcome::Plastic
+                }
+                End::AtRest | End::DurationReached | End::NotConverged => Outcome::Elastic,
             },
             end,
             end_time,
