@@ -3,7 +3,8 @@
 #
 #   docs/pictures.sh [FOLDER]     default: docs/images
 #
-# viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments.
+# viewer_before.png, viewer_first_yield.png, viewer_peak.png and viewer_rest.png show the paper's column at four moments,
+# viewer_car.png a column that a real car hits, at the peak.
 # report.png shows the first page of the report about the default impact of config/heb220_s355.yaml.
 # The script needs Rust, Python, Chromium with the DejaVu fonts, access to PyPI (tests/interop/viewer.sh installs the viewer) and a Vulkan driver; without a
 # graphics card, Debian's mesa-vulkan-drivers is sufficient.
@@ -19,9 +20,14 @@ trap 'rm -rf "$work"' EXIT
 viewer=$(tests/interop/viewer.sh)
 venv=${viewer%/lib/*}
 home=$venv/home
-cargo run --quiet --release --example viewer_moments -- config/heb220_paper.yaml "$work"
+cargo build --quiet --release --example viewer_moments
+moments=${CARGO_TARGET_DIR:-target}/release/examples/viewer_moments
+"$moments" config/heb220_paper.yaml "$work"
+mkdir "$work/car"
+"$moments" config/heb220_s355.yaml "$work/car"
+mv "$work/car/peak.rrd" "$work/car.rrd"
 
-for moment in before first_yield peak rest; do
+for moment in before first_yield peak rest car; do
   # The viewer needs a free port, although no program connects to it.
   port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
   HOME=$home XDG_CONFIG_HOME=$home XDG_RUNTIME_DIR=$work RUST_LOG=error \

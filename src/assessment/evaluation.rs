@@ -104,7 +104,7 @@ pub fn respond_and_rest(
     }
 }
 
-/// The error of the largest `v1`, estimated from a run with half the step.
+/// The error of the largest `v1`, estimated from a run with half the step; `None` if that has another outcome.
 fn error_estimate(
     properties: &ColumnProperties,
     impact: &Impact,
@@ -113,7 +113,8 @@ fn error_estimate(
 ) -> Option<f64> {
     let halved = with_half_the_step(properties)?;
     let finer = respond(&halved, impact, duration).ok()?;
-    Some(column::error_estimate(report.max_v1, finer.max_v1))
+    let error = column::error_estimate(report.max_v1, finer.max_v1);
+    (finer.outcome == report.outcome && error.is_finite()).then_some(error)
 }
 
 fn band(

@@ -11,6 +11,7 @@ mod tap;
 
 use serde::Serialize;
 
+use crate::column::MAX_MASSES;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
@@ -243,6 +244,7 @@ impl Outgoing {
             phase,
             sample,
             lengths,
+            vehicle,
         } = output;
         let header = self.header(*stamp);
         let mut state = ColumnState::from(sample);
@@ -266,7 +268,12 @@ impl Outgoing {
         }
         if self.markers.passes(*stamp, running) {
             let lengths = lengths.unwrap_or(self.lengths);
-            let body = VehicleBody::of_sample(&sample.vehicle);
+            let (name, mass) = match vehicle {
+                Some(it) => (&*it.name, it.mass),
+                None => ("", 0.0),
+            };
+            let slack = &[0.0; MAX_MASSES][..sample.vehicle.masses.min(MAX_MASSES)];
+            let body = VehicleBody::named(name, mass, slack);
             put(Message::Markers(markers(&header, lengths, &body, sample)));
         }
     }

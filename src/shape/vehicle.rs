@@ -9,6 +9,7 @@
 //! the mechanics.
 
 use crate::column::{MAX_MASSES, VehicleSample};
+use crate::parameters::{CatalogueVehicle, VehiclePart};
 
 /// What a vehicle looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +35,16 @@ pub struct BodyPart {
     pub extent: [f64; 2],
     /// Bottom and top \[m\].
     pub heights: [f64; 2],
+}
+
+impl From<&VehiclePart> for BodyPart {
+    fn from(part: &VehiclePart) -> Self {
+        Self {
+            name: part.name.clone(),
+            extent: [part.from_m, part.to_m],
+            heights: [part.bottom_m, part.top_m],
+        }
+    }
 }
 
 /// The body of a vehicle.
@@ -167,14 +178,29 @@ impl VehicleBody {
         Self::new(style, size, parts, slack)
     }
 
-    /// A body for a vehicle of which only a sample is known.
+    /// The body of the vehicle of this name in the catalogue; for other names an assumed one of this total mass \[kg\].
+    ///
+    /// `slack` \[m\] has one entry for each of its springs, front first; it is empty for a rigid mass.
     #[must_use]
-    pub fn of_sample(sample: &VehicleSample) -> Self {
-        let masses = sample.masses.min(MAX_MASSES);
-        if masses == 0 {
+    pub fn named(name: &str, total: f64, slack: &[f64]) -> Self {
+        if slack.is_empty() {
             return Self::rigid_mass();
         }
-        Self::assumed(0.0, &[0.0; MAX_MASSES][..masses])
+        let known = CatalogueVehicle::named(name).filter(|it| it.parts.len() == slack.len());
+        let Some(vehicle) = known else {
+            return Self::assumed(total, slack);
+        };
+        let size = &vehicle.size.value;
+        let parts: Vec<_> = vehicle.parts.iter().map(BodyPart::from).collect();
+        let style = match parts[0].name.as_str() {
+            _ if parts.len() > 1 => BodyStyle::Lorry,
+            "van" => BodyStyle::Van,
+            "lorry" | "tractor" => BodyStyle::Lorry,
+            "forklift" => BodyStyle::Forklift,
+            _ => BodyStyle::Car,
+        };
+        let size = [size.length_m, size.width_m, size.height_m];
+        Self::new(style, size, parts, slack)
     }
 
     /// A body of this style, this overall length, width and height \[m\] and these parts, one for each of its masses; `slack`
@@ -588,40 +614,45 @@ pub fn hull_triangles() -> Vec<[u32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::vehicle_catalogue;
 
     /// Bodies of every style, with one to three masses.
     fn bodies() -> Vec<VehicleBody> {
-        let part = |name: &str, extent, heights| BodyPart {
-            name: name.to_owned(),
-            extent,
-            heights,
-        };
-        let forklift = vec![part("forklift", [0.0, 3.3], [0.15, 2.3])];
-        let articulated = vec![
-            part("tractor", [0.0, 6.0], [0.5, 3.5]),
-            part("semi-trailer", [2.9, 16.5], [1.2, 4.0]),
-        ];
-        let lorry = vec![
-            part("lorry", [0.0, 7.5], [0.4, 3.0]),
-            part("load", [2.6, 7.2], [1.2, 2.6]),
-        ];
-        let mut bodies = vec![
-            VehicleBody::rigid_mass(),
-            VehicleBody::new(BodyStyle::Forklift, [3.3, 1.4, 2.3], forklift, &[0.0]),
-            VehicleBody::new(
-                BodyStyle::Lorry,
-                [16.5, 2.55, 4.0],
-                articulated,
-                &[0.0, 0.0],
-            ),
-            VehicleBody::new(BodyStyle::Lorry, [7.5, 2.4, 3.0], lorry, &[0.0, 0.0]),
-        ];
+        let mut bodies = vec![VehicleBody::rigid_mass()];
+        for it in vehicle_catalogue() {
+            let slack = vec![0.0; it.parts.len()];
+            bodies.push(VehicleBody::named(&it.name, 0.0, &slack));
+        }
         for total in [0.0, 1_500.0, 3_500.0, 8_000.0, 36_000.0] {
             for slack in [&[0.0][..], &[0.0, 0.3], &[0.0, 0.0, 0.4]] {
                 bodies.push(VehicleBody::assumed(total, slack));
             }
         }
         bodies
+    }
+
+    /// Every vehicle of the catalogue has its own size and masses, and a nose that its front can crush.
+    #[test]
+    fn bodies_of_the_catalogue_have_their_real_size() {
+        for it in vehicle_catalogue() {
+            let slack = vec![0.0; it.parts.len()];
+            let body = VehicleBody::named(&it.name, 0.0, &slack);
+            let vehicle = body.crushed(&VehicleSample::default());
+            let ends = vehicle.rear_parts().map(|[_, to]| to);
+            let end = ends.fold(vehicle.of_hull(body.hull_length()), f64::max);
+            assert!((end - it.size.value.length_m).abs() < 1e-9, "{}", it.name);
+            assert_eq!(body.masses(), it.masses.value.kg.len(), "{}", it.name);
+            assert!(body.nose > 0.4, "{}: {}", it.name, body.nose);
+        }
+        let car = VehicleBody::named("mid_car", 1719.0, &[0.0]);
+        assert_eq!((car.style, car.size), (BodyStyle::Car, [4.9, 1.84, 1.45]));
+        // The number of masses tells that this is another vehicle.
+        let other = VehicleBody::named("mid_car", 9_000.0, &[0.0, 0.0]);
+        assert_eq!(other, VehicleBody::assumed(9_000.0, &[0.0, 0.0]));
+        assert_eq!(
+            VehicleBody::named("mid_car", 1.0, &[]),
+            VehicleBody::rigid_mass()
+        );
     }
 
     fn crushed(crush: [f64; MAX_MASSES]) -> VehicleSample {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assessed::Assessed;
-use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput};
+use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
 use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
@@ -87,6 +87,10 @@ impl ActiveResponse {
             phase: phase.unwrap_or(sample.phase.into()),
             sample,
             lengths: Some(lengths),
+            vehicle: Some(StrikingVehicle {
+                name: Arc::clone(&self.striking.vehicle),
+                mass: self.striking.impact.mass,
+            }),
         }));
     }
 }

@@ -67,6 +67,7 @@ pub use journal::{
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
     Lengths, Notice, Output, Outputs, ParametersChanged, ReportOutput, Severity, StateOutput,
+    StrikingVehicle,
 };
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};

@@ -52,6 +52,17 @@ pub struct StateOutput {
     /// Undeformed lengths of the bars: an impact at another height than the parameters' has moved hinges 1a and 1b.
     /// `None` where only messages are known, which do not contain them: as the parameters have them.
     pub lengths: Option<Lengths>,
+    /// The vehicle, for pictures. `None` where only messages are known.
+    pub vehicle: Option<StrikingVehicle>,
+}
+
+/// Name and mass of the vehicle that hits the column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StrikingVehicle {
+    /// Its name in the catalogue; empty: the one that the parameters give by numbers.
+    pub name: Arc<str>,
+    /// Its total mass \[kg\].
+    pub mass: f64,
 }
 
 /// Undeformed lengths of the two bars \[m\].

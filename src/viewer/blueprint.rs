@@ -255,7 +255,7 @@ impl Blueprint {
         self.view(FORCE_CRUSH, "2D", title, "/force_crush", &contents)?;
         let [crush, force] = force_crush::extent(drawing.springs.as_ref());
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {
-            x_range: [-0.22 * crush, 1.15 * crush].into(),
+            x_range: [-0.3 * crush, 1.15 * crush].into(),
             y_range: [-1.15 * force, 0.2 * force].into(),
         }));
         self.property(FORCE_CRUSH, "VisualBounds2D", &bounds)?;

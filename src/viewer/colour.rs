@@ -67,9 +67,9 @@ pub const HINGE: [Rgb; HINGES] = [
 /// Entries of the energy ledger, from the bottom of the stack.
 pub const ENERGIES: [Rgb; 6] = [
     [214, 84, 190],
-    [235, 70, 50],
-    [150, 150, 150],
     [250, 140, 40],
+    [150, 150, 150],
+    [235, 70, 50],
     [90, 200, 120],
     [90, 150, 240],
 ];

@@ -128,6 +128,7 @@ fn end(report: &ImpactReport) -> String {
     let residual = 1e3 * report.residual_v1;
     match (report.outcome, report.end) {
         (ImpactReport::COLLAPSED, _) => "collapse".to_owned(),
+        (ImpactReport::SEVERED, _) => "severed: a hinge is torn".to_owned(),
         (_, ImpactReport::END_DURATION_REACHED) => {
             format!("stopped at response.duration; residual v1 = {residual:.1} mm")
         }
@@ -141,6 +142,7 @@ pub fn summary(report: &ImpactReport) -> String {
     let outcome = match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
+        ImpactReport::SEVERED => "SEVERED",
         _ => "COLLAPSED",
     };
     format!(

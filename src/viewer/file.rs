@@ -78,6 +78,7 @@ pub fn from_samples(
             phase: TwinPhase::from(sample.phase),
             sample,
             lengths: None,
+            vehicle: None,
         })
     }));
     if let (Some(ViewerItem::State(last)), Outcome::Elastic | Outcome::Plastic) =

@@ -125,6 +125,7 @@ impl ViewerItem {
             phase: twin_phase(state.phase),
             sample: sample(state, forces),
             lengths,
+            vehicle: None,
         })
     }
 }

@@ -40,6 +40,7 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
     match report.outcome {
         ImpactReport::ELASTIC => "elastic, no hinge yields",
         ImpactReport::PLASTIC => "plastic, the column does not collapse in the model",
+        ImpactReport::SEVERED => "SEVERED, a hinge is torn",
         _ => "COLLAPSED",
     }
 }
@@ -48,10 +49,31 @@ pub fn outcome(report: &ImpactReport) -> &'static str {
 fn verdict(kind: &str, announced: &Announcement) -> String {
     let report = &*announced.report;
     let mut text = format!("## {kind}: {}\n\n", outcome(report));
+    text.push_str(&severity(report));
     text.push_str(&format!("Impact {}. ", escaped(&announced.event_id)));
     text.push_str(&hinges(report));
     text.push_str("\n\n");
     text.push_str(&table(["Quantity", "Value"], &rows(report)));
+    text
+}
+
+/// What has to be done, and which criterion decides.
+fn severity(report: &ImpactReport) -> String {
+    let action = match report.severity {
+        ImpactReport::SEVERITY_NONE => "none, no criterion is near its limit",
+        ImpactReport::SEVERITY_INSPECT => "inspect, an engineer has to examine the column",
+        ImpactReport::SEVERITY_RESTRICT => "RESTRICT use and load until the column is examined",
+        ImpactReport::SEVERITY_PROP => "PROP the column now",
+        ImpactReport::SEVERITY_EVACUATE => "EVACUATE",
+        _ => "not assessed, only an inspection can tell",
+    };
+    let mut text = format!("**Severity: {action}.**");
+    for detail in [&report.deciding_criterion, &report.severity_reason] {
+        if !detail.is_empty() {
+            text.push_str(&format!(" {}.", escaped(detail.trim_end_matches('.'))));
+        }
+    }
+    text.push_str("\n\n");
     text
 }
 
@@ -88,6 +110,28 @@ fn rows(report: &ImpactReport) -> Vec<[String; 2]> {
     add(peak, "Peak contact force", force(peak));
     let work = format!("{:.1} kJ", 1e-3 * report.plastic_work);
     add(report.plastic_work, "Plastic work in the hinges", work);
+    let crush = report.max_crush.iter().zip(&*report.permanent_crush);
+    for (index, (largest, permanent)) in crush.enumerate() {
+        let crush = format!(
+            "{:.0} mm, permanent {:.0} mm",
+            1e3 * largest,
+            1e3 * permanent
+        );
+        add(*largest, &format!("Crush of spring {}", index + 1), crush);
+    }
+    let dissipated: f64 = report.vehicle_dissipated.iter().sum();
+    if dissipated > 0.0 {
+        let work = format!("{:.1} kJ", 1e-3 * dissipated);
+        add(dissipated, "Energy absorbed by the vehicle", work);
+    }
+    let capacity = format!(
+        "{}, undamaged {}",
+        force(report.residual_capacity),
+        force(report.virgin_capacity)
+    );
+    add(report.residual_capacity, "Remaining capacity", capacity);
+    let reserve = format!("{:.2} times the load", report.reserve);
+    add(report.reserve, "Reserve", reserve);
     rows
 }
 
@@ -177,6 +221,7 @@ fn escaped(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::column::{Impact, simulate};
+    use crate::messages::column_twin::PerMass;
     use crate::parameters::Parameters;
     use crate::shape::VehicleBody;
     use crate::viewer::Announcement;
@@ -220,6 +265,39 @@ mod tests {
         announced.report.first_yield_time = [f64::NAN; HINGES];
         let text = panel(&drawing, Told::Result(&announced));
         assert!(text.contains("All hinges stay elastic."), "{text}");
+    }
+
+    /// Severity and what decides it, crush and energy of the vehicle, remaining capacity and reserve are in words.
+    #[test]
+    fn severity_vehicle_and_capacity_are_in_words() {
+        let drawing = Drawing::new(&Parameters::default());
+        let mut announced = announced();
+        let text = |announced: &Announcement| panel(&drawing, Told::Result(announced));
+        let unknown = text(&announced);
+        assert!(unknown.contains("**Severity: not assessed,"), "{unknown}");
+        assert!(!unknown.contains("capacity") && !unknown.contains("Crush of"));
+        let report = &mut announced.report;
+        report.outcome = ImpactReport::SEVERED;
+        report.severity = ImpactReport::SEVERITY_EVACUATE;
+        report.deciding_criterion = "hinge rotation.".to_owned();
+        report.max_crush = PerMass::first(&[0.62, 0.09, 0.0], 2);
+        report.permanent_crush = PerMass::first(&[0.55, 0.01, 0.0], 2);
+        report.vehicle_dissipated = PerMass::first(&[150e3, 2e3, 0.0], 2);
+        report.virgin_capacity = 2.7e6;
+        report.residual_capacity = 1.1e6;
+        report.reserve = 2.2;
+        let text = text(&announced);
+        assert_eq!(heading(&text), "## Result: SEVERED, a hinge is torn");
+        for part in [
+            "**Severity: EVACUATE.** hinge rotation.",
+            "| Crush of spring 1 | 620 mm, permanent 550 mm |",
+            "| Crush of spring 2 | 90 mm, permanent 10 mm |",
+            "| Energy absorbed by the vehicle | 152.0 kJ |",
+            "| Remaining capacity | 1100 kN, undamaged 2700 kN |",
+            "| Reserve | 2.20 times the load |",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
     }
 
     #[test]

@@ -56,6 +56,9 @@ pub const PERCUSSIONS: &str = "plots/contact_force/percussions";
 /// Index of the plot of the contact force.
 pub const CONTACT_FORCE: usize = 4;
 
+/// Index of the plot of the crush.
+const CRUSH: usize = 6;
+
 /// The paper's Figures 5 to 8, the contact force and the energy ledger.
 pub const ALL: [Plot; PLOTS] = [
     Plot {
@@ -125,9 +128,9 @@ pub const ALL: [Plot; PLOTS] = [
         per_si: 1e-3,
         curves: &[
             ("percussions", colour::ENERGIES[0]),
-            ("+ plastic", colour::ENERGIES[1]),
+            ("+ vehicle's crush", colour::ENERGIES[1]),
             ("+ damping", colour::ENERGIES[2]),
-            ("+ vehicle's crush", colour::ENERGIES[3]),
+            ("+ plastic", colour::ENERGIES[3]),
             ("+ elastic - load", colour::ENERGIES[4]),
             ("+ kinetic = level", colour::ENERGIES[5]),
         ],
@@ -165,9 +168,9 @@ pub fn ledger(sample: &Sample) -> [f64; 6] {
     let vehicle = &sample.vehicle;
     [
         sample.impact_loss,
-        sample.plastic_work,
-        sample.damping_work,
         vehicle.dissipated.iter().sum::<f64>() + vehicle.elastic_energy,
+        sample.damping_work,
+        sample.plastic_work,
         sample.elastic_energy - sample.load_work,
         sample.kinetic_energy,
     ]
@@ -243,6 +246,9 @@ impl Ranges {
         include(0, report.max_v1);
         include(1, report.max_u2);
         include(CONTACT_FORCE, report.peak_contact_force);
+        for crush in report.max_crush.iter() {
+            include(CRUSH, *crush);
+        }
     }
 
     /// Extends the ranges to those of `other`; whether an axis has changed.

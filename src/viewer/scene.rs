@@ -9,7 +9,7 @@ use super::camera::Camera;
 use super::colour::{self, Rgb};
 use super::labels::{self, Label, moved_apart};
 use crate::column::{
-    HINGE_NAMES, HINGES, HingeState, Model, Phase, Sample, State, Vehicle, VehicleSample,
+    HINGE_NAMES, HINGES, HingeState, MAX_MASSES, Model, Phase, Sample, State, Vehicle,
 };
 use crate::parameters::{Parameters, SupportKind};
 use crate::shape::{
@@ -182,7 +182,7 @@ impl Drawing {
         let section = parameters.section();
         let (at_rest, struck_mass) = at_rest(parameters);
         let vehicle = parameters.impact().vehicle;
-        Self {
+        let mut drawing = Self {
             lengths,
             outline: Outline::new(&drawn_section(parameters)),
             section: section.name.map_or_else(
@@ -199,38 +199,52 @@ impl Drawing {
             magnification: settings.viewer.magnification,
             at_rest,
             struck_mass,
-            springs: vehicle,
-            vehicle_name: if vehicle.is_some() {
-                "vehicle"
-            } else {
-                RIGID_MASS
-            }
-            .to_owned(),
-            vehicle: vehicle.map_or_else(VehicleBody::rigid_mass, |it| {
-                let slack: Vec<_> = it.springs().iter().map(|spring| spring.slack).collect();
-                VehicleBody::assumed(it.total_mass(), &slack)
-            }),
-        }
+            springs: None,
+            vehicle_name: RIGID_MASS.to_owned(),
+            vehicle: VehicleBody::rigid_mass(),
+        };
+        let masses = vehicle.map_or(0, |it| it.masses().len());
+        let mass = parameters.impact().mass;
+        drawing.change_vehicle(parameters, "", Some(mass), masses);
+        drawing
     }
 
-    /// Draws another vehicle from here on if a sample, with the total mass \[kg\] if it is known, is of one with another number
-    /// of masses; whether it does.
-    pub fn change_vehicle(&mut self, sample: &VehicleSample, mass: Option<f64>) -> bool {
-        if sample.masses == self.vehicle.masses() {
-            return false;
-        }
-        self.springs = None;
-        if sample.masses == 0 {
-            self.vehicle = VehicleBody::rigid_mass();
-            self.vehicle_name = RIGID_MASS.to_owned();
-        } else {
-            // A spring that is open at first has its slack as a negative crush.
-            let slack = sample.crush.map(|crush| (-crush).max(0.0));
-            let slack = [0.0, slack[1], slack[2]];
-            self.vehicle = VehicleBody::assumed(mass.unwrap_or(0.0), &slack[..sample.masses]);
-            self.vehicle_name = "vehicle".to_owned();
-        }
-        true
+    /// Draws the vehicle of this name from here on, which has this total mass \[kg\], if it is known, and this number of masses;
+    /// an empty name is that of the parameters. Whether it is another one than before.
+    pub fn change_vehicle(
+        &mut self,
+        parameters: &Parameters,
+        name: &str,
+        mass: Option<f64>,
+        masses: usize,
+    ) -> bool {
+        let name = match name {
+            "" => &parameters.settings().vehicle.name,
+            name => name,
+        };
+        // A name and a number of masses that do not belong together are of a vehicle that is not known.
+        let known = parameters.vehicle_named(name).ok().flatten();
+        let known = known.filter(|it| it.masses().len() == masses);
+        let springs = known.map(|it| {
+            let loaded = mass.and_then(|mass| it.with_total_mass(mass).ok());
+            loaded.unwrap_or(it)
+        });
+        let slack: Vec<_> = match &springs {
+            Some(it) => it.springs().iter().map(|spring| spring.slack).collect(),
+            None => vec![0.0; masses.min(MAX_MASSES)],
+        };
+        let total = mass.or(springs.map(|it| it.total_mass())).unwrap_or(0.0);
+        let body = VehicleBody::named(name, total, &slack);
+        let name = match (masses, springs, name) {
+            (0, ..) => RIGID_MASS,
+            (_, None, _) | (.., "") => "vehicle",
+            (.., name) => name,
+        };
+        let changed = body != self.vehicle || name != self.vehicle_name || springs != self.springs;
+        self.vehicle = body;
+        self.vehicle_name = name.to_owned();
+        self.springs = springs;
+        changed
     }
 
     /// The camera that has the column, the vehicle and the labels in the picture.
@@ -545,17 +559,12 @@ impl Drawing {
         }
         let vehicle = &sample.vehicle;
         let mut text = format!("{name}: {mass}{speed:.2} m/s");
-        let names: Vec<_> = self.vehicle.names().collect();
-        for spring in 0..vehicle.masses.min(names.len()) {
+        for (spring, name) in self.vehicle.names().take(vehicle.masses).enumerate() {
             let crush = 1e3 * vehicle.crush[spring].max(0.0);
-            let what = match spring {
-                0 => "crush",
-                _ => names[spring],
-            };
             let force = force(vehicle.force[spring]);
             text.push_str(&match spring {
-                0 => format!("\n{what} {crush:.0} mm, {force}"),
-                _ => format!("\n{what}: crush {crush:.0} mm, {force}"),
+                0 => format!("\ncrush {crush:.0} mm, {force}"),
+                _ => format!("\n{name}: crush {crush:.0} mm, {force}"),
             });
         }
         text

@@ -285,7 +285,18 @@ impl ViewerStream {
             self.progress.forecast = Some(forecast);
         }
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
-        if self.drawing.change_vehicle(&first.vehicle, mass) {
+        // A running twin tells what hits the column with every state, a recording with the report.
+        let (name, given) = match (&state.vehicle, &self.progress.forecast) {
+            (Some(it), _) => (&*it.name, Some(it.mass)),
+            (None, Some(it)) => (it.report.vehicle.as_str(), Some(it.report.mass)),
+            (None, None) => ("", None),
+        };
+        let mass = given.filter(|it| *it > 0.0).or(mass);
+        let masses = first.vehicle.masses;
+        if self
+            .drawing
+            .change_vehicle(&self.parameters, name, mass, masses)
+        {
             self.send_blueprint()?;
             force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
         }
@@ -636,7 +647,7 @@ impl ViewerStream {
         stream.log_static(plots::SPRING_FORCES, &lines)?;
         let marks = SeriesPoints::new()
             .with_names(["percussion (not to scale)"])
-            .with_colors([color(colour::ENERGIES[1])])
+            .with_colors([color(colour::PLASTIC)])
             .with_markers([rerun::components::MarkerShape::Down])
             .with_marker_sizes([6.0]);
         stream.log_static(plots::PERCUSSIONS, &marks)?;

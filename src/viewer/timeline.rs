@@ -175,6 +175,7 @@ mod tests {
                 ..Sample::default()
             },
             lengths: None,
+            vehicle: None,
         }
     }
 

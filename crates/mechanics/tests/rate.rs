@@ -1,5 +1,4 @@
-//! Strain rate, hardening and severed hinges: reference solutions of an unrelated program, closed forms, and the
-//! properties that hold with any of them.
+//! Strain rate, hardening and severed hinges: reference solutions of an unrelated program, closed forms, properties.
 
 #![allow(
     clippy::disallowed_methods,
