@@ -234,7 +234,10 @@ impl Column {
             .with_changes(moved)
             .map_err(|faults| CapacityCommandError::Faulted(faults.to_string()))?;
         let mut column = Self::virgin(parameters)?;
-        let state = State::settled(&column.model, saved.displacement, saved.plastic);
+        let mut state = State::settled(&column.model, saved.displacement, saved.plastic);
+        if let Some(accumulated) = saved.accumulated_rotation {
+            state.set_accumulated_rotation(&column.model, &accumulated);
+        }
         column.state = match &saved.condition {
             Condition::Standing => residual_state(&column.model, &state),
             Condition::Collapsed | Condition::Severed => None,

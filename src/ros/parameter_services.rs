@@ -360,8 +360,9 @@ mod tests {
         assert_eq!(names(&[], 0).len(), PARAMETERS.len());
         assert!(names(&[], 1).iter().all(|name| !name.contains('.')));
         assert_eq!(names(&[], 3).len(), PARAMETERS.len());
-        assert!(!names(&[], 2).contains(&"example.nested.words".to_owned()));
-        assert_eq!(names(&["example"], 2), ["example.numbers"]);
+        let nested = "vehicle.spring_1.crush".to_owned();
+        assert!(names(&["vehicle"], 3).contains(&nested));
+        assert!(!names(&["vehicle"], 2).contains(&nested));
         assert!(names(&["top"], 0).contains(&"top.load".to_owned()));
         // The dot after the prefix counts too.
         assert!(names(&["top"], 1).is_empty());
@@ -453,8 +454,8 @@ mod tests {
                 "viewer.port",
                 "use_sim_time",
                 "x",
-                "example.numbers",
-                "example.nested.words",
+                "vehicle.masses",
+                "assessment.criteria",
             ]
             .map(str::to_owned)
             .to_vec(),
@@ -514,13 +515,13 @@ mod tests {
             settable_value(raw::Parameter { name, value })
         };
         let numbers = Value::from(vec![3.0, 4.5]);
-        let words = Value::from(vec!["red".to_owned()]);
+        let words = Value::from(vec!["damage_20".to_owned()]);
         assert_eq!(
-            given("example.numbers", raw_value(numbers.clone())),
+            given("vehicle.masses", raw_value(numbers.clone())),
             Ok(numbers.clone())
         );
         assert_eq!(
-            given("example.nested.words", raw_value(words.clone())),
+            given("assessment.criteria", raw_value(words.clone())),
             Ok(words.clone())
         );
         let whole = raw::ParameterValue {
@@ -529,7 +530,7 @@ mod tests {
             ..not_set()
         };
         assert_eq!(
-            given("example.numbers", whole),
+            given("vehicle.masses", whole),
             Ok(Value::from(vec![3.0, 4.0]))
         );
         // rclpy sends an empty list as an array of booleans.
@@ -537,24 +538,36 @@ mod tests {
             ptype: raw::ParameterType::BOOL_ARRAY,
             ..not_set()
         };
-        let empty = given("example.nested.words", empty).expect("an empty list");
-        let changes = [
-            ("example.numbers", numbers.clone()),
-            ("example.nested.words", words.clone()),
+        let empty = given("vehicle.slack", empty).expect("an empty list");
+        // A vehicle by numbers, with two masses and so one slack.
+        let by_numbers = [
+            ("vehicle.name", Value::from("")),
+            ("vehicle.masses", Value::from(vec![1.0, 2.0])),
+            ("vehicle.slack", Value::from(vec![0.1])),
+            ("vehicle.spring_1.crush", Value::from(vec![1.0])),
+            ("vehicle.spring_1.force", Value::from(vec![10.0])),
+            ("vehicle.spring_1.unloading_stiffness", Value::from(10.0)),
+            ("vehicle.spring_2.crush", Value::from(vec![1.0])),
+            ("vehicle.spring_2.force", Value::from(vec![10.0])),
+            ("vehicle.spring_2.unloading_stiffness", Value::from(10.0)),
         ];
-        let before = Parameters::default();
+        let before = Parameters::from_values(by_numbers).expect("admissible");
+        let changes = [
+            ("vehicle.masses", numbers.clone()),
+            ("assessment.criteria", words.clone()),
+        ];
         let now = before.with_changes(changes).expect("admissible");
-        let none = now.with_changes([("example.nested.words", empty)]);
-        let none = none.expect("admissible").get("example.nested.words");
-        assert_eq!(none, Some(Value::StringArray(vec![])));
+        let none = now.with_changes([("vehicle.slack", empty)]);
+        let none = none.expect("admissible").get("vehicle.slack");
+        assert_eq!(none, Some(Value::DoubleArray(vec![])));
 
-        let names = ["example.numbers", "example.nested.words"].map(str::to_owned);
+        let names = ["vehicle.masses", "assessment.criteria"].map(str::to_owned);
         let request = GetParametersRequest {
             names: names.to_vec(),
         };
         let values = get(&now, &request).values;
         assert_eq!(values[0].double_array, [3.0, 4.5]);
-        assert_eq!(values[1].string_array, ["red"]);
+        assert_eq!(values[1].string_array, ["damage_20"]);
         let event = event("/n".to_owned(), 5, Some(&before), &now).expect("both have changed");
         let changed = event.changed_parameters.iter();
         let changed: Vec<_> = changed
@@ -570,14 +583,15 @@ mod tests {
         };
         assert_eq!((numbers.r#type, words.r#type), (8, 9));
         let range = &numbers.floating_point_range[0];
-        assert_eq!((range.from_value, range.to_value), (0.5, 1e6));
+        assert_eq!((range.from_value, range.to_value), (1e-3, 1e6));
         assert_eq!(
             numbers.additional_constraints,
-            "a list of 1 to 3 elements, each 0.5 to 1e6 kg"
+            "a list of 0 to 3 elements, each 0.001 to 1e6 kg"
         );
-        assert_eq!(
-            words.additional_constraints,
-            "a list of 0 to 4 elements, each red, green or blue"
+        let constraints = &words.additional_constraints;
+        assert!(
+            constraints.starts_with("a list of 1 to 26 elements, each collapse, "),
+            "{constraints}"
         );
     }
 

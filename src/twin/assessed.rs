@@ -10,7 +10,7 @@ use crate::assessment::{
     AssessedImpact, Assessment, AssessmentInput, RemainingCapacity, assess, imperfection,
 };
 use crate::column::{
-    Capacity, CapacityEnd, Model, PushDown, Report, State, VehicleReport, carried_load,
+    Capacity, CapacityEnd, End, Model, PushDown, Report, State, VehicleReport, carried_load,
 };
 use crate::parameters::Parameters;
 
@@ -29,6 +29,8 @@ pub struct LastImpact {
     pub vehicle: VehicleReport,
     /// Estimated relative error of `max_v1` by the time step; `None` if it is not known.
     pub error_estimate: Option<f64>,
+    /// Whether its response was computed to its end. Otherwise the damage may be more than is known, and nothing is assessed.
+    pub is_complete: bool,
 }
 
 impl LastImpact {
@@ -39,6 +41,7 @@ impl LastImpact {
             max_v1: report.max_v1,
             vehicle: report.vehicle,
             error_estimate,
+            is_complete: report.end != End::NotConverged,
         }
     }
 }
@@ -197,7 +200,7 @@ pub(super) fn assessed(
     })
 }
 
-/// The assessment of a column at rest, computed at once; `None` if the column cannot be computed. The virgin capacity is kept
+/// The assessment of a column at rest, computed at once; `None` if the column or its last response cannot be computed. The virgin capacity is kept
 /// in `known`.
 pub(super) fn assess_at_once(
     parameters: &Parameters,
@@ -205,6 +208,9 @@ pub(super) fn assess_at_once(
     last: Option<&LastImpact>,
     known: &mut Option<VirginCapacity>,
 ) -> Option<Arc<Assessed>> {
+    if last.is_some_and(|last| !last.is_complete) {
+        return None;
+    }
     let imperfection = imperfection(parameters);
     let mut push_downs = PushDowns::new(at_rest.clone(), imperfection, known.as_ref());
     let capacities = push_downs.advance(&mut u64::MAX.clone())?;

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
+use super::active_response::{ActiveResponse, Foreseen, LastResponse};
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{
-    Lengths, Output, Outputs, ReportOutput, Severity, StateOutput, StrikingVehicle, Verdicts,
-};
+use super::output::{Output, Outputs, Severity, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -15,10 +14,10 @@ use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
 use super::saved_state::SavedState;
 use super::status::{Status, StatusClock, TwinPhase};
 use super::timeline::{Advanced, History, LookAhead, Outlook, Timeline};
-use super::what_if::{ColumnSnapshot, Striking};
+use super::what_if::ColumnSnapshot;
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
 use crate::assessment::imperfection;
-use crate::column::{End, ModelError, Report, StepError};
+use crate::column::{End, ModelError, StepError};
 use crate::parameters::Parameters;
 
 /// Gives monotonic nanoseconds; used only to measure compute times.
@@ -41,34 +40,6 @@ pub struct Twin {
     pub(super) status: StatusClock,
     pub(super) solver: SolverStatistics,
     stopwatch: Stopwatch,
-}
-
-/// The response to an impact.
-#[derive(Debug)]
-pub(super) struct ActiveResponse {
-    pub event_id: Arc<str>,
-    pub striking: Striking,
-    /// Those that held when it began, so that forecast and result are assessed alike.
-    pub parameters: Arc<Parameters>,
-    pub timeline: Timeline,
-    /// What the look-ahead has found.
-    pub foreseen: Option<Foreseen>,
-}
-
-/// The end of a response, known in advance.
-#[derive(Debug)]
-pub(super) struct Foreseen {
-    pub report: Report,
-    pub assessed: Option<Arc<Assessed>>,
-    pub error_estimate: Option<f64>,
-}
-
-/// A response that is over.
-#[derive(Debug)]
-pub(super) struct LastResponse {
-    pub response: ActiveResponse,
-    /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
-    pub resumable: Option<f64>,
 }
 
 /// What the solver has done since the start.
@@ -715,62 +686,6 @@ impl Twin {
                 self.save(now, out); // it was refused: fewer impacts than were saved
             }
         }
-    }
-}
-
-impl ActiveResponse {
-    fn put_forecast(&self, foreseen: &Foreseen, compute_nanos: u64, out: &mut impl Outputs) {
-        let Foreseen {
-            report,
-            assessed,
-            error_estimate,
-        } = foreseen;
-        let output = self.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
-        out.put(Output::Forecast(output));
-    }
-
-    fn report_output(
-        &self,
-        report: Report,
-        assessed: Option<Arc<Assessed>>,
-        error_estimate: Option<f64>,
-        compute_nanos: u64,
-    ) -> ReportOutput {
-        ReportOutput {
-            stamp: self.timeline.origin(),
-            event_id: Arc::clone(&self.event_id),
-            striking: self.striking.clone(),
-            report,
-            assessed,
-            error_estimate,
-            step_nanos: self.timeline.plant().model.properties.step_nanos,
-            compute_time: seconds(compute_nanos),
-        }
-    }
-
-    pub fn newton_iterations(&self) -> u64 {
-        self.timeline.plant().state.newton_iterations
-    }
-
-    /// Gives out the state of the present step; `phase` where it is not that of the sample.
-    fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
-        let sample = self.timeline.take_sample();
-        let properties = &self.timeline.plant().model.properties;
-        let lengths = Lengths {
-            below: properties.length_below,
-            above: properties.length_above,
-        };
-        out.put(Output::State(StateOutput {
-            stamp: self.timeline.instant_of(self.timeline.step()),
-            event_id: Arc::clone(&self.event_id),
-            phase: phase.unwrap_or(sample.phase.into()),
-            sample,
-            lengths: Some(lengths),
-            vehicle: Some(StrikingVehicle {
-                name: Arc::clone(&self.striking.vehicle),
-                mass: self.striking.impact.mass,
-            }),
-        }));
     }
 }
 

@@ -39,6 +39,7 @@
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
+mod active_response;
 mod assessed;
 mod command;
 mod exact_number;

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::active_response::LastResponse;
 use super::command::{Accepted, Nanos};
-use super::lifecycle::{LastResponse, Twin};
+use super::lifecycle::Twin;
 use super::output::{Output, Outputs, ParametersChanged, Severity};
 use super::plant::Plant;
 use super::refusal::Refusal;

@@ -19,6 +19,7 @@ pub fn parameters() -> Parameters {
     let values = [
         ("solver.dt", Value::from(1e-4)),
         ("state.directory", Value::from("")),
+        ("assessment.ultimate_rotation", Value::from(0.0)),
     ];
     Parameters::from_values(values).expect("admissible")
 }

@@ -297,7 +297,7 @@ fn vehicles_strain_rate_hardening_and_capacity() {
     for (id, vehicle, mass, velocity) in [
         ("a", "", 2000.0, 9.0),
         ("b", "van", f64::NAN, 8.0),
-        ("c", "rigid", 500.0, 4.0),
+        ("c", "rigid", 1500.0, 8.0),
         ("d", "lorry_8t", 0.0, 4.0),
         ("e", "tank", 0.0, 4.0),
     ] {

@@ -459,7 +459,8 @@ impl Vehicle {
             front.unloading_stiffness *= factor;
             *front = front.checked(1)?;
         }
-        Ok(self)
+        // Through `new`, so that equal vehicles are equal in their unused places too, as one that is read back is.
+        Self::new(self.masses(), self.springs())
     }
 
     /// The vehicle whose front meets an object that is narrow beside it, as a column is.
@@ -470,7 +471,7 @@ impl Vehicle {
         let front = &mut self.springs[0];
         front.envelope = front.envelope.against_narrow_object()?;
         *front = front.checked(1)?;
-        Ok(self)
+        Self::new(self.masses(), self.springs())
     }
 }
 
@@ -668,6 +669,15 @@ mod tests {
         curve(&[[0.1, -1.0]], "a force of -1 N");
         curve(&[[f64::NAN, 1.0]], "a crush of NaN m");
         curve(&[[0.1, 0.0]], "no force > 0");
+    }
+
+    #[test]
+    fn a_vehicle_is_read_back_in_every_bit_of_its_text() {
+        let narrow = mid_car().against_narrow_object().expect("a vehicle");
+        let vehicle = narrow.with_force_factor(1.2).expect("a vehicle");
+        let text = serde_json::to_string(&vehicle).expect("JSON");
+        let read: Vehicle = serde_json::from_str(&text).expect("a vehicle");
+        assert_eq!(serde_json::to_string(&read).expect("JSON"), text);
     }
 
     #[test]

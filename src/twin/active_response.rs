@@ -1,0 +1,96 @@
+//! The response to an impact under way: its outputs, and what is foreseen of its end.
+
+use std::sync::Arc;
+
+use super::assessed::Assessed;
+use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
+use super::seconds;
+use super::status::TwinPhase;
+use super::timeline::Timeline;
+use super::what_if::Striking;
+use crate::column::Report;
+use crate::parameters::Parameters;
+
+/// The response to an impact.
+#[derive(Debug)]
+pub(super) struct ActiveResponse {
+    pub event_id: Arc<str>,
+    pub striking: Striking,
+    /// Those that held when it began, so that forecast and result are assessed alike.
+    pub parameters: Arc<Parameters>,
+    pub timeline: Timeline,
+    /// What the look-ahead has found.
+    pub foreseen: Option<Foreseen>,
+}
+
+/// The end of a response, known in advance.
+#[derive(Debug)]
+pub(super) struct Foreseen {
+    pub report: Report,
+    pub assessed: Option<Arc<Assessed>>,
+    pub error_estimate: Option<f64>,
+}
+
+/// A response that is over.
+#[derive(Debug)]
+pub(super) struct LastResponse {
+    pub response: ActiveResponse,
+    /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
+    pub resumable: Option<f64>,
+}
+
+impl ActiveResponse {
+    pub fn put_forecast(&self, foreseen: &Foreseen, compute_nanos: u64, out: &mut impl Outputs) {
+        let Foreseen {
+            report,
+            assessed,
+            error_estimate,
+        } = foreseen;
+        let output = self.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
+        out.put(Output::Forecast(output));
+    }
+
+    pub fn report_output(
+        &self,
+        report: Report,
+        assessed: Option<Arc<Assessed>>,
+        error_estimate: Option<f64>,
+        compute_nanos: u64,
+    ) -> ReportOutput {
+        ReportOutput {
+            stamp: self.timeline.origin(),
+            event_id: Arc::clone(&self.event_id),
+            striking: self.striking.clone(),
+            report,
+            assessed,
+            error_estimate,
+            step_nanos: self.timeline.plant().model.properties.step_nanos,
+            compute_time: seconds(compute_nanos),
+        }
+    }
+
+    pub fn newton_iterations(&self) -> u64 {
+        self.timeline.plant().state.newton_iterations
+    }
+
+    /// Gives out the state of the present step; `phase` where it is not that of the sample.
+    pub fn put_state(&mut self, phase: Option<TwinPhase>, out: &mut impl Outputs) {
+        let sample = self.timeline.take_sample();
+        let properties = &self.timeline.plant().model.properties;
+        let lengths = Lengths {
+            below: properties.length_below,
+            above: properties.length_above,
+        };
+        out.put(Output::State(StateOutput {
+            stamp: self.timeline.instant_of(self.timeline.step()),
+            event_id: Arc::clone(&self.event_id),
+            phase: phase.unwrap_or(sample.phase.into()),
+            sample,
+            lengths: Some(lengths),
+            vehicle: Some(StrikingVehicle {
+                name: Arc::clone(&self.striking.vehicle),
+                mass: self.striking.impact.mass,
+            }),
+        }));
+    }
+}
