@@ -155,6 +155,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let ended = respond_and_rest(&case.properties, &case.impact, case.max_duration)
         .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
+    #[cfg(feature = "viewer")]
     let report = ended.0;
     let evaluation =
         ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)

@@ -60,8 +60,10 @@ impl Unit {
         si * self.per_si
     }
 
-    /// `si` with four significant digits and the symbol.
+    /// `si` with four significant digits and the symbol. Round-off of the solver is shown as 0.
     pub fn show(self, si: f64) -> String {
+        const ROUND_OFF: f64 = 1e-15;
+        let si = if si.abs() < ROUND_OFF { 0.0 } else { si };
         format!("{} {}", significant(self.of(si), 4), self.symbol)
     }
 }
@@ -91,6 +93,7 @@ mod tests {
         assert_eq!(Unit::length(0.0946).show(0.094_602_237), "94.60 mm");
         assert_eq!(Unit::force(746.9e3).show(746_921.9), "746.9 kN");
         assert_eq!(Unit::energy(0.0).show(0.0), "0 kJ");
+        assert_eq!(Unit::length(0.01).show(-2e-19), "0 mm");
         assert_eq!(Unit::length(2e-9).show(2e-9), "0.002000 µm");
         assert_eq!(Unit::length(12.0).show(-12.0), "-12.00 m");
         assert_eq!(significant(f64::NAN, 4), "NaN");

@@ -703,7 +703,7 @@ mod tests {
     #[test]
     fn strain_rates_need_a_section_height() {
         let rate = ("rate.law", Value::from("logarithmic"));
-        assert!(faults(&[rate.clone()]).is_empty());
+        assert!(faults(std::slice::from_ref(&rate)).is_empty());
         let by_numbers = [
             rate,
             ("section.area", 0.01.into()),

@@ -5,17 +5,15 @@ use maud::{Markup, html};
 use super::document::fact;
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
+use crate::assessment::HARDENING_BAND;
 use crate::column::{ColumnProperties, Report};
 use crate::figures::units::Unit;
-
-/// Slope of the steel's hardening at the other end of the band, relative to its modulus of elasticity.
-const HARDENING: f64 = 0.01;
 
 /// The same impact with and without hardening.
 struct Band {
     /// Without hardening.
     ideal: Report,
-    /// With a hardening of [`HARDENING`].
+    /// With the largest hardening of [`HARDENING_BAND`].
     hardening: Report,
 }
 
@@ -70,8 +68,8 @@ fn band(impact: &ReportedImpact) -> Result<Band, String> {
             .map_err(|error| error.to_string())
     };
     Ok(Band {
-        ideal: with(0.0)?,
-        hardening: with(HARDENING)?,
+        ideal: with(HARDENING_BAND[0])?,
+        hardening: with(HARDENING_BAND[1])?,
     })
 }
 
@@ -101,7 +99,7 @@ fn band_table(Band { ideal, hardening }: &Band) -> Markup {
                 "Band of hardening, the slope of the steel after yield relative to its modulus of elasticity. Without hardening, \
                  displacements are on the safe side and forces on the unsafe side."
             }
-            thead { tr { th { "quantity" } th.number { "no hardening" } th.number { "hardening 0.01" } } }
+            thead { tr { th { "quantity" } th.number { "no hardening" } th.number { "hardening " (HARDENING_BAND[1]) } } }
             tbody {
                 (row("largest displacement of the impact point", &|report| length.show(report.max_v1)))
                 (row("residual displacement of the impact point", &residual))

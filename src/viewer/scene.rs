@@ -559,17 +559,12 @@ impl Drawing {
         }
         let vehicle = &sample.vehicle;
         let mut text = format!("{name}: {mass}{speed:.2} m/s");
-        let names: Vec<_> = self.vehicle.names().collect();
-        for spring in 0..vehicle.masses.min(names.len()) {
+        for (spring, name) in self.vehicle.names().take(vehicle.masses).enumerate() {
             let crush = 1e3 * vehicle.crush[spring].max(0.0);
-            let what = match spring {
-                0 => "crush",
-                _ => names[spring],
-            };
             let force = force(vehicle.force[spring]);
             text.push_str(&match spring {
-                0 => format!("\n{what} {crush:.0} mm, {force}"),
-                _ => format!("\n{what}: crush {crush:.0} mm, {force}"),
+                0 => format!("\ncrush {crush:.0} mm, {force}"),
+                _ => format!("\n{name}: crush {crush:.0} mm, {force}"),
             });
         }
         text
