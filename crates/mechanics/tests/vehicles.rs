@@ -132,7 +132,7 @@ fn follow(column: &ColumnProperties, impact: Impact, duration: f64) -> (Model, S
     let model = Model::new(column).expect("a column");
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, impact, duration).expect("an impact");
-    let steps = (duration * 1e9 / column.step_nanos as f64).round() as u64;
+    let steps = (duration * 1e9 / model.properties.step_nanos as f64).round() as u64;
     let mut end = None;
     while state.step < steps {
         if let Progress::Over(over) = response.advance(&model, &mut state, 1).expect("a step") {
