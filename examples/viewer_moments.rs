@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use column_twin::column::{Impact, simulate};
+use column_twin::messages::column_twin::ImpactReport;
 use column_twin::parameters::Parameters;
 use column_twin::viewer::{ViewerItem, from_samples, write_rrd};
 
@@ -46,6 +47,7 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         duration,
         &mut |sample| samples.push(*sample),
     )?;
+    let announced = ImpactReport::from(&report);
     let contact = report
         .first_contact_time
         .ok_or("the vehicle does not reach the column")?;
@@ -58,7 +60,7 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         ("rest", report.end_time),
     ] {
         // Every tenth step up to the moment, so that the viewer loads the file quickly; every step just before it.
-        let mut items = from_samples("car", STAMP, samples.iter().copied(), &report);
+        let mut items = from_samples("car", STAMP, samples.iter().copied(), &announced);
         let mut count = 0;
         items.retain(|item| match item {
             ViewerItem::State(state) => {

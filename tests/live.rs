@@ -14,8 +14,8 @@ use column_twin::live::{
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{
-    Accepted, Command, ImpactCommand, Nanos, Output, Refusal, RefusalCode, Severity, StateOutput,
-    Twin,
+    Accepted, Command, ImpactCommand, Nanos, NoticeLevel, Output, Refusal, RefusalCode,
+    StateOutput, Twin,
 };
 
 const START: Nanos = 1_800_000_000_000_000_000;
@@ -384,7 +384,7 @@ fn a_long_forecast_delays_neither_requests_nor_a_stop() {
     let Some(Output::Notice(notice)) = received.last() else {
         panic!("no notice");
     };
-    assert_eq!(notice.severity, Severity::Error);
+    assert_eq!(notice.level, NoticeLevel::Error);
     let text = &notice.text;
     assert!(
         text.contains("the damage of impact \"a\"") && text.contains("still to come: \"b\""),
@@ -410,7 +410,7 @@ fn a_state_file_that_cannot_be_written_is_reported() {
     live.execute(reset).expect("an answer");
     receive(&mut receiver, |it| {
         matches!(it, Output::Notice(notice)
-            if notice.severity == Severity::Error && notice.text.contains("cannot be written"))
+            if notice.level == NoticeLevel::Error && notice.text.contains("cannot be written"))
     });
     assert!(live.statistics().state_file_failures > 0);
     live.stop().expect("no panic");

@@ -113,8 +113,7 @@ fn error_estimate(
 ) -> Option<f64> {
     let halved = with_half_the_step(properties)?;
     let finer = respond(&halved, impact, duration).ok()?;
-    let error = column::error_estimate(report.max_v1, finer.max_v1);
-    (finer.outcome == report.outcome && error.is_finite()).then_some(error)
+    column::error_estimate(report, &finer)
 }
 
 fn band(

@@ -21,6 +21,8 @@ use column_twin::evidence::SimulatedRecordingError;
 #[cfg(feature = "viewer")]
 use column_twin::figures::HistoryThinning;
 use column_twin::figures::{self, FigureError};
+#[cfg(feature = "viewer")]
+use column_twin::messages::column_twin::ImpactReport;
 use column_twin::parameters::{
     Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
@@ -155,8 +157,6 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     let ended = respond_and_rest(&case.properties, &case.impact, case.max_duration)
         .map_err(SimulateError::from)?;
     let solve_time = start.elapsed();
-    #[cfg(feature = "viewer")]
-    let report = ended.0;
     let evaluation =
         ImpactEvaluation::complete(&case.parameters, &case.properties, &case.impact, ended)
             .map_err(SimulateError::from)?;
@@ -183,7 +183,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     }
     #[cfg(feature = "viewer")]
     if let Some(path) = &arguments.rrd {
-        case.write_rrd(&report, path)?;
+        case.write_rrd(&evaluation, path)?;
         files += &format!("Viewer     rerun {}\n", path.display());
     }
     let summary = Summary {
@@ -278,12 +278,15 @@ impl Case {
 
     /// Writes a file for the viewer, in which the impact happens now.
     #[cfg(feature = "viewer")]
-    fn write_rrd(&self, report: &Report, path: &Path) -> Result<(), SimulateError> {
+    fn write_rrd(&self, evaluation: &ImpactEvaluation, path: &Path) -> Result<(), SimulateError> {
+        let report = &evaluation.report;
         let mut thinning = HistoryThinning::new(report.steps, report.end_time);
         self.simulate(&mut |sample| thinning.push(sample))?;
+        let vehicle = &self.parameters.settings().vehicle.name;
+        let report = ImpactReport::evaluated(evaluation, vehicle, &self.impact);
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = now.map_or(0, |now| i64::try_from(now.as_nanos()).unwrap_or(0));
-        let items = viewer::from_samples("simulated", now, thinning.finish(), report);
+        let items = viewer::from_samples("simulated", now, thinning.finish(), &report);
         Ok(viewer::write_rrd(
             path,
             &Arc::new(self.parameters.clone()),

@@ -272,7 +272,7 @@ impl Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::twin::{Journal, Notice, Position, Severity, StatusRecord};
+    use crate::twin::{Journal, Notice, NoticeLevel, Position, StatusRecord};
 
     #[test]
     fn a_full_queue_follows_its_policy_and_counts() {
@@ -318,7 +318,7 @@ mod tests {
         };
         let notice = |stamp| Notice {
             stamp,
-            severity: Severity::Info,
+            level: NoticeLevel::Info,
             text: "".into(),
         };
         std::thread::scope(|scope| {
@@ -358,7 +358,7 @@ mod tests {
         let text: Arc<str> = "text".into();
         queues.push(Output::Notice(Notice {
             stamp: 0,
-            severity: Severity::Info,
+            level: NoticeLevel::Info,
             text,
         }));
         receiver.wait(Duration::MAX);

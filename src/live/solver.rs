@@ -9,7 +9,7 @@ use super::lateness::lateness;
 use super::queue::OutputQueues;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{Command, Nanos, Output, Outputs, Severity, Twin};
+use crate::twin::{Command, Nanos, NoticeLevel, Output, Outputs, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -195,7 +195,7 @@ impl Solver {
         lost.extend(self.unhandled_requests());
         if !lost.is_empty() {
             let text = format!("lost by the stop: {}", lost.join("; "));
-            self.sink.notice(Severity::Error, now, text);
+            self.sink.notice(NoticeLevel::Error, now, text);
         }
         self.sink.notify();
     }
@@ -319,7 +319,7 @@ mod tests {
         let Some(Output::Notice(notice)) = receiver.try_next() else {
             panic!("no notice");
         };
-        assert_eq!(notice.severity, Severity::Error);
+        assert_eq!(notice.level, NoticeLevel::Error);
         assert!(
             notice.text.contains("2 impacts and 1 other commands"),
             "{}",

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::clock::Clock;
 use super::notifier::Notifier;
 use super::queue::{OutputQueues, Queue, QueueStats, WhenFull};
-use crate::twin::{Notice, Output, SavedState, Severity, state_file};
+use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
 
 /// The thread's name.
 pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
@@ -98,7 +98,7 @@ fn report(text: String, outputs: &[Arc<OutputQueues>], clock: &dyn Clock) {
         let text = Arc::clone(&text);
         queues.push(Output::Notice(Notice {
             stamp: clock.now(),
-            severity: Severity::Error,
+            level: NoticeLevel::Error,
             text,
         }));
         queues.notify();

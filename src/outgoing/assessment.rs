@@ -1,6 +1,7 @@
 //! The outcome of an impact with its assessment as messages.
 
-use crate::assessment::{Assessment, Criterion, RemainingCapacity, Severity};
+use crate::assessment::{Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity};
+use crate::column::Impact;
 use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};
 
@@ -34,6 +35,24 @@ impl From<&Prediction> for ImpactReport {
 }
 
 impl ImpactReport {
+    /// The prediction of an impact that was simulated without a twin. Leaves header, column and event empty.
+    #[must_use]
+    pub fn evaluated(evaluation: &ImpactEvaluation, vehicle: &str, impact: &Impact) -> Self {
+        let assessed = evaluation.remaining.zip(evaluation.assessment.clone());
+        let assessed = assessed.map(|(remaining, assessment)| Assessed {
+            remaining,
+            assessment,
+        });
+        Self {
+            kind: Self::PREDICTION,
+            error_estimate: evaluation.error_estimate.unwrap_or(f64::NAN),
+            dt: evaluation.step,
+            ..Self::from(&evaluation.report)
+                .of_impact(vehicle, impact)
+                .assessed(assessed.as_ref())
+        }
+    }
+
     /// The report with its assessment; without one the severity is unknown.
     fn assessed(self, assessed: Option<&Assessed>) -> Self {
         let numbers = Numbers::of(assessed);

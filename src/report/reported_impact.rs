@@ -106,8 +106,7 @@ impl ReportedImpact {
         let properties = self.model.properties;
         let halved = with_half_the_step(&properties)?;
         let finer = self.struck?.with_properties(&halved)?.report().ok()?;
-        let error = error_estimate(self.report.max_v1, finer.max_v1);
-        error.is_finite().then_some(error)
+        error_estimate(&self.report, &finer)
     }
 
     /// The history for the figures.

@@ -75,8 +75,8 @@ pub(super) fn start(
 }
 
 #[cfg(feature = "viewer")]
-fn log(severity: crate::twin::Severity, text: String) {
-    use crate::twin::Severity::{Error, Info, Warning};
+fn log(severity: crate::twin::NoticeLevel, text: String) {
+    use crate::twin::NoticeLevel::{Error, Info, Warning};
     match severity {
         Info => tracing::info!("viewer: {text}"),
         Warning => tracing::warn!("viewer: {text}"),

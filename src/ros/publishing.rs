@@ -14,7 +14,7 @@ use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{Notice, Output, Refused, RefusedInput, Severity};
+use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput};
 
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
@@ -260,10 +260,10 @@ impl Publishing {
 
 fn log_notice(notice: &Notice) {
     let text = &notice.text;
-    match notice.severity {
-        Severity::Info => tracing::info!("{text}"),
-        Severity::Warning => tracing::warn!("{text}"),
-        Severity::Error => tracing::error!("{text}"),
+    match notice.level {
+        NoticeLevel::Info => tracing::info!("{text}"),
+        NoticeLevel::Warning => tracing::warn!("{text}"),
+        NoticeLevel::Error => tracing::error!("{text}"),
     }
 }
 

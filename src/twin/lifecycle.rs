@@ -6,7 +6,7 @@ use super::active_response::{ActiveResponse, Foreseen, LastResponse};
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{Output, Outputs, Severity, Verdicts};
+use super::output::{NoticeLevel, Output, Outputs, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
@@ -284,7 +284,7 @@ impl Twin {
                 Outlook::Failed(reason) => {
                     let event_id = &response.event_id;
                     let text = format!("no forecast of impact \"{event_id}\": {reason}");
-                    out.notice(Severity::Warning, now, text);
+                    out.notice(NoticeLevel::Warning, now, text);
                 }
             }
         }
@@ -459,7 +459,7 @@ impl Twin {
             "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
             pending.event_id, response.event_id,
         );
-        out.notice(Severity::Info, now, text);
+        out.notice(NoticeLevel::Info, now, text);
         self.last = Some(LastResponse {
             response,
             resumable: None,
@@ -520,7 +520,7 @@ impl Twin {
             ..
         } = pending;
         out.notice(
-            Severity::Info,
+            NoticeLevel::Info,
             now,
             format!("impact \"{event_id}\" accepted"),
         );
@@ -650,7 +650,7 @@ impl Twin {
                 response.event_id,
                 response.timeline.plant().report(End::NotConverged).end_time,
             );
-            out.notice(Severity::Error, now, text);
+            out.notice(NoticeLevel::Error, now, text);
         }
         self.end(End::NotConverged, now, out);
     }
@@ -743,7 +743,7 @@ mod tests {
         assert!(matches!(reports[..], [report] if report.end == End::NotConverged));
         assert!(out.iter().any(|output| matches!(
             output,
-            Output::Notice(notice) if notice.severity == Severity::Error
+            Output::Notice(notice) if notice.level == NoticeLevel::Error
         )));
         assert!(hit(&mut twin, "second", now, &mut out));
     }

@@ -66,7 +66,7 @@ pub use journal::{
 };
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
-    Lengths, Notice, Output, Outputs, ParametersChanged, ReportOutput, Severity, StateOutput,
+    Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput, StateOutput,
     StrikingVehicle,
 };
 pub use plant::{Condition, HEIGHT_TOLERANCE};

@@ -112,7 +112,7 @@ pub struct ParametersChanged {
 
 /// How much a notice matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
+pub enum NoticeLevel {
     /// Worth knowing.
     Info,
     /// Something is not as it should be.
@@ -127,7 +127,7 @@ pub struct Notice {
     /// When.
     pub stamp: Nanos,
     /// How much it matters.
-    pub severity: Severity,
+    pub level: NoticeLevel,
     /// The text.
     pub text: Arc<str>,
 }
@@ -139,10 +139,10 @@ pub trait Outputs {
     fn put(&mut self, output: Output);
 
     /// Takes a notice for the log.
-    fn notice(&mut self, severity: Severity, stamp: Nanos, text: String) {
+    fn notice(&mut self, level: NoticeLevel, stamp: Nanos, text: String) {
         self.put(Output::Notice(Notice {
             stamp,
-            severity,
+            level,
             text: text.into(),
         }));
     }
@@ -158,12 +158,12 @@ impl<O: Outputs> Verdicts for O {
     fn verdict(&mut self, kind: &str, event_id: &str, assessed: Option<&Assessed>, now: Nanos) {
         let Some(Assessed { assessment, .. }) = assessed else {
             let text = format!("{kind} of impact \"{event_id}\": the column cannot be assessed");
-            return self.notice(Severity::Error, now, text);
+            return self.notice(NoticeLevel::Error, now, text);
         };
         let severity = match assessment.severity {
-            assessment::Severity::None => Severity::Info,
-            assessment::Severity::Inspect | assessment::Severity::Restrict => Severity::Warning,
-            assessment::Severity::Prop | assessment::Severity::Evacuate => Severity::Error,
+            assessment::Severity::None => NoticeLevel::Info,
+            assessment::Severity::Inspect | assessment::Severity::Restrict => NoticeLevel::Warning,
+            assessment::Severity::Prop | assessment::Severity::Evacuate => NoticeLevel::Error,
         };
         let text = format!(
             "{kind} of impact \"{event_id}\": severity {}; {}",

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::active_response::LastResponse;
 use super::command::{Accepted, Nanos};
 use super::lifecycle::Twin;
-use super::output::{Output, Outputs, ParametersChanged, Severity};
+use super::output::{NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
 use super::refusal::Refusal;
 use crate::parameters::{Parameters, Value};
@@ -116,7 +116,7 @@ impl Twin {
                 "a reset ends the response to impact \"{}\"",
                 response.event_id
             );
-            out.notice(Severity::Warning, now, text);
+            out.notice(NoticeLevel::Warning, now, text);
             self.solver.newton_iterations += response.newton_iterations();
             self.last = Some(LastResponse {
                 response,
@@ -126,7 +126,7 @@ impl Twin {
         self.forbid_resuming();
         if let Some(forgotten) = self.registry.pending_in_words() {
             let text = format!("the reset drops {forgotten}");
-            out.notice(Severity::Warning, now, text);
+            out.notice(NoticeLevel::Warning, now, text);
         }
         self.registry.reset();
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
@@ -136,7 +136,7 @@ impl Twin {
         self.apply_waiting_parameters(now, out);
         self.assess();
         let text = format!("reset by {source}: the column is virgin");
-        out.notice(Severity::Info, now, text);
+        out.notice(NoticeLevel::Info, now, text);
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         self.save(now, out);

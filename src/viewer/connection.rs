@@ -17,7 +17,7 @@ use super::rerun_types::batching;
 use super::server::url;
 use super::stream::{StreamOptions, ViewerStream};
 use crate::parameters::Parameters;
-use crate::twin::Severity;
+use crate::twin::NoticeLevel;
 
 /// Time between two attempts to connect.
 const RETRY_PERIOD: Duration = Duration::from_secs(1);
@@ -128,7 +128,7 @@ impl Connection {
             && let Err(error) = stream.show(items.iter().cloned())
         {
             (self.log)(
-                Severity::Error,
+                NoticeLevel::Error,
                 format!("cannot write to the viewer: {error}"),
             );
             self.disconnect();
@@ -178,13 +178,13 @@ impl Connection {
 
     fn report_absent(&mut self, text: String) {
         self.absence_reported = true;
-        (self.log)(Severity::Warning, text);
+        (self.log)(NoticeLevel::Warning, text);
     }
 
     fn report_connected(&mut self) {
         self.absence_reported = false;
         let text = format!("connected to the viewer at {}", self.address);
-        (self.log)(Severity::Info, text);
+        (self.log)(NoticeLevel::Info, text);
     }
 
     /// Closes the stream without waiting for it.
@@ -237,7 +237,7 @@ impl Connection {
                     self.report_connected();
                 }
             }
-            Err(error) => (self.log)(Severity::Error, error.to_string()),
+            Err(error) => (self.log)(NoticeLevel::Error, error.to_string()),
         }
     }
 

@@ -17,7 +17,7 @@ use super::server;
 use super::spawned::Spawned;
 use super::stream::{FrameBudget, StreamOptions, ViewerStream};
 use crate::parameters::{Parameters, ViewerMode};
-use crate::twin::Severity;
+use crate::twin::NoticeLevel;
 
 /// Minimum time between two frames of the scene \[ns\].
 const FRAME_PERIOD: i64 = 1_000_000;
@@ -71,7 +71,7 @@ impl Destination {
                 let path = new_file(Path::new(&viewer.directory), parameters, now)?;
                 let stream = saving(&path)?;
                 log(
-                    Severity::Info,
+                    NoticeLevel::Info,
                     format!("the viewer file is {}", path.display()),
                 );
                 Self::Stream(Box::new(shown_on(stream)?))
@@ -80,7 +80,7 @@ impl Destination {
                 let address = server::loopback(&viewer.address, viewer.port)?;
                 let stream = server::stream(address, viewer.memory_limit)?;
                 let url = server::url(address);
-                log(Severity::Info, format!("to watch: rerun {url}"));
+                log(NoticeLevel::Info, format!("to watch: rerun {url}"));
                 Self::Stream(Box::new(shown_on(stream)?))
             }
             ViewerMode::Connect => {

@@ -5,13 +5,13 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::twin::Severity;
+use crate::twin::NoticeLevel;
 
 /// Version of Rerun that a viewer must have.
 pub const RERUN_VERSION: &str = "0.36.3";
 
 /// Takes the log lines of the viewer's thread.
-pub type ViewerLogger = Arc<dyn Fn(Severity, String) + Send + Sync>;
+pub type ViewerLogger = Arc<dyn Fn(NoticeLevel, String) + Send + Sync>;
 
 /// Why nothing can be shown.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

@@ -13,7 +13,8 @@ use super::item::{Announcement, ViewerItem};
 use super::plots::Ranges;
 use super::stream::{StreamOptions, ViewerStream};
 use super::timeline::nanos;
-use crate::column::{Outcome, Phase, Report, Sample};
+use crate::column::{Phase, Sample};
+use crate::messages::column_twin::ImpactReport;
 use crate::parameters::Parameters;
 use crate::twin::{StateOutput, TwinPhase};
 
@@ -65,10 +66,14 @@ pub fn from_samples(
     event_id: &str,
     stamp: i64,
     samples: impl IntoIterator<Item = Sample>,
-    report: &Report,
+    report: &ImpactReport,
 ) -> Vec<ViewerItem> {
     let event_id: Arc<str> = event_id.into();
-    let announcement = || Announcement::new(stamp, Arc::clone(&event_id), report);
+    let announcement = || Announcement {
+        stamp,
+        event_id: Arc::clone(&event_id),
+        report: Box::new(report.clone()),
+    };
     let mut items = vec![ViewerItem::Forecast(announcement())];
     let samples = with_the_whole_approach(samples);
     items.extend(samples.into_iter().map(|sample| {
@@ -81,7 +86,7 @@ pub fn from_samples(
             vehicle: None,
         })
     }));
-    if let (Some(ViewerItem::State(last)), Outcome::Elastic | Outcome::Plastic) =
+    if let (Some(ViewerItem::State(last)), ImpactReport::ELASTIC | ImpactReport::PLASTIC) =
         (items.last_mut(), report.outcome)
     {
         last.phase = TwinPhase::Rest;

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Report, Sample, VehicleSample};
+use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Output, RefusedInput, ReportOutput, Severity, StateOutput, TwinPhase};
+use crate::twin::{NoticeLevel, Output, RefusedInput, ReportOutput, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
 #[derive(Debug, Clone)]
@@ -34,8 +34,8 @@ pub enum ViewerItem {
     Line {
         /// Time of the item.
         stamp: i64,
-        /// Severity.
-        severity: Severity,
+        /// Its level.
+        level: NoticeLevel,
         /// Text.
         text: String,
     },
@@ -62,16 +62,6 @@ impl Announcement {
             report: Box::new(ImpactReport::from(output)),
         }
     }
-
-    /// The announcement of a report of the mechanics.
-    #[must_use]
-    pub fn new(stamp: i64, event_id: Arc<str>, report: &Report) -> Self {
-        Self {
-            stamp,
-            event_id,
-            report: Box::new(ImpactReport::from(report)),
-        }
-    }
 }
 
 impl ViewerItem {
@@ -91,7 +81,7 @@ impl ViewerItem {
             },
             Output::Refused(it) => Self::Line {
                 stamp: it.stamp,
-                severity: Severity::Warning,
+                level: NoticeLevel::Warning,
                 text: match it.what {
                     RefusedInput::Impact => {
                         format!("impact event {:?} rejected: {}", it.event_id, it.refusal)
@@ -103,7 +93,7 @@ impl ViewerItem {
             },
             Output::Notice(it) => Self::Line {
                 stamp: it.stamp,
-                severity: it.severity,
+                level: it.level,
                 text: it.text.to_string(),
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),

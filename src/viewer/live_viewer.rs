@@ -11,7 +11,7 @@ use super::error::{ViewerError, ViewerLogger};
 use super::item::ViewerItem;
 use crate::live::{OutputQueue, Receiver, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
-use crate::twin::Severity;
+use crate::twin::NoticeLevel;
 
 /// Name of the queue of outputs to the viewer.
 pub const VIEWER_QUEUE: &str = "viewer";
@@ -91,7 +91,7 @@ impl LiveViewer {
         let ended = self.ended.recv_timeout(STOP_TIMEOUT);
         if ended == Err(RecvTimeoutError::Timeout) {
             (self.log)(
-                Severity::Warning,
+                NoticeLevel::Warning,
                 "the viewer does not read its data; what it has not shown is lost".to_owned(),
             );
             return;
@@ -102,7 +102,7 @@ impl LiveViewer {
             .is_some_and(|thread| thread.join().is_err())
         {
             (self.log)(
-                Severity::Error,
+                NoticeLevel::Error,
                 format!("the thread {VIEWER_THREAD} panicked; please report its output"),
             );
         }
@@ -127,7 +127,7 @@ fn run(
         Ok(Some(destination)) => destination,
         Ok(None) => return,
         Err(error) => {
-            log(Severity::Warning, without_viewer(&error));
+            log(NoticeLevel::Warning, without_viewer(&error));
             return;
         }
     };
@@ -142,13 +142,13 @@ fn run(
         }
         let idle = items.is_empty();
         if let Err(error) = destination.show(items) {
-            log(Severity::Error, without_viewer(&error));
+            log(NoticeLevel::Error, without_viewer(&error));
             return;
         }
         if last {
             // Sends the curves that are still being collected.
             if let Err(error) = destination.show(Vec::new()) {
-                log(Severity::Error, without_viewer(&error));
+                log(NoticeLevel::Error, without_viewer(&error));
             }
             return;
         }

@@ -229,7 +229,11 @@ mod tests {
     fn announced() -> Announcement {
         let column = Parameters::default().column_properties();
         let report = simulate(&column, &Impact::rigid(1500.0, 10.0), 2.0, &mut |_| ());
-        Announcement::new(0, "car_7".into(), &report.expect("simulated"))
+        Announcement {
+            stamp: 0,
+            event_id: "car_7".into(),
+            report: Box::new(ImpactReport::from(&report.expect("simulated"))),
+        }
     }
 
     /// The heading: what is read first.

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 
 use super::error::{RERUN_VERSION, ViewerError, ViewerLogger};
-use crate::twin::Severity;
+use crate::twin::NoticeLevel;
 
 /// Name of the viewer's program.
 const PROGRAM: &str = "rerun";
@@ -58,12 +58,12 @@ impl Spawned {
             self.child = None;
             let (severity, text) = if status.success() {
                 let text = "the viewer has been closed".to_owned();
-                (Severity::Info, text)
+                (NoticeLevel::Info, text)
             } else {
                 let text = format!(
                     "the viewer ended with {status}; start it by hand to see the reason: {PROGRAM}"
                 );
-                (Severity::Warning, text)
+                (NoticeLevel::Warning, text)
             };
             (self.log)(severity, text);
         }
@@ -82,7 +82,7 @@ fn check_version(log: &ViewerLogger) -> io::Result<()> {
     let version = printed.split_whitespace().nth(1).unwrap_or("unknown");
     if version != RERUN_VERSION {
         log(
-            Severity::Warning,
+            NoticeLevel::Warning,
             format!(
                 "the viewer `{PROGRAM}` has version {version}, expected {RERUN_VERSION}, and may show nothing; install the \
                  right one: pip install rerun-sdk=={RERUN_VERSION}"

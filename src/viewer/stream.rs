@@ -23,7 +23,7 @@ use super::timeline::{Moment, Placed, Timeline, nanos};
 use crate::column::{HINGES, Impact, MAX_MASSES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
-use crate::twin::{Severity, StateOutput, TwinPhase};
+use crate::twin::{NoticeLevel, StateOutput, TwinPhase};
 
 /// Maximum number of states in a batch.
 const MAX_BATCH: usize = 512;
@@ -132,7 +132,7 @@ pub struct ViewerStream {
 /// A line of the log.
 struct LogLine {
     moment: Moment,
-    severity: Severity,
+    level: NoticeLevel,
     text: String,
 }
 
@@ -217,7 +217,7 @@ impl ViewerStream {
                 self.show_undeformed(forecast.stamp)?;
                 let line = LogLine {
                     moment: self.timeline.at_last(forecast.stamp),
-                    severity: Severity::Info,
+                    level: NoticeLevel::Info,
                     text: format!(
                         "forecast of {}: {}",
                         forecast.event_id,
@@ -239,13 +239,9 @@ impl ViewerStream {
             }
             ViewerItem::Result(result) => self.result(&result),
             ViewerItem::Rest { stamp, v1, u2 } => self.rest(stamp, v1, u2),
-            ViewerItem::Line {
-                stamp,
-                severity,
-                text,
-            } => self.line(LogLine {
+            ViewerItem::Line { stamp, level, text } => self.line(LogLine {
                 moment: self.timeline.at_last(stamp),
-                severity,
+                level,
                 text,
             }),
             ViewerItem::Parameters(parameters) => self.change(parameters),
@@ -334,7 +330,7 @@ impl ViewerStream {
         self.tell(end, Told::Result(result))?;
         self.line(LogLine {
             moment: end,
-            severity: Severity::Info,
+            level: NoticeLevel::Info,
             text: format!("result of {}: {}", result.event_id, summary(&result.report)),
         })
     }
@@ -433,7 +429,7 @@ impl ViewerStream {
                 };
                 self.line(LogLine {
                     moment,
-                    severity: Severity::Info,
+                    level: NoticeLevel::Info,
                     text,
                 })?;
             }
@@ -607,10 +603,10 @@ impl ViewerStream {
     }
 
     fn line(&self, line: LogLine) -> RecordingStreamResult<()> {
-        let level = match line.severity {
-            Severity::Info => TextLogLevel::INFO,
-            Severity::Warning => TextLogLevel::WARN,
-            Severity::Error => TextLogLevel::ERROR,
+        let level = match line.level {
+            NoticeLevel::Info => TextLogLevel::INFO,
+            NoticeLevel::Warning => TextLogLevel::WARN,
+            NoticeLevel::Error => TextLogLevel::ERROR,
         };
         let text = TextLog::new(line.text).with_level(level);
         let data = text.columns_of_unit_batches()?;

@@ -3,7 +3,7 @@
 use column_twin::column::{
     Impact, ImpactSpecification, Model, Phase, Progress, Response, Sample, State,
 };
-use column_twin::twin::{ImpactCommand, MAX_IMPACTS_AHEAD, Output, Severity, StateOutput};
+use column_twin::twin::{ImpactCommand, MAX_IMPACTS_AHEAD, NoticeLevel, Output, StateOutput};
 
 use crate::{Bench, MS, START, event, light, parameters};
 
@@ -229,7 +229,7 @@ fn a_reset_ends_the_response_and_drops_impacts_ahead() {
     bench.go_on(10 * MS);
     bench.reset();
     let forgotten = |it: &Output| {
-        matches!(it, Output::Notice(notice) if notice.severity == Severity::Warning
+        matches!(it, Output::Notice(notice) if notice.level == NoticeLevel::Warning
             && notice.text.contains("are still to come: \"b\""))
     };
     assert!(bench.out.iter().any(forgotten));

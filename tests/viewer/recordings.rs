@@ -142,7 +142,7 @@ fn every_step_of_a_simulation_becomes_a_file() {
     let (samples, report) = impact();
     let steps = samples.len();
     let before = Instant::now();
-    let items = from_samples("car", 0, samples, &report);
+    let items = from_samples("car", 0, samples, &ImpactReport::from(&report));
     write_rrd(&path, &Arc::new(Parameters::default()), items, false).expect("written");
     println!("{steps} steps became a file within {:?}", before.elapsed());
 }

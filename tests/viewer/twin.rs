@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use column_twin::live::{Live, LiveHandle, LiveOptions, RealTime, Receiver, SimClock};
 use column_twin::parameters::{Parameters, Value};
-use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Severity, StateOutput, Twin};
+use column_twin::twin::{Command, ImpactCommand, Nanos, NoticeLevel, Output, StateOutput, Twin};
 use column_twin::viewer::{LiveViewer, VIEWER_QUEUE, ViewerLogger, output_queue};
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
@@ -16,7 +16,7 @@ pub const MS: Nanos = 1_000_000;
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The log lines of a viewer's thread.
-pub type Log = Arc<Mutex<Vec<(Severity, String)>>>;
+pub type Log = Arc<Mutex<Vec<(NoticeLevel, String)>>>;
 
 pub struct LiveColumn {
     pub live: LiveHandle,
@@ -54,9 +54,9 @@ impl LiveColumn {
         let lines = Log::default();
         let log: ViewerLogger = {
             let lines = Arc::clone(&lines);
-            Arc::new(move |severity, text| {
-                println!("{severity:?}: {text}");
-                lines.lock().expect("no panic").push((severity, text));
+            Arc::new(move |level, text| {
+                println!("{level:?}: {text}");
+                lines.lock().expect("no panic").push((level, text));
             })
         };
         let viewer = LiveViewer::start(parameters, outputs, START, log).expect("a thread");

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::properties::ColumnProperties;
+use super::report::Report;
 
 /// Nanoseconds in a second.
 pub(crate) const NANOS_PER_SECOND: f64 = 1e9;
@@ -47,20 +48,21 @@ pub fn with_half_the_step(properties: &ColumnProperties) -> Option<ColumnPropert
 }
 
 /// Estimated relative error of the largest `v1` of a response, from that of the same response with half the step: the
-/// relative difference times [`ERROR_PER_DIFFERENCE`], >= 0. Infinite where the two have nothing in common (one of them is 0
-/// or not a number).
+/// relative difference times [`ERROR_PER_DIFFERENCE`], >= 0. `None` where the two have nothing in common: they end
+/// differently, or one of the displacements is 0 or not a number.
 ///
 /// The response with half the step may be advanced in pieces, by [`Response::advance`](super::Response::advance) on a model
 /// of [`with_half_the_step`].
-pub fn error_estimate(max_v1: f64, max_v1_half: f64) -> f64 {
+pub fn error_estimate(report: &Report, with_half_the_step: &Report) -> Option<f64> {
+    let error = relative_error(report.max_v1, with_half_the_step.max_v1);
+    (report.outcome == with_half_the_step.outcome && error.is_finite()).then_some(error)
+}
+
+fn relative_error(max_v1: f64, max_v1_half: f64) -> f64 {
     if max_v1 == max_v1_half {
         return 0.0;
     }
-    let difference = ((max_v1 - max_v1_half) / max_v1_half).abs();
-    if difference.is_nan() {
-        return f64::INFINITY;
-    }
-    ERROR_PER_DIFFERENCE * difference
+    ERROR_PER_DIFFERENCE * ((max_v1 - max_v1_half) / max_v1_half).abs()
 }
 
 #[cfg(test)]
@@ -72,19 +74,19 @@ mod tests {
         let with_step = |dt: f64| 2.0 * (1.0 + 0.03 * dt);
         let (whole, half) = (with_step(1.0), with_step(0.5));
         let error = whole / 2.0 - 1.0;
-        assert!((error_estimate(whole, half) / error - 1.0).abs() < 0.02);
+        assert!((relative_error(whole, half) / error - 1.0).abs() < 0.02);
         // Of second order it is on the safe side.
         let with_step = |dt: f64| 2.0 * (1.0 + 0.03 * dt * dt);
         let (whole, half) = (with_step(1.0), with_step(0.5));
-        assert!(error_estimate(whole, half) > whole / 2.0 - 1.0);
+        assert!(relative_error(whole, half) > whole / 2.0 - 1.0);
     }
 
     #[test]
     fn what_cannot_be_compared_has_no_finite_error() {
-        assert_eq!(error_estimate(0.1, 0.1), 0.0);
-        assert_eq!(error_estimate(0.0, 0.0), 0.0);
-        assert_eq!(error_estimate(0.1, 0.0), f64::INFINITY);
-        assert_eq!(error_estimate(f64::NAN, 0.1), f64::INFINITY);
-        assert_eq!(error_estimate(0.1, f64::NAN), f64::INFINITY);
+        assert_eq!(relative_error(0.1, 0.1), 0.0);
+        assert_eq!(relative_error(0.0, 0.0), 0.0);
+        assert_eq!(relative_error(0.1, 0.0), f64::INFINITY);
+        assert!(relative_error(f64::NAN, 0.1).is_nan());
+        assert!(relative_error(0.1, f64::NAN).is_nan());
     }
 }

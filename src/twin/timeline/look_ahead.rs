@@ -33,8 +33,8 @@ enum Stage {
     },
     /// The response with half the step.
     Refining {
-        /// Of the response with the whole step \[m\].
-        max_v1: f64,
+        /// Of the response with the whole step.
+        report: Report,
     },
     Complete,
 }
@@ -124,15 +124,13 @@ impl LookAhead {
                         capacities,
                         virgin: push_downs.virgin(),
                     };
-                    self.stage = Stage::Refining {
-                        max_v1: report.max_v1,
-                    };
+                    self.stage = Stage::Refining { report: *report };
                     return over;
                 }
-                Stage::Refining { max_v1 } => {
+                Stage::Refining { report } => {
                     *budget -= 1;
-                    let max_v1 = *max_v1;
-                    if let Some(estimate) = self.refine(max_v1) {
+                    let report = *report;
+                    if let Some(estimate) = self.refine(&report) {
                         self.stage = Stage::Complete;
                         return Outlook::Refined(estimate);
                     }
@@ -174,7 +172,7 @@ impl LookAhead {
 
     /// A step of the response with half the step. `Some` once the error is known, or known to be unknown: the response cannot
     /// be computed with half the step, or takes too long.
-    fn refine(&mut self, max_v1: f64) -> Option<Option<f64>> {
+    fn refine(&mut self, report: &Report) -> Option<Option<f64>> {
         let Some(refined) = &mut self.refined else {
             return Some(None);
         };
@@ -184,11 +182,7 @@ impl LookAhead {
         self.advances += 1;
         match refined.advance(u64::MAX) {
             Ok(Progress::Running) => None,
-            Ok(Progress::Over(end)) => {
-                let estimate = error_estimate(max_v1, refined.report(end).max_v1);
-                // An infinite estimate tells that the two responses have nothing in common: the error is not known.
-                Some(Some(estimate).filter(|it| it.is_finite()))
-            }
+            Ok(Progress::Over(end)) => Some(error_estimate(report, &refined.report(end))),
             Err(_) => Some(None),
         }
     }
