@@ -43,15 +43,13 @@ mod sample;
 mod section;
 mod state;
 mod statics;
+mod step_length;
 mod stepping;
 mod strength;
 mod vehicle;
 mod yield_surface;
 
-pub use accuracy::{
-    ERROR_PER_DIFFERENCE, MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD,
-    error_estimate, with_half_the_step,
-};
+pub use accuracy::{ERROR_PER_DIFFERENCE, error_estimate, with_half_the_step};
 pub use bar::{Bar, BarForces, PerBar, PlasticFlow};
 pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
@@ -80,6 +78,7 @@ pub use sample::{HINGE_NAMES, HINGES, HingeSample, HingeState, Phase, Sample, Ve
 pub use section::{RolledSection, STEEL_DENSITY, SectionProperties};
 pub use state::{State, Velocity};
 pub use statics::residual_state;
+pub use step_length::{MAX_RECOMMENDED_STEP_NANOS, MIN_RECOMMENDED_STEP_NANOS, STEPS_PER_PERIOD};
 pub use stepping::{MAX_HALVINGS, MAX_PARTS, begin_impact, step};
 pub use vehicle::{CrushCurve, CrushSpring, MAX_CURVE_POINTS, MAX_MASSES, Vehicle, VehicleError};
 pub use yield_surface::YieldSurface;

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use super::accuracy::{self, NANOS_PER_SECOND};
 use super::bar::{Bar, PerBar};
 use super::frame::Frame;
 use super::geometry::Displacement;
@@ -10,6 +9,7 @@ use super::modes::{self, Damping, Masses};
 use super::properties::{ColumnProperties, ElasticLaw, RateLaw, Scheme, Support};
 use super::rate::StrengthLaw;
 use super::sample::HINGE_NAMES;
+use super::step_length::{self, NANOS_PER_SECOND};
 use super::yield_surface::YieldSurface;
 
 /// Longest step \[ns\]: more than this is longer than the impacts for which this model is made.
@@ -123,7 +123,7 @@ impl Model {
         let slowest_period = modes::slowest_period(&frame, &masses, &at_rest, &PerBar::default())
             .ok_or(ModelError::Buckled { stiffness })?;
         if p.step_nanos == 0 {
-            p.step_nanos = accuracy::recommended_step_nanos(impact_point_mass, stiffness);
+            p.step_nanos = step_length::recommended_step_nanos(impact_point_mass, stiffness);
         }
         let step_secs = p.step_nanos as f64 / NANOS_PER_SECOND;
         Ok(Self {
