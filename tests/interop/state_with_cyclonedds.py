@@ -73,6 +73,12 @@ class ColumnState(IdlStruct, typename="column_twin::msg::dds_::ColumnState_"):
     damping_work: types.float64
     load_work: types.float64
     ledger_residual: types.float64
+    vehicle_velocity: types.sequence[types.float64, 3]
+    crush: types.sequence[types.float64, 3]
+    permanent_crush: types.sequence[types.float64, 3]
+    spring_force: types.sequence[types.float64, 3]
+    vehicle_dissipated: types.sequence[types.float64, 3]
+    vehicle_elastic_energy: types.float64
 
 
 def stamp_of(state):
@@ -80,6 +86,8 @@ def stamp_of(state):
 
 
 def equal(one, other):
+    if isinstance(other, list):
+        return len(one) == len(other) and all(map(equal, one, other))
     return one == other or (math.isnan(one) and math.isnan(other))
 
 
