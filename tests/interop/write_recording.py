@@ -9,6 +9,7 @@ Started by tests/evidence/replayed.rs.
 import sys
 from pathlib import Path
 
+import numpy
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -31,7 +32,9 @@ def main():
         values = {}
         for name, (kind, detail) in store.get_msgdef("column_twin/msg/ColumnState").fields:
             base = detail[0] if kind.name == "BASE" else None
-            values[name] = {"string": "", "uint8": 0, "uint64": 0}.get(base, 0.0)
+            # Of a vehicle of one mass, every sequence has one number.
+            one = numpy.array([0.25]) if kind.name == "SEQUENCE" else 0.0
+            values[name] = {"string": "", "uint8": 0, "uint64": 0}.get(base, one)
         values["header"] = header_type(stamp=time_type(sec=nanos // 10**9, nanosec=nanos % 10**9), frame_id="column")
         values["column_id"], values["event_id"], values["v1"] = "column", "foreign", 1e-3 * index
         return state_type(**values)
