@@ -9,6 +9,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{Impact, simulate};
 use column_twin::messages::column_twin::ImpactReport;
 use column_twin::parameters::Parameters;
@@ -47,7 +48,11 @@ pub fn write(config: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
         duration,
         &mut |sample| samples.push(*sample),
     )?;
-    let announced = ImpactReport::from(&report);
+    let properties = parameters.column_properties();
+    let ended = respond_and_rest(&properties, &car, duration)?;
+    let evaluation = ImpactEvaluation::complete(&parameters, &properties, &car, ended)?;
+    let vehicle = &parameters.settings().vehicle.name;
+    let announced = ImpactReport::evaluated(&evaluation, vehicle, &car);
     let contact = report
         .first_contact_time
         .ok_or("the vehicle does not reach the column")?;

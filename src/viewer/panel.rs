@@ -60,7 +60,7 @@ fn verdict(kind: &str, announced: &Announcement) -> String {
 /// What has to be done, and which criterion decides.
 fn severity(report: &ImpactReport) -> String {
     let action = match report.severity {
-        ImpactReport::SEVERITY_NONE => "none, no criterion is near its limit",
+        ImpactReport::SEVERITY_NONE => "none, no deciding criterion is exceeded",
         ImpactReport::SEVERITY_INSPECT => "inspect, an engineer has to examine the column",
         ImpactReport::SEVERITY_RESTRICT => "RESTRICT use and load until the column is examined",
         ImpactReport::SEVERITY_PROP => "PROP the column now",
@@ -68,10 +68,10 @@ fn severity(report: &ImpactReport) -> String {
         _ => "not assessed, only an inspection can tell",
     };
     let mut text = format!("**Severity: {action}.**");
-    for detail in [&report.deciding_criterion, &report.severity_reason] {
-        if !detail.is_empty() {
-            text.push_str(&format!(" {}.", escaped(detail.trim_end_matches('.'))));
-        }
+    // The reason begins with the name of the criterion that decides.
+    let reason = report.severity_reason.trim_end_matches('.');
+    if !reason.is_empty() {
+        text.push_str(&format!(" {}.", escaped(reason)));
     }
     text.push_str("\n\n");
     text
@@ -283,7 +283,7 @@ mod tests {
         let report = &mut announced.report;
         report.outcome = ImpactReport::SEVERED;
         report.severity = ImpactReport::SEVERITY_EVACUATE;
-        report.deciding_criterion = "hinge rotation.".to_owned();
+        report.severity_reason = "hinge rotation.".to_owned();
         report.max_crush = PerMass::first(&[0.62, 0.09, 0.0], 2);
         report.permanent_crush = PerMass::first(&[0.55, 0.01, 0.0], 2);
         report.vehicle_dissipated = PerMass::first(&[150e3, 2e3, 0.0], 2);
