@@ -193,7 +193,7 @@ fn imperfection_suits_the_height(settings: &Settings, found: &mut Vec<Inconsiste
 }
 
 /// Crush, force and unloading stiffness of each spring.
-const SPRINGS: [[&str; 3]; 3] = [
+pub(super) const SPRINGS: [[&str; 3]; 3] = [
     [
         "vehicle.spring_1.crush",
         "vehicle.spring_1.force",

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::consistency::{Inconsistency, inconsistencies};
+use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
 use super::parameter::Parameter;
@@ -145,19 +145,7 @@ impl Draft {
         );
         self.drop_default_name(
             "vehicle.name",
-            &[
-                "vehicle.masses",
-                "vehicle.slack",
-                "vehicle.spring_1.crush",
-                "vehicle.spring_1.force",
-                "vehicle.spring_1.unloading_stiffness",
-                "vehicle.spring_2.crush",
-                "vehicle.spring_2.force",
-                "vehicle.spring_2.unloading_stiffness",
-                "vehicle.spring_3.crush",
-                "vehicle.spring_3.force",
-                "vehicle.spring_3.unloading_stiffness",
-            ],
+            &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
         self.follow_vehicle();
         let settings =

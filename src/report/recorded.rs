@@ -87,7 +87,7 @@ pub enum RecordedReportError {
 impl ReportDocument {
     /// The report about all impacts of a recording, or about the one with this identifier.
     ///
-    /// A recording that cannot be verified, or only in part, still gives a report, which says so.
+    /// A recording that cannot be verified, or only in part, still gives a report; the report states what was not verified.
     ///
     /// # Errors
     /// The recording cannot be read, or contains no such impact.
