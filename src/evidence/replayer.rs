@@ -8,8 +8,11 @@ use super::journal_line::JournalEntry;
 use super::verification::Verification;
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
+use crate::messages::column_twin::ImpactReport;
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusRecord, Twin};
+use crate::twin::{
+    Checkpoint, CommandRecord, Journal, Nanos, Output, Position, StatusRecord, Twin,
+};
 
 /// A recorded message of the twin.
 pub(super) struct RecordedBytes<'a> {
@@ -387,24 +390,79 @@ impl ReplayedTwin {
     /// Takes the computed message that corresponds to a recorded one. Earlier ones stay for
     /// [`take_missing`](Self::take_missing).
     fn find(&mut self, topic: Topic, recorded: &Message) -> Option<Message> {
-        let same = |it: &Computed| {
-            it.message.stamp() == recorded.stamp() && it.message.event_id() == recorded.event_id()
-        };
-        let mut index = self.computed[topic.index()].iter().position(same);
-        if index.is_none() && topic != Topic::TwinStatus {
-            let stamp = recorded.stamp()?;
-            let mut out = Vec::new();
-            self.twin.advance_to_instant(stamp, &mut out);
-            self.convert_all(&out);
-            index = self.computed[topic.index()].iter().position(same);
+        if let Some(found) = self.find_computed(topic, recorded) {
+            return Some(found);
         }
-        let found = self.computed[topic.index()].remove(index?)?;
+        let withdrawn_kinds = [ImpactReport::WITHDRAWN, ImpactReport::NO_FORECAST];
+        match recorded {
+            Message::TwinStatus(_) => None,
+            // What was still to come when the twin was stopped never happened.
+            Message::ImpactForecast(it) if it.end == ImpactReport::END_STOPPED => None,
+            // Another impact, which may be the next one to come, has ended the response.
+            Message::ImpactForecast(it) if withdrawn_kinds.contains(&it.kind) => {
+                let instant = self.twin.next_impact()?;
+                self.advance_to_instant(instant);
+                self.find_computed(topic, recorded)
+            }
+            _ => {
+                self.advance_to_instant(recorded.stamp()?);
+                self.find_computed(topic, recorded)
+            }
+        }
+    }
+
+    fn advance_to_instant(&mut self, instant: Nanos) {
+        let mut out = Vec::new();
+        self.twin.advance_to_instant(instant, &mut out);
+        self.convert_all(&out);
+    }
+
+    fn find_computed(&mut self, topic: Topic, recorded: &Message) -> Option<Message> {
+        let computed = &mut self.computed[topic.index()];
+        let Some(index) = computed
+            .iter()
+            .position(|it| is_same(&it.message, recorded))
+        else {
+            return self.instead_of_forecasts(recorded);
+        };
+        let found = computed.remove(index)?;
         self.newest_found = self.newest_found.max(found.number);
         Some(found.message)
     }
 
+    /// The message with which the recorded twin said that it had no time to compute a forecast, which depends on the machine.
+    /// It takes the place of the computed forecasts; why and when the twin gave up cannot be recomputed.
+    fn instead_of_forecasts(&mut self, recorded: &Message) -> Option<Message> {
+        let recorded = match recorded {
+            Message::ImpactForecast(it) if it.kind == ImpactReport::NO_FORECAST => it,
+            _ => return None,
+        };
+        let of_impact = |it: &Computed| match &it.message {
+            Message::ImpactForecast(it) => {
+                it.header == recorded.header && it.event_id == recorded.event_id
+            }
+            _ => false,
+        };
+        let forecasts = &mut self.computed[Topic::ImpactForecast.index()];
+        let first = forecasts.iter().position(of_impact)?;
+        let Message::ImpactForecast(forecast) = forecasts.remove(first)?.message else {
+            return None;
+        };
+        forecasts.retain(|it| !of_impact(it));
+        let (end, reason) = (recorded.end, &recorded.severity_reason);
+        Some(Message::ImpactForecast(ImpactReport {
+            header: forecast.header,
+            column_id: forecast.column_id,
+            event_id: forecast.event_id,
+            vehicle: forecast.vehicle,
+            mass: forecast.mass,
+            velocity: forecast.velocity,
+            ..ImpactReport::without_results(ImpactReport::NO_FORECAST, end, reason)
+        }))
+    }
+
     /// Removes and counts the messages that were computed before the newest one found, and are not in the recording. A
-    /// forecast does not count: if another impact ended its response, it may never have been complete.
+    /// forecast does not count: the recorded twin may have had no time to compute it.
     fn take_missing(&mut self, topic: Topic) -> u64 {
         if topic == Topic::ImpactForecast {
             return 0;
@@ -414,6 +472,17 @@ impl ReplayedTwin {
         queue.retain(|it| it.number >= self.newest_found);
         (before - queue.len()) as u64
     }
+}
+
+/// Whether a computed message corresponds to a recorded one. Forecasts of the same impact are of several kinds.
+fn is_same(computed: &Message, recorded: &Message) -> bool {
+    let kind = |message: &Message| match message {
+        Message::ImpactForecast(it) => Some(it.kind),
+        _ => None,
+    };
+    computed.stamp() == recorded.stamp()
+        && computed.event_id() == recorded.event_id()
+        && kind(computed) == kind(recorded)
 }
 
 /// Compares everything in a message that the model determines.
@@ -437,6 +506,10 @@ fn copy_machine_dependent_fields(recorded: &Message, computed: &mut Message) {
         (Message::ImpactForecast(recorded), Message::ImpactForecast(computed))
         | (Message::ImpactReport(recorded), Message::ImpactReport(computed)) => {
             computed.compute_time = recorded.compute_time;
+            // A forecast may have been withdrawn before its error was estimated.
+            if recorded.kind == ImpactReport::WITHDRAWN && recorded.error_estimate.is_nan() {
+                computed.error_estimate = f64::NAN;
+            }
         }
         (Message::TwinStatus(recorded), Message::TwinStatus(computed)) => {
             computed.overruns = recorded.overruns;

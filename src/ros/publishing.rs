@@ -16,6 +16,7 @@ use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
 use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput};
 
+use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
 use super::node::{Node, NodeError};
@@ -44,6 +45,7 @@ pub(super) struct Publishing {
     parameters: Arc<Parameters>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    clock_warning: SeldomWarning,
     /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
@@ -85,6 +87,7 @@ impl Publishing {
             twin,
             counters,
             last_diagnostics: None,
+            clock_warning: SeldomWarning::default(),
             is_over: false,
         })
     }
@@ -109,10 +112,23 @@ impl Publishing {
                 None if stop.load(Ordering::Relaxed) => return,
                 None => {}
             }
+            self.warn_of_a_missing_clock();
             let last = self.last_diagnostics.as_ref();
             if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
                 self.diagnose(true);
             }
+        }
+    }
+
+    fn warn_of_a_missing_clock(&mut self) {
+        let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) else {
+            return;
+        };
+        let now = Instant::now();
+        if let Some(problem) = clock.problem(now)
+            && self.clock_warning.is_due(now)
+        {
+            tracing::warn!("{problem}");
         }
     }
 
@@ -148,6 +164,7 @@ impl Publishing {
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Withdrawn(_)
             | Output::Status(_)
             | Output::Save(_) => {}
         }

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::active_response::LastResponse;
 use super::command::{Accepted, Nanos};
 use super::lifecycle::Twin;
-use super::output::{NoticeLevel, Output, Outputs, ParametersChanged};
+use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
 use super::refusal::Refusal;
 use crate::parameters::{Parameters, Value};
@@ -65,7 +64,7 @@ impl Twin {
         self.at_rest = column;
     }
 
-    fn forbid_resuming(&mut self) {
+    pub(super) fn forbid_resuming(&mut self) {
         if let Some(last) = &mut self.last {
             last.resumable = None;
         }
@@ -114,14 +113,18 @@ impl Twin {
         if let Some(response) = self.response.take() {
             let text = format!(
                 "a reset ends the response to impact \"{}\"",
-                response.event_id
+                response.impact.event_id
             );
-            out.notice(NoticeLevel::Warning, now, text);
+            out.notice(NoticeLevel::Warning, now, text.clone());
             self.solver.newton_iterations += response.newton_iterations();
-            self.last = Some(LastResponse {
-                response,
-                resumable: None,
-            });
+            self.end_early(response, ForecastEnd::Reset, text);
+        }
+        // A reset does not wait for forecasts.
+        self.superseded.abandon();
+        for impact in self.registry.pending() {
+            let reason = "a reset has dropped the impact before it was due";
+            self.superseded
+                .take_none(impact.into(), ForecastEnd::Reset, reason);
         }
         self.forbid_resuming();
         if let Some(forgotten) = self.registry.pending_in_words() {
