@@ -19,7 +19,7 @@ impl CappedMoments {
 /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
 /// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases. `flexibility` is the inverse of each
 /// stiffness on the diagonal of `c`, 0 for a hinge that bears no moment.
-#[inline]
+#[inline(always)]
 pub(crate) fn cap_moments(
     c: &[[f64; 2]; 2],
     flexibility: [f64; 2],

@@ -97,8 +97,6 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// Of the resistances up to `n + 1/2`.
-    prediction: Prediction,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -116,6 +114,7 @@ pub(crate) fn part(
         offset_secs,
         secs,
         point: Point::default(),
+        prediction: None,
     };
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so the consistent case is the solution.
@@ -154,6 +153,8 @@ struct Part<'a> {
     secs: f64,
     /// The last evaluation of the last trial.
     point: Point,
+    /// Its resistances up to `n + 1/2`, where they are not constant.
+    prediction: Option<Prediction>,
 }
 
 impl Part<'_> {
@@ -168,15 +169,15 @@ impl Part<'_> {
             motion: Motion::new(model, from, coupling, chain.as_ref(), self.secs),
         };
         let guess = first_guess(model, from, self.secs);
-        let mut prediction = Prediction::default();
         if let Some(law) = &model.strength {
             let turns = model
                 .frame
                 .turns(&model.frame.chords(&from.displacement), &guess);
-            prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            let prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
             let strengths = prediction.strengths(&model.frame);
             self.point.below.set_strength(strengths.below);
             self.point.above.set_strength(strengths.above);
+            self.prediction = Some(prediction);
         }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
@@ -188,7 +189,6 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            prediction,
         })
     }
 
@@ -265,7 +265,7 @@ impl Part<'_> {
         check_part(self.model, &state.displacement, &end)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
-        if let Some(law) = &self.model.strength {
+        if let (Some(law), Some(prediction)) = (&self.model.strength, &self.prediction) {
             let frame = &self.model.frame;
             let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
             let turns = PerBar {
@@ -277,7 +277,7 @@ impl Part<'_> {
                 above: &above.flow,
             };
             let strength = &mut state.strength;
-            law.advance(strength, &turns, self.secs, &trial.prediction, flow, 2.0);
+            law.advance(strength, &turns, self.secs, prediction, flow, 2.0);
         }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));

@@ -85,7 +85,7 @@ pub(crate) type Strengths = PerBar<[HingeStrength; 2]>;
 pub(crate) type Factors = PerBar<[HingeFactors; 2]>;
 
 /// The strength of all hinges over one part of a step.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Prediction {
     /// The factors before any flow.
     factors: Factors,
@@ -339,7 +339,7 @@ impl RateLaw {
 
 impl Prediction {
     /// The strengths of both bars.
-    pub fn strengths(&self, frame: &Frame) -> PerBar<BarStrength> {
+    pub fn strengths(&self, frame: &Frame) -> PerBar<Option<BarStrength>> {
         let strength = |bar, factors: &[HingeFactors; 2], slopes: &[f64; 2]| {
             let [first, second] = factors;
             BarStrength::new(

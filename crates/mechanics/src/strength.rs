@@ -15,7 +15,7 @@
 
 use super::bar::{
     Bar, BarForces, BarStrain, BarTangent, MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, Place,
-    PlasticFlow, RETURN_TOLERANCE, Returned,
+    RETURN_TOLERANCE, Returned,
 };
 use super::capped_moments::{CappedMoments, cap_moments};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
@@ -26,8 +26,6 @@ const ROUND_OFF: f64 = 1e-6;
 /// Strength of a bar's two hinges over one part of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BarStrength {
-    /// Whether both hinges have the resistances of a virgin column at rest.
-    is_plain: bool,
     /// Factors of `M^p`, `D_k H_k`, and their inverses.
     moment: [f64; 2],
     per_moment: [f64; 2],
@@ -43,35 +41,22 @@ pub(crate) struct BarStrength {
     growth: [f64; 2],
 }
 
-impl Default for BarStrength {
-    fn default() -> Self {
-        Self {
-            is_plain: true,
-            moment: [1.0; 2],
-            per_moment: [1.0; 2],
-            per_axial: [1.0; 2],
-            weaker: 0,
-            weakest: 1.0,
-            lead: AxialLead {
-                share: 1.0,
-                rest: 0.0,
-            },
-            growth: [0.0; 2],
-        }
-    }
-}
-
 impl BarStrength {
     /// Of a bar whose hinges have the factors `dynamic` of the whole yield surface, and in addition `hardening` of the
-    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0.
-    pub(crate) fn new(bar: &Bar, dynamic: [f64; 2], hardening: [f64; 2], slope: [f64; 2]) -> Self {
+    /// moments; all >= 1. `slope` is the growth of `hardening` with the plastic rotation \[1/rad\], >= 0. `None` where the
+    /// hinges have the resistances of a virgin column at rest.
+    pub(crate) fn new(
+        bar: &Bar,
+        dynamic: [f64; 2],
+        hardening: [f64; 2],
+        slope: [f64; 2],
+    ) -> Option<Self> {
         if dynamic == [1.0; 2] && hardening == [1.0; 2] && slope == [0.0; 2] {
-            return Self::default();
+            return None;
         }
         let weaker = usize::from(dynamic[1] < dynamic[0]);
         let moment = [dynamic[0] * hardening[0], dynamic[1] * hardening[1]];
-        Self {
-            is_plain: false,
+        Some(Self {
             moment,
             per_moment: moment.map(|factor| 1.0 / factor),
             per_axial: dynamic.map(|factor| 1.0 / factor),
@@ -79,7 +64,7 @@ impl BarStrength {
             weakest: dynamic[weaker],
             lead: bar.surface.axial_lead(dynamic[weaker], dynamic[1 - weaker]),
             growth: [slope[0] / hardening[0], slope[1] / hardening[1]],
-        }
+        })
     }
 
     /// Whether a stress lies outside of either surface.
@@ -105,7 +90,8 @@ pub(crate) struct BarStress {
     tangent: BarTangent,
     /// Expected normal force \[N\].
     near: f64,
-    strength: BarStrength,
+    /// `None` where it is that of a virgin column at rest.
+    strength: Option<BarStrength>,
 }
 
 impl BarStress {
@@ -116,18 +102,20 @@ impl BarStress {
     }
 
     /// Sets the strength of the hinges, which is at first that of a virgin column at rest.
-    pub(crate) fn set_strength(&mut self, strength: BarStrength) {
+    pub(crate) fn set_strength(&mut self, strength: Option<BarStrength>) {
         self.strength = strength;
     }
 
     /// Returns the stress of a deformation to the yield surfaces. The last tangent predicts its normal force, which saves
     /// iterations of the return.
+    #[inline(always)]
     pub(crate) fn update(&mut self, bar: &Bar, strain: BarStrain) {
         let [first, second] = self.tangent.mixed;
         self.near += self.tangent.axial * (strain.elongation - self.strain.elongation)
             + first * (strain.rotation[0] - self.strain.rotation[0])
             + second * (strain.rotation[1] - self.strain.rotation[1]);
-        self.returned = return_stress(bar, &self.strength, bar.elastic(&strain), self.near);
+        let trial = bar.elastic(&strain);
+        self.returned = return_stress(bar, self.strength.as_ref(), trial, self.near);
         self.near = self.returned.forces.normal;
         self.strain = strain;
     }
@@ -139,43 +127,48 @@ impl BarStress {
     }
 }
 
-/// Returns the trial stress to the yield surfaces of the hinges with their `strength`. `near` \[N\] is the expected normal
-/// force, which only saves iterations.
-pub(crate) fn return_stress(
+/// Returns the trial stress to the yield surfaces of the hinges with their `strength`, `None` that of a virgin column at
+/// rest. `near` \[N\] is the expected normal force, which only saves iterations.
+// Inlined, measured: a step takes 2 % less.
+#[inline(always)]
+fn return_stress(
     bar: &Bar,
-    strength: &BarStrength,
+    strength: Option<&BarStrength>,
     trial: BarForces,
     near: f64,
 ) -> Returned {
-    if strength.is_plain {
-        return bar.return_stress(trial, near);
+    match strength {
+        None => bar.return_stress(trial, near),
+        Some(strength) => strength.return_stress(bar, trial, near),
     }
-    if !strength.exceeded(bar, &trial) {
-        return Returned {
-            forces: trial,
-            flow: PlasticFlow::default(),
-            place: Place::Elastic,
+}
+
+impl BarStrength {
+    #[inline(never)]
+    fn return_stress(&self, bar: &Bar, trial: BarForces, near: f64) -> Returned {
+        if !self.exceeded(bar, &trial) {
+            return Returned::elastic(trial);
+        }
+        let sign = if trial.normal < 0.0 { -1.0 } else { 1.0 };
+        let resistance = self.weakest * bar.surface.resistance_axial;
+        let per_resistance = 1.0 / resistance;
+        let per_energy = bar.axial * per_resistance * per_resistance;
+        let moment = self
+            .moment
+            .map(|factor| factor * bar.surface.resistance_moment);
+        let search = PairSearch {
+            bar,
+            strength: self,
+            trial,
+            sign,
+            axial: resistance,
+            moment,
+            relative: trial.normal.abs() * per_resistance,
+            scale: moment.map(|moment| moment * per_energy),
+            per_energy,
         };
+        search.run(sign * near * per_resistance)
     }
-    let sign = if trial.normal < 0.0 { -1.0 } else { 1.0 };
-    let resistance = strength.weakest * bar.surface.resistance_axial;
-    let per_resistance = 1.0 / resistance;
-    let per_energy = bar.axial * per_resistance * per_resistance;
-    let moment = strength
-        .moment
-        .map(|factor| factor * bar.surface.resistance_moment);
-    let search = PairSearch {
-        bar,
-        strength,
-        trial,
-        sign,
-        axial: resistance,
-        moment,
-        relative: trial.normal.abs() * per_resistance,
-        scale: moment.map(|moment| moment * per_energy),
-        per_energy,
-    };
-    search.run(sign * near * per_resistance)
 }
 
 /// The scalar problem of one return mapping, with `n = |N|` over the resistance of the weaker hinge.
@@ -556,13 +549,13 @@ mod tests {
     }
 
     impl Case {
-        fn strength(&self) -> BarStrength {
+        fn strength(&self) -> Option<BarStrength> {
             let slope = [0, 1].map(|k| self.growth[k] * self.hardening[k]);
             BarStrength::new(&self.bar, self.dynamic, self.hardening, slope)
         }
 
         fn returned(&self) -> Returned {
-            return_stress(&self.bar, &self.strength(), self.trial, 0.0)
+            return_stress(&self.bar, self.strength().as_ref(), self.trial, 0.0)
         }
 
         /// The moments \[N m\] that the normal force leaves to the hinges before they rotate.

@@ -201,6 +201,7 @@ impl YieldSurface {
     }
 
     /// The point of the quarter curve with coordinate `t`, `0 <= t <= split`, on `branch`.
+    #[inline(always)]
     pub(crate) fn point(&self, branch: Branch, t: f64) -> CurvePoint {
         match branch {
             Branch::Axial => self.axial_curve.point(t),
@@ -375,6 +376,7 @@ impl Curve {
 
     /// `-do/dt = (p/q) o / (1 - t^p) t^(p-1)`, and its derivative
     /// `(p/q) o / (1 - t^p) [(p-1) t^(p-2) + (1 - 1/q) p t^(2p-2) / (1 - t^p)]`.
+    #[inline(always)]
     fn point(&self, t: f64) -> CurvePoint {
         self.point_and_power(t).0
     }
