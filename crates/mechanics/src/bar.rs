@@ -14,7 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::capped_moments::{CappedMoments, cap_moments};
+use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
@@ -198,17 +198,16 @@ pub(crate) enum Place {
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
-    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`,
-    /// `dM = carried dt`, `stiffness` the second derivative of the convex problem in `t`; `frozen` is the tangent of the
-    /// moments with `t` held.
+    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`, the moments
+    /// of the hinges that rotate by `carried dt`, `stiffness` the second derivative of the convex problem in `t`.
     Curves {
-        frozen: [[f64; 2]; 2],
+        hardening: Hardening,
         axial: f64,
         carried: [f64; 2],
         stiffness: f64,
     },
     /// On a vertex of surfaces of hinges of different strength: `N` is held.
-    Held { frozen: [[f64; 2]; 2] },
+    Held { hardening: Hardening },
     /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
@@ -451,13 +450,19 @@ impl Bar {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
-            Place::Held { frozen } => BarTangent::held(frozen),
+            Place::Held { hardening } => {
+                BarTangent::held(hardening.frozen(&self.rotational, returned.flow.rotation))
+            }
             Place::Curves {
-                frozen,
+                hardening,
                 axial,
                 carried,
                 stiffness,
-            } => BarTangent::held(frozen).sliding(axial, carried, stiffness),
+            } => {
+                let (c, rotation) = (&self.rotational, returned.flow.rotation);
+                let carried = times(c, hardening.solved(c, rotation, carried));
+                BarTangent::held(hardening.frozen(c, rotation)).sliding(axial, carried, stiffness)
+            }
             Place::Curve {
                 active,
                 sign_axial,

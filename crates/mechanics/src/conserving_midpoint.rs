@@ -375,7 +375,7 @@ impl Part<'_> {
         let from = system.from;
         self.prediction = prediction;
         if let Some(prediction) = &self.prediction {
-            let strengths = prediction.strengths(&system.model.frame);
+            let strengths = prediction.strengths();
             self.point.below.stress.set_strength(strengths.below);
             self.point.above.stress.set_strength(strengths.above);
         }

@@ -16,7 +16,7 @@ use super::motion::{Motion, Rejected, check_part};
 use super::newton::NonlinearSystem;
 use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
-use super::statics;
+use super::statics::{self, Settled};
 use super::strength::BarStress;
 
 /// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
@@ -153,8 +153,8 @@ struct Part<'a> {
     secs: f64,
     /// The last evaluation of the last trial.
     point: Point,
-    /// Its resistances up to `n + 1/2`, where they are not constant.
-    prediction: Option<Prediction>,
+    /// Its resistances up to `n + 1/2` where they are not constant, and the chords at its start.
+    prediction: Option<(Prediction, PerBar<Chord>)>,
 }
 
 impl Part<'_> {
@@ -170,14 +170,13 @@ impl Part<'_> {
         };
         let guess = first_guess(model, from, self.secs);
         if let Some(law) = &model.strength {
-            let turns = model
-                .frame
-                .turns(&model.frame.chords(&from.displacement), &guess);
+            let start = model.frame.chords(&from.displacement);
+            let turns = model.frame.turns(&start, &guess);
             let prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
-            let strengths = prediction.strengths(&model.frame);
+            let strengths = prediction.strengths();
             self.point.below.set_strength(strengths.below);
             self.point.above.set_strength(strengths.above);
-            self.prediction = Some(prediction);
+            self.prediction = Some((prediction, start));
         }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
@@ -256,21 +255,22 @@ impl Part<'_> {
         // extrapolated after all.
         let extrapolated = state.displacement.plus(1.0, trial.increment);
         let settled = statics::settle_massless(self.model, extrapolated, &plastic);
-        let (end, forces) = settled.unwrap_or_else(|| {
+        let end = settled.unwrap_or_else(|| {
             let frame = &self.model.frame;
             let chords = frame.chords(&extrapolated);
-            let forces = frame.elastic_forces(&chords, &extrapolated, &plastic);
-            (extrapolated, forces)
+            Settled {
+                displacement: extrapolated,
+                chords,
+                forces: frame.elastic_forces(&chords, &extrapolated, &plastic),
+            }
         });
-        check_part(self.model, &state.displacement, &end)?;
+        check_part(self.model, &state.displacement, &end.displacement)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
-        if let (Some(law), Some(prediction)) = (&self.model.strength, &self.prediction) {
-            let frame = &self.model.frame;
-            let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
+        if let (Some(law), Some((prediction, from))) = (&self.model.strength, &self.prediction) {
             let turns = PerBar {
-                below: from.below.discrete_gradient(&to.below).1,
-                above: from.above.discrete_gradient(&to.above).1,
+                below: from.below.discrete_gradient(&end.chords.below).1,
+                above: from.above.discrete_gradient(&end.chords.above).1,
             };
             let flow = PerBar {
                 below: &below.flow,
@@ -287,8 +287,8 @@ impl Part<'_> {
         state
             .predictor
             .learn(&trial.increment, self.secs, middle, &self.point.forces());
-        state.displacement = end;
-        state.forces = forces;
+        state.displacement = end.displacement;
+        state.forces = end.forces;
         Ok(())
     }
 }
