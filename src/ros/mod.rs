@@ -15,6 +15,7 @@ mod duplicates;
 mod environment;
 mod fresh_domain;
 mod inputs;
+mod library_log;
 mod lines;
 mod live_twin;
 mod matches;
@@ -30,9 +31,11 @@ mod raw;
 pub mod replay;
 mod rosout;
 mod run;
+mod senders;
 mod signals;
 mod task;
 mod twin_node;
+mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};
@@ -46,6 +49,7 @@ pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use run::{RunEnd, RunError, RunOptions, run};
+pub use senders::{GuidPrefix, NoIdentities, SenderIdentity};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 
