@@ -467,6 +467,10 @@ impl TopicCache {
     // received reliably, since no such samples exist.
   }
 
+  pub fn has_samples_of(&self, writer: GUID) -> bool {
+    self.sequence_numbers.contains_key(&writer)
+  }
+
   fn remove_sn(&mut self, cc: &CacheChange) {
     let mut emptied = false;
 
