@@ -70,6 +70,8 @@ pub use output::{
     StrikingVehicle,
 };
 pub use plant::{Condition, HEIGHT_TOLERANCE};
+#[cfg(test)]
+pub(crate) use plant::failing_step;
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
     Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Refused, RefusedInput,

@@ -19,3 +19,4 @@ mod replayed;
 mod scenarios;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
+mod tampering;
