@@ -23,6 +23,8 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+#[cfg(feature = "security")]
+pub mod keystore;
 pub mod live;
 pub mod messages;
 pub mod outgoing;
