@@ -25,6 +25,8 @@ pub mod evidence;
 pub mod figures;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;
+#[cfg(feature = "security")]
+pub mod keystore;
 pub mod live;
 pub mod messages;
 pub mod outgoing;
