@@ -10,6 +10,7 @@ mod duplicates;
 mod incoming;
 mod live_twin;
 mod loopback;
+mod parameter_events;
 mod program;
 mod real_peers;
 mod real_time;
