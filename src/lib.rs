@@ -31,6 +31,7 @@ pub mod live;
 pub mod messages;
 pub mod outgoing;
 pub mod parameters;
+pub mod printable;
 #[cfg(feature = "record")]
 pub mod recording;
 #[cfg(feature = "cli")]
