@@ -563,7 +563,10 @@ fn an_empty_file_is_rejected_with_the_reason() {
 
 #[test]
 fn an_unclosed_bracket_is_rejected_with_the_reason() {
-    for text in ["column_twin: [1, 2\n", "column_twin: {ros__parameters: {a: 1\n\n"] {
+    for text in [
+        "column_twin: [1, 2\n",
+        "column_twin: {ros__parameters: {a: 1\n\n",
+    ] {
         let report = report_of(text);
         assert!(report.contains("not valid YAML"), "{report}");
         assert!(report.contains("of line 1, column "), "{report}");

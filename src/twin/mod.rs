@@ -70,9 +70,9 @@ pub use output::{
     Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput, StateOutput,
     StrikingVehicle,
 };
-pub use plant::{Condition, HEIGHT_TOLERANCE};
 #[cfg(test)]
 pub(crate) use plant::failing_step;
+pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{
     Counts, LastRefusal, Life, MAX_EVENT_ID_CHARS, MAX_IMPACTS_AHEAD, Refused, RefusedInput,
