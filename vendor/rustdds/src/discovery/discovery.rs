@@ -1112,6 +1112,10 @@ impl Discovery {
     });
     #[cfg(feature = "security")]
     self.spdp_quick_response_sent.remove(&participant_guidp);
+    #[cfg(feature = "security")]
+    if let Some(security) = self.security_opt.as_mut() {
+      security.forget_participant(participant_guidp);
+    }
   }
 
   fn send_endpoint_dispose_message(&self, endpoint_guid: GUID) {
@@ -1764,10 +1768,14 @@ impl Discovery {
     self.report_authentication_outcomes();
   }
 
-  pub fn participant_cleanup(&self) {
+  pub fn participant_cleanup(&mut self) {
     let removed = discovery_db_write(&self.discovery_db).participant_cleanup();
     for (guid_prefix, reason) in removed {
       debug!("participant cleanup - timeout for {guid_prefix:?}");
+      #[cfg(feature = "security")]
+      if let Some(security) = self.security_opt.as_mut() {
+        security.forget_participant(guid_prefix);
+      }
       self.send_discovery_notification(DiscoveryNotificationType::ParticipantLost { guid_prefix });
       self.send_participant_status(DomainParticipantStatusEvent::ParticipantLost {
         id: guid_prefix,
