@@ -171,10 +171,12 @@ pub fn watch(
     })?;
     let mut lines = WatchLines::default();
     while !signals.asked() && shown.is_continue() {
-        if let Some(seen) = next(&seen, Instant::now() + CHECK_INTERVAL)
-            && let Some(line) = lines.line(&seen, Instant::now())
-        {
+        let seen = next(&seen, Instant::now() + CHECK_INTERVAL);
+        for line in lines.lines(seen, Instant::now()) {
             shown = show(&line);
+            if shown.is_break() {
+                break;
+            }
         }
     }
     task.stop();

@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::column_twin::TwinStatus;
-use column_twin::ros::{Environment, ImpactOptions, ImpactOutcome, Names, Node, qos, send_impact};
+use column_twin::ros::{
+    ClientError, Environment, ImpactOptions, ImpactOutcome, Names, Node, qos, send_impact,
+};
 
 use super::domain::{Domain, PATIENCE};
 use super::incoming::Incoming;
@@ -118,7 +120,7 @@ fn the_governance_of_ros2_security_works_unchanged() {
 
 #[test]
 fn a_peer_without_identity_gets_nothing_through() {
-    let mut bed = Bed::start(&RECOMMENDED);
+    let bed = Bed::start(&RECOMMENDED);
     bed.nothing_gets_through(None, "it has no DDS security");
 }
 
@@ -141,7 +143,7 @@ fn a_peer_of_another_authority_gets_nothing_through() {
 
 #[test]
 fn a_peer_with_forged_permissions_gets_nothing_through() {
-    let mut bed = Bed::start(&RECOMMENDED);
+    let bed = Bed::start(&RECOMMENDED);
     let forger = Identity::authority("sros2CA");
     let enclave = bed.keystore.unrestricted("/monitor", &RECOMMENDED);
     let forged = enclave.with_permissions_of(&forger, &RECOMMENDED, &everything("/monitor"));
@@ -166,7 +168,7 @@ fn a_peer_whose_certificate_is_not_valid_yet_gets_nothing_through() {
 }
 
 fn untimely_certificate(name: &str, days: std::ops::Range<i64>, reason: &str) {
-    let mut bed = Bed::start(&RECOMMENDED);
+    let bed = Bed::start(&RECOMMENDED);
     let authority = &bed.keystore.authority;
     let identity = authority.issue(name, days);
     let enclave = Enclave::of(authority, &identity, &RECOMMENDED, &everything(name));

@@ -296,6 +296,8 @@ pub(crate) struct Discovery {
   // discovery phase. See `spdp_receive`.
   #[cfg(feature = "security")]
   spdp_quick_response_sent: std::collections::HashSet<GuidPrefix>,
+  // A quick SPDP response to newly discovered participants is scheduled.
+  spdp_quick_response_pending: bool,
 }
 
 impl Discovery {
@@ -693,6 +695,7 @@ impl Discovery {
       dcps_participant_volatile_message_secure,
       #[cfg(feature = "security")]
       spdp_quick_response_sent: std::collections::HashSet::new(),
+      spdp_quick_response_pending: false,
     })
   }
 
@@ -860,7 +863,9 @@ impl Discovery {
                   };
                   // Only the periodic announce reschedules itself; the one-shot
                   // quick response does not.
-                  if reschedule {
+                  if !reschedule {
+                    self.spdp_quick_response_pending = false;
+                  } else {
                     self.discovery_timer.borrow_mut().set_timeout(
                       Self::SPDP_PUBLISH_PERIOD,
                       DiscoveryTimerEvent::SendParticipantInfo { reschedule: true },
@@ -1029,6 +1034,9 @@ impl Discovery {
             #[cfg(feature = "security")]
             if let Sample::Value(participant_data) = &ds.value {
               let remote_prefix = participant_data.participant_guid.prefix;
+              if self.spdp_quick_response_sent.len() >= MAX_OBSERVED_PARTICIPANTS {
+                self.spdp_quick_response_sent.clear();
+              }
               if remote_prefix != self.domain_participant.guid().prefix
                 && self.spdp_quick_response_sent.insert(remote_prefix)
               {
@@ -1056,8 +1064,17 @@ impl Discovery {
     &mut self,
     participant_data: &SpdpDiscoveredParticipantData,
   ) {
-    let was_new = discovery_db_write(&self.discovery_db).update_participant(participant_data);
     let guid_prefix = participant_data.participant_guid.prefix;
+    let (was_new, is_known, evicted) = {
+      let mut db = discovery_db_write(&self.discovery_db);
+      let was_new = db.update_participant(participant_data);
+      let is_known = db.find_participant_proxy(guid_prefix).is_some();
+      (was_new, is_known, db.take_evicted_participants())
+    };
+    self.on_participants_lost(evicted);
+    if !is_known {
+      return; // ignored
+    }
 
     // Send notification to dp_event_loop. It will update local reader/writer
     // proxies as the SpdpDiscoveredParticipantData contains a bitmap of the
@@ -1078,8 +1095,10 @@ impl Discovery {
       // a previously unknown Participant, but this behavior is optional."
       //
       // But not to reply to self, because we know that we exist.
-      // TODO: Maybe add some rate-limiting to this to avoid packet storms.
-      if guid_prefix != self.domain_participant.guid().prefix {
+      // One response goes to all, so one pending response serves all that are new,
+      // and a flood of new participants does not become a flood of responses.
+      if guid_prefix != self.domain_participant.guid().prefix && !self.spdp_quick_response_pending {
+        self.spdp_quick_response_pending = true;
         // One-shot quick SPDP response on the shared timer (does not reschedule).
         self.discovery_timer.borrow_mut().set_timeout(
           StdDuration::from_millis(10),
@@ -1217,7 +1236,9 @@ impl Discovery {
         match d {
           Sample::Value(d) => {
             trace!("sedp_receive_subscription - {d:?}");
-            let drd = discovery_db_write(&self.discovery_db).update_subscription(&d);
+            let Some(drd) = discovery_db_write(&self.discovery_db).update_subscription(&d) else {
+              continue;
+            };
             debug!(
               "sedp_receive_subscription - send_discovery_notification ReaderUpdated  {:?}",
               drd
@@ -1296,8 +1317,11 @@ impl Discovery {
         match d {
           Sample::Value(dwd) => {
             trace!("sedp_receive_publication discovered {:?}", dwd);
-            let discovered_writer_data =
-              discovery_db_write(&self.discovery_db).update_publication(&dwd);
+            let Some(discovered_writer_data) =
+              discovery_db_write(&self.discovery_db).update_publication(&dwd)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
               discovered_writer_data,
             });
@@ -1688,7 +1712,11 @@ impl Discovery {
           Sample::Value(sec_sub) => {
             // Currently we use only the DiscoveredReaderData field, no DataTag
             let drd_from_topic = sec_sub.discovered_reader_data;
-            let drd = discovery_db_write(&self.discovery_db).update_subscription(&drd_from_topic);
+            let Some(drd) =
+              discovery_db_write(&self.discovery_db).update_subscription(&drd_from_topic)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::ReaderUpdated {
               discovered_reader_data: drd,
             });
@@ -1735,7 +1763,11 @@ impl Discovery {
           Sample::Value(se_pub) => {
             // Currently we use only the DiscoveredWriterData field, no DataTag
             let dwd_from_topic = se_pub.discovered_writer_data;
-            let dwd = discovery_db_write(&self.discovery_db).update_publication(&dwd_from_topic);
+            let Some(dwd) =
+              discovery_db_write(&self.discovery_db).update_publication(&dwd_from_topic)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
               discovered_writer_data: dwd,
             });
@@ -1769,9 +1801,18 @@ impl Discovery {
   }
 
   pub fn participant_cleanup(&mut self) {
-    let removed = discovery_db_write(&self.discovery_db).participant_cleanup();
-    for (guid_prefix, reason) in removed {
-      debug!("participant cleanup - timeout for {guid_prefix:?}");
+    let lost = {
+      let mut db = discovery_db_write(&self.discovery_db);
+      let mut lost = db.participant_cleanup();
+      lost.extend(db.take_evicted_participants());
+      lost
+    };
+    self.on_participants_lost(lost);
+  }
+
+  fn on_participants_lost(&mut self, lost: Vec<(GuidPrefix, LostReason)>) {
+    for (guid_prefix, reason) in lost {
+      debug!("participant {guid_prefix:?} lost: {reason:?}");
       #[cfg(feature = "security")]
       if let Some(security) = self.security_opt.as_mut() {
         security.forget_participant(guid_prefix);
@@ -2445,7 +2486,7 @@ mod tests {
       .poll(&mut events, Some(StdDuration::from_secs(1)))
       .unwrap();
 
-    for _ in udp_listener.messages_bounded(usize::MAX) {
+    for _ in udp_listener.messages_bounded(usize::MAX).0 {
       info!("Message received");
     }
   }

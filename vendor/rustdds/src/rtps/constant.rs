@@ -82,6 +82,22 @@ pub const MAX_TRACKED_CHANGES_PER_WRITER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 // are handed over.
 pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 16 * 1024 * 1024;
 
+// Most bytes of one sample of the discovery topics (SPDP, SEDP). Larger ones are
+// dropped, because what they announce is kept for as long as the sender wishes.
+pub const MAX_DISCOVERY_SAMPLE_SIZE: usize = 16 * 1024;
+
+// Most remote participants, and most remote Readers and most remote Writers, that
+// are kept track of. See DiscoveryDB on who is given up beyond that.
+pub const MAX_REMOTE_PARTICIPANTS: usize = 1024;
+pub const MAX_REMOTE_ENDPOINTS: usize = 16 * 1024;
+
+// Most remote participants for which it is recorded where their datagrams came
+// from. Any datagram with a new GUID prefix makes a record.
+pub const MAX_OBSERVED_PARTICIPANTS: usize = 4 * MAX_REMOTE_PARTICIPANTS;
+
+// Most datagrams that are read from one socket before they are processed.
+pub const MAX_DATAGRAMS_PER_TURN: usize = 64;
+
 // Default / fallback UDP-payload budget (RTPS header + submessages) used to
 // size datagrams built by the writer's DATA-coalescing and DATAFRAG packing
 // paths when the per-peer path MTU is unknown (peer behind a router, IPv6, or
