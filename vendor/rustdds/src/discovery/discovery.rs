@@ -1140,6 +1140,10 @@ impl Discovery {
     });
     #[cfg(feature = "security")]
     self.spdp_quick_response_sent.remove(&participant_guidp);
+    #[cfg(feature = "security")]
+    if let Some(security) = self.security_opt.as_mut() {
+      security.forget_participant(participant_guidp);
+    }
   }
 
   fn send_endpoint_dispose_message(&self, endpoint_guid: GUID) {
@@ -1805,7 +1809,7 @@ impl Discovery {
     self.report_authentication_outcomes();
   }
 
-  pub fn participant_cleanup(&self) {
+  pub fn participant_cleanup(&mut self) {
     let lost = {
       let mut db = discovery_db_write(&self.discovery_db);
       let mut lost = db.participant_cleanup();
@@ -1815,9 +1819,13 @@ impl Discovery {
     self.on_participants_lost(lost);
   }
 
-  fn on_participants_lost(&self, lost: Vec<(GuidPrefix, LostReason)>) {
+  fn on_participants_lost(&mut self, lost: Vec<(GuidPrefix, LostReason)>) {
     for (guid_prefix, reason) in lost {
       debug!("participant {guid_prefix:?} lost: {reason:?}");
+      #[cfg(feature = "security")]
+      if let Some(security) = self.security_opt.as_mut() {
+        security.forget_participant(guid_prefix);
+      }
       self.send_discovery_notification(DiscoveryNotificationType::ParticipantLost { guid_prefix });
       self.send_participant_status(DomainParticipantStatusEvent::ParticipantLost {
         id: guid_prefix,
