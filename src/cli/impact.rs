@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
-use super::run::environment;
+use super::run::client_environment;
 use column_twin::parameters::Parameters;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
@@ -62,14 +62,19 @@ pub fn run(
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
-    let outcome =
-        send_impact(&environment()?, &ros.remap_rules, &options, &mut say).map_err(|error| {
-            let exit = match error {
-                ClientError::Name(_) => Exit::BadInput,
-                _ => Exit::Failed,
-            };
-            Failure::plain(exit, error)
-        })?;
+    let outcome = send_impact(
+        &client_environment(ros)?,
+        &ros.remap_rules,
+        &options,
+        &mut say,
+    )
+    .map_err(|error| {
+        let exit = match error {
+            ClientError::Name(_) => Exit::BadInput,
+            _ => Exit::Failed,
+        };
+        Failure::plain(exit, error)
+    })?;
     match outcome {
         ImpactOutcome::Forecast(report) => {
             lines.print(report_line("forecast", &report));

@@ -10,6 +10,7 @@ use crate::outgoing::RecordingHealth;
 
 use super::lines::severity_word;
 use super::live_twin::Health;
+use super::security::SecurityHealth;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]
@@ -37,6 +38,7 @@ pub(super) fn diagnostics(
     twin: &TwinStatus,
     health: &Health,
     recording: Option<&RecordingHealth>,
+    security: Option<SecurityHealth>,
     counters: &NodeCounters,
 ) -> DiagnosticArray {
     let mut status = vec![
@@ -46,6 +48,7 @@ pub(super) fn diagnostics(
         node_status(counters),
     ];
     status.extend(recording.map(recording_status));
+    status.extend(security.map(security_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
         one.hardware_id.clone_from(&twin.column_id);
@@ -210,6 +213,15 @@ fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     entry("recording", level, message, values)
 }
 
+fn security_status(security: SecurityHealth) -> DiagnosticStatus {
+    entry(
+        "security",
+        security.level,
+        security.message,
+        security.values,
+    )
+}
+
 fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let values = [
         ("unreadable messages", &counters.unreadable),
@@ -269,6 +281,7 @@ mod tests {
             "column_twin",
             twin,
             health,
+            None,
             None,
             counters,
         );
@@ -369,6 +382,7 @@ mod tests {
                 "n",
                 &twin,
                 &Health::default(),
+                None,
                 None,
                 &counters,
             )

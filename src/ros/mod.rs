@@ -29,6 +29,7 @@ mod raw;
 pub mod replay;
 mod rosout;
 mod run;
+pub mod security;
 mod signals;
 mod task;
 mod twin_node;

@@ -22,6 +22,7 @@ use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
+use super::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -39,6 +40,8 @@ pub(super) struct Publishing {
     outgoing: Outgoing,
     twin: Arc<LiveTwin>,
     counters: Arc<NodeCounters>,
+    protection: Arc<Protection>,
+    peers: Arc<Peers>,
     node_name: String,
     fully_qualified: String,
     parameters: Arc<Parameters>,
@@ -84,6 +87,8 @@ impl Publishing {
             parameters: Arc::clone(&parameters),
             twin,
             counters,
+            protection: node.protection(),
+            peers: node.security_peers(),
             last_diagnostics: None,
             is_over: false,
         })
@@ -207,6 +212,7 @@ impl Publishing {
             &self.status,
             &health,
             self.recording_health(&health).as_ref(),
+            self.protection.health(&self.peers),
             &self.counters,
         );
         let last = self.last_diagnostics.as_ref();

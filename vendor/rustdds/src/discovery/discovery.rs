@@ -1000,6 +1000,8 @@ impl Discovery {
             // No security configured, always allowed
             NormalDiscoveryPermission::Allow
           };
+          #[cfg(feature = "security")]
+          self.report_authentication_outcomes();
 
           if permission == NormalDiscoveryPermission::Allow {
             match ds.value {
@@ -1592,6 +1594,7 @@ impl Discovery {
         }
       };
     }
+    self.report_authentication_outcomes();
   }
 
   #[cfg(feature = "security")]
@@ -1758,6 +1761,7 @@ impl Discovery {
       // Note: the resend timer is rescheduled by the shared-timer dispatch loop
       // after this method returns, so we must not reschedule it here.
     }
+    self.report_authentication_outcomes();
   }
 
   pub fn participant_cleanup(&self) {
@@ -2135,6 +2139,20 @@ impl Discovery {
     match self.discovery_updated_sender.send(dntype) {
       Ok(_) => (),
       Err(e) => error!("Failed to send DiscoveryNotification {e:?}"),
+    }
+  }
+
+  #[cfg(feature = "security")]
+  fn report_authentication_outcomes(&mut self) {
+    let outcomes = self
+      .security_opt
+      .as_mut()
+      .map(|security| security.take_authentication_outcomes());
+    for (participant, outcome) in outcomes.into_iter().flatten() {
+      self.send_participant_status(DomainParticipantStatusEvent::AuthenticationOutcome {
+        participant,
+        outcome,
+      });
     }
   }
 
