@@ -9,6 +9,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crate::error::RecordingError;
+use crate::report::RecorderReport;
 use crate::session::{Counters, RecorderOptions, Session};
 use crate::startup::repair_unfinished;
 use crate::statistics::{QueueStatistics, RecorderStatistics};
@@ -36,6 +37,13 @@ impl Recorder {
     ) -> Result<RecorderHandle, RecordingError> {
         check_topics(&topics)?;
         check_directory(&options.directory)?;
+        if let Some(key) = &options.seal {
+            options.report(&RecorderReport::Sealing { key: key.clone() });
+            if let Some(warning) = key.warning() {
+                let warning = warning.to_owned();
+                options.report(&RecorderReport::ExposedKey { warning });
+            }
+        }
         let application = options.application.clone();
         let (sender, receiver) = sync_channel(options.queue_messages.max(1));
         let shared = Arc::new(Shared {

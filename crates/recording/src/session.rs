@@ -9,11 +9,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
+use crate::chain::Hash;
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
 use crate::names::directory_name;
 use crate::report::RecorderReport;
 use crate::retention::{Limits, enforce_limits};
+use crate::seal::{Beginning, PreviousRecording};
+use crate::seal_key::SealKey;
 use crate::syncing::Syncing;
 use crate::topic::TopicInfo;
 use crate::writer::{APPLICATION, EndReason, Entry, Unsaved, Writer, WriterOptions};
@@ -54,6 +57,9 @@ pub struct RecorderOptions {
     pub application: String,
     /// Notes of the recording program at the beginning of each recording: its version, for example.
     pub notes: BTreeMap<String, String>,
+    /// The key with which the recordings are sealed: within [`FLUSH_WITHIN`](crate::FLUSH_WITHIN), and at their end. `None`:
+    /// they are not sealed.
+    pub seal: Option<SealKey>,
     /// Size at which a new recording begins \[bytes\].
     pub max_file_size: u64,
     /// Duration after which a new recording begins.
@@ -72,7 +78,7 @@ pub struct RecorderOptions {
     pub queue_messages: usize,
     /// Maximum size of the messages in the queue \[bytes\].
     pub queue_bytes: usize,
-    /// Called in the recorder's thread with each report; must return quickly.
+    /// Called with each report, at the start and in the recorder's threads; must return quickly.
     pub on_report: Option<OnReport>,
 }
 
@@ -86,6 +92,7 @@ impl RecorderOptions {
             sync: true,
             application: APPLICATION.to_owned(),
             notes: BTreeMap::new(),
+            seal: None,
             max_file_size: u64::MAX,
             max_duration: None,
             max_files: None,
@@ -105,6 +112,7 @@ impl RecorderOptions {
             sync: self.sync,
             application: self.application.clone(),
             notes: self.notes.clone(),
+            seal: self.seal.clone(),
         }
     }
 
@@ -151,6 +159,8 @@ pub(crate) struct Session {
     writer: Option<Current>,
     /// The newest checkpoint; a recording that cannot wait for the next one begins with it.
     checkpoint: Option<Entry>,
+    /// How the seal of the next recording begins.
+    beginning: Option<Beginning>,
     retry_at: Option<Duration>,
     /// Losses that are recorded in a file.
     noted: u64,
@@ -175,6 +185,7 @@ impl Session {
     ) -> Result<Self, RecordingError> {
         Ok(Self {
             syncing: Syncing::start(&options.application)?,
+            beginning: options.seal.as_ref().map(Beginning::new).transpose()?,
             options,
             topics,
             counters,
@@ -272,6 +283,7 @@ impl Session {
             &directory,
             &self.options.writer_options(),
             &self.topics,
+            self.beginning.clone(),
             room,
         );
         if created.is_err() {
@@ -352,6 +364,7 @@ impl Session {
         if matches!(error, RecordingError::NoRoom { .. }) {
             self.end(EndReason::NoRoom);
         } else if let Some(current) = self.writer.take() {
+            self.ends_at(current.writer.directory(), current.writer.signed());
             let unsaved = current.writer.abandon();
             self.cut_off(unsaved);
         }
@@ -372,8 +385,11 @@ impl Session {
         };
         current.writer.add_lost(losses);
         set(&self.counters.current, None);
+        let directory = current.writer.directory().to_path_buf();
+        let signed = current.writer.signed();
         match current.writer.finish_because(reason) {
             Ok(finished) => {
+                self.ends_at(&directory, finished.signed);
                 self.noted += losses;
                 // A loss is an error even if only the end of the file records it.
                 let messages = self.losses_to_report();
@@ -384,12 +400,25 @@ impl Session {
                 self.options.report(&RecorderReport::Finished(finished));
             }
             Err((error, unsaved)) => {
+                self.ends_at(&directory, signed);
                 self.cut_off(unsaved);
                 self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
                 self.options.report(&RecorderReport::Failing {
                     reason: error.to_string(),
                 });
             }
+        }
+    }
+
+    /// The next recording continues after this one, of which the last seal has signed `head`.
+    fn ends_at(&mut self, directory: &Path, head: Option<Hash>) {
+        if let Some((beginning, head)) = self.beginning.as_mut().zip(head) {
+            let name = directory.file_name().unwrap_or_default();
+            beginning.recording += 1;
+            beginning.previous = Some(PreviousRecording {
+                name: name.to_string_lossy().into_owned(),
+                head,
+            });
         }
     }
 

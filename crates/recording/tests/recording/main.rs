@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod crash;
+mod forging;
 mod full_disk;
 mod killed_process;
 mod layout;
@@ -11,4 +12,6 @@ mod mutations;
 mod random_damage;
 mod recorder;
 mod sample;
+mod seal;
+mod seal_keys;
 mod small_disk;
