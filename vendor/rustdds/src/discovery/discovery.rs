@@ -19,7 +19,7 @@ use crate::{
       QosPolicies, QosPolicyBuilder,
     },
     readcondition::ReadCondition,
-    result::{CreateError, CreateResult},
+    result::{CreateError, CreateResult, ReadError},
     statusevents::{DomainParticipantStatusEvent, LostReason, StatusChannelSender},
   },
   discovery::{
@@ -298,6 +298,19 @@ pub(crate) struct Discovery {
   spdp_quick_response_sent: std::collections::HashSet<GuidPrefix>,
   // A quick SPDP response to newly discovered participants is scheduled.
   spdp_quick_response_pending: bool,
+}
+
+// Take samples, beyond those that cannot be deserialized. Each error consumes one
+// sample, and there is no further notification for those behind it.
+macro_rules! take_readable {
+  ($take:expr) => {
+    loop {
+      match $take {
+        Err(ReadError::Deserialization { reason }) => info!("Discovery: {reason}"),
+        readable => break readable,
+      }
+    }
+  };
 }
 
 impl Discovery {
@@ -984,10 +997,10 @@ impl Discovery {
   pub fn spdp_receive(&mut self) {
     loop {
       // All of them at once: to take one, the reader selects it from all.
-      let samples = self
+      let samples = take_readable!(self
         .dcps_participant
         .reader
-        .take(usize::MAX, ReadCondition::not_read());
+        .take(usize::MAX, ReadCondition::not_read()));
       debug!("spdp_receive read {samples:?}");
       let samples = match samples {
         Ok(samples) if samples.is_empty() => {
@@ -1203,7 +1216,7 @@ impl Discovery {
   // Check if there are messages about new Readers
   pub fn sedp_receive_subscription(&mut self, read_history: Option<GuidPrefix>) {
     let drds: Vec<Sample<DiscoveredReaderData, GUID>> =
-      match self.dcps_subscription.reader.into_iterator() {
+      match take_readable!(self.dcps_subscription.reader.into_iterator()) {
         Ok(ds) => ds
           .map(|d| d.map_dispose(|g| g.0)) // map_dispose removes Endpoint_GUID wrapper around GUID
           // into_iterator() took these samples out of the reader, so all of them
@@ -1281,7 +1294,7 @@ impl Discovery {
 
   pub fn sedp_receive_publication(&mut self, read_history: Option<GuidPrefix>) {
     let dwds: Vec<Sample<DiscoveredWriterData, GUID>> =
-      match self.dcps_publication.reader.into_iterator() {
+      match take_readable!(self.dcps_publication.reader.into_iterator()) {
         // a lot of cloning here, but we must copy the data out of the
         // reader before we can use self again, as .read() returns references to within
         // a reader and thus self
@@ -1359,10 +1372,10 @@ impl Discovery {
   // DomainParticipants timing out and then coming back. The read_history was
   // supposed to help in recovering from that.
   pub fn sedp_receive_topic_data(&mut self, _read_history: Option<GuidPrefix>) {
-    let ts: Vec<Sample<(DiscoveredTopicData, GUID), GUID>> = match self
+    let ts: Vec<Sample<(DiscoveredTopicData, GUID), GUID>> = match take_readable!(self
       .dcps_topic
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(ds) => ds
         .iter()
@@ -1441,10 +1454,10 @@ impl Discovery {
   // and manual (by by application, via DDS API call) liveness
   pub fn receive_participant_message(&mut self) {
     // First read from nonsecure reader
-    let mut samples = match self
+    let mut samples = match take_readable!(self
       .dcps_participant_message
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(nonsecure_samples) => nonsecure_samples,
       Err(e) => {
@@ -1457,10 +1470,10 @@ impl Discovery {
     #[cfg(not(feature = "security"))]
     let mut secure_samples = vec![];
     #[cfg(feature = "security")]
-    let mut secure_samples = match self
+    let mut secure_samples = match take_readable!(self
       .dcps_participant_message_secure
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(secure_samples) => secure_samples,
       Err(e) => {
@@ -1658,7 +1671,7 @@ impl Discovery {
 
   #[cfg(feature = "security")]
   pub fn secure_spdp_receive(&mut self) {
-    let sample_iter = match self.dcps_participant_secure.reader.into_iterator() {
+    let sample_iter = match take_readable!(self.dcps_participant_secure.reader.into_iterator()) {
       Ok(iter) => iter,
       Err(e) => {
         error!("secure_spdp_receive: {e:?}");
@@ -1696,7 +1709,7 @@ impl Discovery {
   #[cfg(feature = "security")]
   pub fn secure_sedp_receive_subscription(&mut self, _read_history: Option<GuidPrefix>) {
     let sec_subs: Vec<Sample<SubscriptionBuiltinTopicDataSecure, GUID>> =
-      match self.dcps_subscriptions_secure.reader.into_iterator() {
+      match take_readable!(self.dcps_subscriptions_secure.reader.into_iterator()) {
         // into_iterator() took these samples out of the reader, so all of them
         // must be processed.
         Ok(ds) => ds
@@ -1747,7 +1760,7 @@ impl Discovery {
   #[cfg(feature = "security")]
   pub fn secure_sedp_receive_publication(&mut self, _read_history: Option<GuidPrefix>) {
     let sec_pubs: Vec<Sample<PublicationBuiltinTopicDataSecure, GUID>> =
-      match self.dcps_publications_secure.reader.into_iterator() {
+      match take_readable!(self.dcps_publications_secure.reader.into_iterator()) {
         // into_iterator() took these samples out of the reader, so all of them
         // must be processed.
         Ok(ds) => ds
