@@ -54,7 +54,7 @@ impl NodeRecording {
             RecordMode::Events => true,
             RecordMode::Always => false,
         };
-        let options = options(recording::recorder_options(record, SystemTime::now()));
+        let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
             recorder: RwLock::new(Some(recorder)),

@@ -57,6 +57,14 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
     verify_with(&Reader::open(path)?, Replayer::default(), &mut |_| ())
 }
 
+/// As [`verify`](fn@verify) of an open recording.
+///
+/// # Errors
+/// As [`verify`](fn@verify).
+pub fn verify_reader(reader: &Reader) -> Result<Verification, VerifyError> {
+    verify_with(reader, Replayer::default(), &mut |_| ())
+}
+
 /// As [`verify`](fn@verify) of an open recording, and shows an observer the journal and what is recomputed from it: the
 /// outputs that precede an entry first.
 ///
