@@ -1,10 +1,11 @@
 // A DDS program of another make (Fast DDS 2.9 of Debian) that sends impact events to a twin and listens to it, on 127.0.0.1 only.
 // tests/security/fast_dds.rs compiles and starts it:
 //
-//   peer DOMAIN SECONDS COLUMN_ID EVENT_PREFIX [ENCLAVE_FOLDER [CLOCK_OFFSET_SECONDS]]
+//   peer DOMAIN SECONDS COLUMN_ID EVENT_PREFIX [ENCLAVE_FOLDER [CLOCK_OFFSET_SECONDS [credulous]]]
 //
 // Without a folder it has no DDS security. With a clock offset it believes that it is another time, as an attacker would whose
-// certificate has expired. It sends an event every 0.1 s, whether there is a reader or not, until it has received a forecast of one
+// certificate has expired; a credulous one takes every certificate for genuine, its own and the twin's, so that it goes through
+// the handshake with any. It sends an event every 0.1 s, whether there is a reader or not, until it has received a forecast of one
 // of its own events or the time is over, and prints one line of JSON: which entities its own security let it create, how many
 // writers and readers it was matched with, what it sent, how many samples it received by topic, and the counts of the last
 // twin_status.
@@ -33,6 +34,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <openssl/x509_vfy.h>
 
 using namespace eprosima::fastdds::dds;
 using eprosima::fastcdr::Cdr;
@@ -41,14 +43,24 @@ using eprosima::fastrtps::rtps::InstanceHandle_t;
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 static long clock_offset = 0;
+static bool credulous = false;
 
-// OpenSSL asks this function whether a certificate has expired. That of the program comes before that of the C library.
+// The two functions below are called by the libraries, because those of the program come before theirs.
+
+// OpenSSL asks this one whether a certificate has expired.
 extern "C" time_t time(time_t* result) noexcept {
   using Time = time_t (*)(time_t*);
   static const Time real = reinterpret_cast<Time>(dlsym(RTLD_NEXT, "time"));
   const time_t now = real(nullptr) + clock_offset;
   if (result != nullptr) *result = now;
   return now;
+}
+
+// Fast DDS asks this one of OpenSSL whether a certificate is genuine.
+extern "C" int X509_verify_cert(X509_STORE_CTX* context) {
+  using Verify = int (*)(X509_STORE_CTX*);
+  static const Verify real = reinterpret_cast<Verify>(dlsym(RTLD_NEXT, "X509_verify_cert"));
+  return credulous ? 1 : real(context);
 }
 
 // An encoded message, with its encapsulation.
@@ -189,7 +201,7 @@ static void secure(DomainParticipantQos& qos, const std::string& folder) {
 
 int main(int argc, char** argv) {
   if (argc < 5) {
-    std::cerr << "usage: peer DOMAIN SECONDS COLUMN_ID EVENT_PREFIX [ENCLAVE_FOLDER [CLOCK_OFFSET_SECONDS]]\n";
+    std::cerr << "usage: peer DOMAIN SECONDS COLUMN_ID EVENT_PREFIX [ENCLAVE_FOLDER [CLOCK_OFFSET_SECONDS [credulous]]]\n";
     return 2;
   }
   const int domain = std::atoi(argv[1]);
@@ -198,6 +210,7 @@ int main(int argc, char** argv) {
   DomainParticipantQos qos = loopback_only(domain);
   if (argc > 5) secure(qos, argv[5]);
   if (argc > 6) clock_offset = std::atol(argv[6]);
+  credulous = argc > 7 && argv[7] == std::string("credulous");
 
   Received received;
   std::map<std::string, bool> created;
