@@ -39,6 +39,7 @@ pub struct Settings {
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
+    pub start_type_description_service: bool,
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
@@ -128,6 +129,8 @@ groups! {
         max_age: f64,
         compression: Compression,
         sync: bool,
+        seal: bool,
+        seal_key: String,
     }
     /// Pictures.
     ViewerSettings {

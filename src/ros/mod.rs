@@ -31,10 +31,12 @@ mod raw;
 pub mod replay;
 mod rosout;
 mod run;
+pub mod security;
 mod senders;
 mod signals;
 mod task;
 mod twin_node;
+mod type_descriptions;
 mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};

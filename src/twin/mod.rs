@@ -38,7 +38,8 @@
 //! - Every accepted impact has a forecast, or an [`Output::Withdrawn`] that tells why it has none. At rest no forecast is
 //!   under way.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
-//!   properties to which a damage belongs cannot change while the column is damaged.
+//!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
+//!   damage it.
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
@@ -75,6 +76,8 @@ pub use output::{
     ForecastEnd, Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput,
     StateOutput, StrikingVehicle, WithdrawnForecast, WithdrawnImpact,
 };
+#[cfg(test)]
+pub(crate) use plant::failing_step;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{

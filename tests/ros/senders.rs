@@ -6,11 +6,17 @@ use column_twin::messages::column_twin::{ImpactEvent, TwinStatus};
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use column_twin::parameters::Value;
-use column_twin::ros::qos;
+use column_twin::ros::qos::{self, Endpoint};
 
 use super::domain::Domain;
 use super::live_twin::RunningTwin;
 use super::loopback::{Incoming, Outgoing, PATIENCE, event, now, reader};
+
+/// The service of the twin, as another node calls it.
+const RESET: Endpoint = Endpoint {
+    name: "/column_twin/reset",
+    ..qos::RESET
+};
 
 fn counted(array: &DiagnosticArray, name: &str) -> Option<u64> {
     let mut values = array.status.iter().flat_map(|status| &status.values);
@@ -36,7 +42,7 @@ fn a_sender_that_is_not_allowed_gets_nothing_through() {
     let stranger = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let mut asking = reader(&domain);
     let client = asking
-        .client::<TriggerRequest, TriggerResponse>(&qos::RESET)
+        .client::<TriggerRequest, TriggerResponse>(&RESET)
         .unwrap();
 
     assert!(stranger.publish(event("from a stranger", now(), 1500.0, 1.0)));
@@ -48,7 +54,7 @@ fn a_sender_that_is_not_allowed_gets_nothing_through() {
         assert!(Instant::now() < deadline, "~/reset does not answer");
         // A request that is sent before the service is found is lost.
         client.send_request(TriggerRequest::default()).unwrap();
-        std::thread::sleep(Duration::from_millis(200));
+        std::thread::park_timeout(Duration::from_millis(200));
         if let Ok(Some((_, answer))) = client.receive_response() {
             break answer;
         }

@@ -62,7 +62,7 @@ impl Running {
         headless.arg("--headless");
         let mut running = Self::try_start(headless, port)?;
         // Without a driver for graphics it ends shortly after it has begun to listen.
-        std::thread::sleep(STARTING_TIME);
+        std::thread::park_timeout(STARTING_TIME);
         running.check()?;
         Ok(running)
     }
