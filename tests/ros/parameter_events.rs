@@ -17,7 +17,11 @@ fn one_publisher_announces_all_parameters_to_the_first_reader() {
     let twin = RunningTwin::start(&domain, &[]);
     let first = events.next();
     assert_eq!(first.node, "/column_twin");
-    let names: Vec<_> = first.new_parameters.iter().map(|it| it.name.as_str()).collect();
+    let names: Vec<_> = first
+        .new_parameters
+        .iter()
+        .map(|it| it.name.as_str())
+        .collect();
     let all: Vec<_> = PARAMETERS.iter().map(|it| it.name).collect();
     assert_eq!(names, all);
     assert!(first.changed_parameters.is_empty() && first.deleted_parameters.is_empty());

@@ -185,7 +185,10 @@ fn a_height_of_0_is_rejected_with_a_hint_at_nan() {
     let mut of_height = good.clone();
     of_height.impact.height = Some(0.0);
     let reason = refusal_of(of_height);
-    assert!(reason.starts_with("height = 0: is out of range") && reason.ends_with(hint), "{reason}");
+    assert!(
+        reason.starts_with("height = 0: is out of range") && reason.ends_with(hint),
+        "{reason}"
+    );
     let mut of_gap = good.clone();
     of_gap.impact.gap = Some(-1.0);
     let reason = refusal_of(of_gap);
@@ -197,18 +200,48 @@ fn a_height_of_0_is_rejected_with_a_hint_at_nan() {
 fn a_number_of_300_digits_is_shortened() {
     let impact = event("a", START).impact;
     for (impact, expected) in [
-        (ImpactSpecification { mass: 1e300, ..impact }, "mass = 1e300: is out of range"),
-        (ImpactSpecification { velocity: f64::MAX, ..impact }, "velocity = 1.7976931348623157e308: is"),
-        (ImpactSpecification { height: Some(-1e299), ..impact }, "height = -1e299: is out of range"),
-        (ImpactSpecification { gap: Some(1e200), ..impact }, "gap = 1e200: is out of range"),
+        (
+            ImpactSpecification {
+                mass: 1e300,
+                ..impact
+            },
+            "mass = 1e300: is out of range",
+        ),
+        (
+            ImpactSpecification {
+                velocity: f64::MAX,
+                ..impact
+            },
+            "velocity = 1.7976931348623157e308: is",
+        ),
+        (
+            ImpactSpecification {
+                height: Some(-1e299),
+                ..impact
+            },
+            "height = -1e299: is out of range",
+        ),
+        (
+            ImpactSpecification {
+                gap: Some(1e200),
+                ..impact
+            },
+            "gap = 1e200: is out of range",
+        ),
     ] {
-        let reason = refusal_of(ImpactCommand { impact, ..event("a", START) });
+        let reason = refusal_of(ImpactCommand {
+            impact,
+            ..event("a", START)
+        });
         assert!(reason.starts_with(expected), "{reason}");
         assert!(!reason.contains("0000000000"), "{reason}");
     }
     let light = ImpactCommand {
         vehicle: "mid_car".to_owned(),
-        impact: ImpactSpecification { mass: -1e300, ..impact },
+        impact: ImpactSpecification {
+            mass: -1e300,
+            ..impact
+        },
         ..event("a", START)
     };
     let reason = refusal_of(light);
