@@ -556,7 +556,7 @@ fn report_of(text: &str) -> String {
 fn an_empty_file_is_rejected_with_the_reason() {
     for text in ["", "\n\n", "# only a comment\n"] {
         let report = report_of(text);
-        let reason = "f.yaml:1:1: the file is empty; begin it with `column_twin:` and, indented below it, `ros__parameters:`";
+        let reason = "the file is empty; begin it with `column_twin:` and, indented below it, `ros__parameters:`";
         assert!(report.contains(reason), "{text:?}: {report}");
     }
 }

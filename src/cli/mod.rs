@@ -146,7 +146,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
-        CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
+        CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "record")]
         CliCommand::Verify(arguments) => verify::run(arguments, &mut shown()),
         #[cfg(feature = "ros")]
