@@ -9,6 +9,7 @@
 
 mod arguments;
 mod client;
+mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
