@@ -10,6 +10,7 @@
 mod arguments;
 mod client;
 mod clock_watch;
+mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
