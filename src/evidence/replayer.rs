@@ -9,7 +9,7 @@ use super::lines::Gap;
 use super::verification::Verification;
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
-use crate::messages::column_twin::{ColumnState, TwinStatus};
+use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::twin::{
     Checkpoint, CommandRecord, Journal, Output, Position, StateOutput, StatusRecord, Twin,
@@ -34,6 +34,8 @@ pub(super) struct Replayer {
     replayed: Option<ReplayedTwin>,
     /// Expected number of the next checkpoint or command; `None` before the first.
     next_number: Option<u64>,
+    /// No checkpoint or command is missing before the present entry.
+    is_complete: bool,
     /// Lines of the journal that are missing since the last checkpoint or command.
     missing_lines: u64,
     /// Whether the outputs of the twin are kept for [`take_outputs`](Self::take_outputs).
@@ -164,13 +166,20 @@ impl Replayer {
         }
     }
 
-    /// Takes an entry of the twin's journal.
-    pub fn journal(&mut self, entry: &Journal, place: &Place<'_>, found: &mut Verification) {
+    /// Takes an entry of the twin's journal; `false` if entries before it are missing.
+    pub fn journal(
+        &mut self,
+        entry: &Journal,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) -> bool {
+        self.is_complete = true;
         match entry {
             Journal::Checkpoint(checkpoint) => self.checkpoint(checkpoint, place, found),
             Journal::Command(record) => self.command(record, place, found),
             Journal::Status(record) => self.status(*record, place, found),
         }
+        self.is_complete
     }
 
     fn checkpoint(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
@@ -309,6 +318,7 @@ impl Replayer {
             return self.stop_checking("the numbers of the journal decrease", found);
         }
         let lost = number - expected;
+        self.is_complete = lost == 0;
         if lost > 0 {
             // The queue to the node may have dropped entries, which are then in no line.
             let more = lost.saturating_sub(missing_lines);
@@ -401,7 +411,9 @@ impl Replayer {
     /// Checks what cannot be recomputed in a message: counters that never decrease, and a compute time that is one.
     fn check_counters(&mut self, message: &Message, place: &Place<'_>, found: &mut Verification) {
         match message {
-            Message::ImpactForecast(report) | Message::ImpactReport(report) => {
+            Message::ImpactForecast(report) | Message::ImpactReport(report)
+                if [ImpactReport::FORECAST, ImpactReport::RESULT].contains(&report.kind) =>
+            {
                 let time = report.compute_time;
                 if !time.is_finite() || time < 0.0 {
                     let own = "a time that is not negative";
