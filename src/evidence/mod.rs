@@ -35,4 +35,4 @@ pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, Topics};
 pub use verification::{NOT_RECOMPUTED, TopicCheck, Verification};
-pub use verify::{Observed, VerifyError, verify, verify_observed};
+pub use verify::{Observed, VerifyError, verify, verify_observed, verify_reader};

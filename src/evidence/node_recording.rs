@@ -83,7 +83,7 @@ impl NodeRecording {
             RecordMode::Events => true,
             RecordMode::Always => false,
         };
-        let options = options(recording::recorder_options(record, SystemTime::now()));
+        let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
             open: Mutex::new(Open {

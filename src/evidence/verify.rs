@@ -57,7 +57,15 @@ pub enum Observed<'a> {
 /// # Errors
 /// The recording cannot be read, or has no journal that this program can read.
 pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
-    verify_with(&Reader::open(path)?, None)
+    verify_reader(&Reader::open(path)?)
+}
+
+/// As [`verify`](fn@verify) of an open recording.
+///
+/// # Errors
+/// As [`verify`](fn@verify).
+pub fn verify_reader(reader: &Reader) -> Result<Verification, VerifyError> {
+    verify_with(reader, None)
 }
 
 /// As [`verify`](fn@verify) of an open recording, and shows an observer the journal and what is recomputed from it: the

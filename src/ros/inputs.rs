@@ -26,6 +26,7 @@ use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
+use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
 impl ros2_client::Message for TriggerResponse {}
@@ -155,6 +156,8 @@ pub(super) struct Services {
     reset: Server<TriggerRequest, TriggerResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     parameters: ParameterServers,
+    /// Unless the parameter `start_type_description_service` is false.
+    descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
@@ -171,6 +174,7 @@ impl Services {
     /// Offers all services.
     pub fn new(
         node: &mut Node,
+        parameters: &Parameters,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {
@@ -185,6 +189,11 @@ impl Services {
                 set: node.server(&qos::SET_PARAMETERS)?,
                 set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
             },
+            descriptions: parameters
+                .settings()
+                .start_type_description_service
+                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
+                .transpose()?,
             recording,
         })
     }
@@ -200,6 +209,13 @@ impl Services {
             set_atomically,
         } = self.parameters;
         let recording = self.recording;
+        let descriptions = self.descriptions;
+        let describe_types = async {
+            if let Some(server) = &descriptions {
+                let describe = |request| type_descriptions::describe(&request);
+                answer(&qos::GET_TYPE_DESCRIPTION, server, &counters, describe).await;
+            }
+        };
         let (twin, counters) = (&*twin, &*counters);
         join!(
             each(
@@ -248,6 +264,7 @@ impl Services {
                 counters,
                 |request| { parameters::set_atomically(twin, request) }
             ),
+            describe_types,
         );
     }
 }
@@ -326,6 +343,9 @@ fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, R
     let command = column_command(message, twin.column_id());
     let outcome = twin.execute(command);
     match &outcome {
+        Ok(Accepted::Waiting) => tracing::info!(
+            "the parameters on {topic} were accepted; they take effect when the response ends"
+        ),
         Ok(_) => tracing::info!("the parameters on {topic} were accepted"),
         // The twin reports its refusals among its outputs.
         Err(refusal) if refusal.code.is_from_twin() => {}

@@ -39,7 +39,7 @@ pub fn slow_impact(domain: &Domain, id: &str) {
 
 fn impact_of(domain: &Domain, id: &str, mass: f64, velocity: f64) -> Result<ImpactOutcome, String> {
     let options = ImpactOptions {
-        column_id: "column".to_owned(),
+        column_id: Some("column".to_owned()),
         vehicle: String::new(),
         event_id: Some(id.to_owned()),
         impact: ImpactSpecification {
