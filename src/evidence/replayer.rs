@@ -57,6 +57,8 @@ struct ReplayedTwin {
     /// Those that recorded messages have passed since the last entry of the journal.
     passed: Vec<Due>,
     forecasts: Forecasts,
+    /// What shows the column at rest beside the last status. How often it is sent depends on status that are not recorded.
+    optional: Vec<Message>,
     /// Outputs kept for an observer; `None` if there is no observer.
     outputs: Option<Vec<Output>>,
     /// Recorded messages that the twin did not compute, since the journal was last known to be complete.
@@ -284,8 +286,7 @@ impl Replayer {
         if let Some(replayed) = &mut self.replayed {
             replayed.must_report = false;
             replayed.has_ended = false;
-            let status = replayed.twin.status(record.stamp);
-            replayed.convert(&Output::Status(status));
+            replayed.convert_status(record.stamp);
         }
     }
 
@@ -557,6 +558,7 @@ impl ReplayedTwin {
             due: VecDeque::new(),
             passed: Vec::new(),
             forecasts: Forecasts::default(),
+            optional: Vec::new(),
             outputs: None,
             unexpected: Vec::new(),
             has_ended: false,
@@ -605,6 +607,28 @@ impl ReplayedTwin {
             });
     }
 
+    /// Takes the status at an instant. A converter of its own leaves nothing out, whatever it has sent before.
+    fn convert_status(&mut self, stamp: i64) {
+        let status = Output::Status(self.twin.status(stamp));
+        let mut outgoing = Outgoing::new(self.twin.parameters());
+        self.optional.clear();
+        outgoing.convert(&status, |message| match message.topic() {
+            Topic::TwinStatus => self.due.push_back(Due::Message(Box::new(message))),
+            _ => self.optional.push(message),
+        });
+    }
+
+    /// Takes the message that corresponds to a recorded one and need not be there.
+    fn take_optional(&mut self, recorded: &Message) -> Option<Found> {
+        let is_same =
+            |it: &Message| it.topic() == recorded.topic() && it.stamp() == recorded.stamp();
+        let index = self.optional.iter().position(is_same)?;
+        Some(Found {
+            computed: self.optional.remove(index),
+            is_misplaced: false,
+        })
+    }
+
     fn is_due(&self, recorded: &Message) -> bool {
         self.due.iter().any(|it| it.is_of(recorded))
     }
@@ -649,6 +673,10 @@ impl ReplayedTwin {
         found: &mut Verification,
     ) -> Option<Found> {
         if !self.is_due(recorded) && !self.passed.iter().any(|it| it.is_of(recorded)) {
+            let optional = self.take_optional(recorded);
+            if optional.is_some() {
+                return optional;
+            }
             self.advance_towards(recorded);
         }
         let index = self.due.iter().position(|it| it.is_of(recorded));
