@@ -34,6 +34,8 @@ pub(super) struct Replayer {
     replayed: Option<ReplayedTwin>,
     /// Expected number of the next checkpoint or command; `None` before the first.
     next_number: Option<u64>,
+    /// No checkpoint or command is missing before the present entry.
+    is_complete: bool,
     /// Lines of the journal that are missing since the last checkpoint or command.
     missing_lines: u64,
     /// Whether the outputs of the twin are kept for [`take_outputs`](Self::take_outputs).
@@ -55,6 +57,8 @@ struct ReplayedTwin {
     /// Those that recorded messages have passed since the last entry of the journal.
     passed: Vec<Due>,
     forecasts: Forecasts,
+    /// What shows the column at rest beside the last status. How often it is sent depends on status that are not recorded.
+    optional: Vec<Message>,
     /// Outputs kept for an observer; `None` if there is no observer.
     outputs: Option<Vec<Output>>,
     /// Recorded messages that the twin did not compute, since the journal was last known to be complete.
@@ -164,13 +168,20 @@ impl Replayer {
         }
     }
 
-    /// Takes an entry of the twin's journal.
-    pub fn journal(&mut self, entry: &Journal, place: &Place<'_>, found: &mut Verification) {
+    /// Takes an entry of the twin's journal; `false` if entries before it are missing.
+    pub fn journal(
+        &mut self,
+        entry: &Journal,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) -> bool {
+        self.is_complete = true;
         match entry {
             Journal::Checkpoint(checkpoint) => self.checkpoint(checkpoint, place, found),
             Journal::Command(record) => self.command(record, place, found),
             Journal::Status(record) => self.status(*record, place, found),
         }
+        self.is_complete
     }
 
     fn checkpoint(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
@@ -275,8 +286,7 @@ impl Replayer {
         if let Some(replayed) = &mut self.replayed {
             replayed.must_report = false;
             replayed.has_ended = false;
-            let status = replayed.twin.status(record.stamp);
-            replayed.convert(&Output::Status(status));
+            replayed.convert_status(record.stamp);
         }
     }
 
@@ -312,6 +322,7 @@ impl Replayer {
             return self.stop_checking("the numbers of the journal decrease", found);
         }
         let lost = number - expected;
+        self.is_complete = lost == 0;
         if lost > 0 {
             // The queue to the node may have dropped entries, which are then in no line.
             let more = lost.saturating_sub(missing_lines);
@@ -404,7 +415,9 @@ impl Replayer {
     /// Checks what cannot be recomputed in a message: counters that never decrease, and a compute time that is one.
     fn check_counters(&mut self, message: &Message, place: &Place<'_>, found: &mut Verification) {
         match message {
-            Message::ImpactForecast(report) | Message::ImpactReport(report) => {
+            Message::ImpactForecast(report) | Message::ImpactReport(report)
+                if [ImpactReport::FORECAST, ImpactReport::RESULT].contains(&report.kind) =>
+            {
                 let time = report.compute_time;
                 if !time.is_finite() || time < 0.0 {
                     let own = "a time that is not negative";
@@ -545,6 +558,7 @@ impl ReplayedTwin {
             due: VecDeque::new(),
             passed: Vec::new(),
             forecasts: Forecasts::default(),
+            optional: Vec::new(),
             outputs: None,
             unexpected: Vec::new(),
             has_ended: false,
@@ -593,6 +607,28 @@ impl ReplayedTwin {
             });
     }
 
+    /// Takes the status at an instant. A converter of its own leaves nothing out, whatever it has sent before.
+    fn convert_status(&mut self, stamp: i64) {
+        let status = Output::Status(self.twin.status(stamp));
+        let mut outgoing = Outgoing::new(self.twin.parameters());
+        self.optional.clear();
+        outgoing.convert(&status, |message| match message.topic() {
+            Topic::TwinStatus => self.due.push_back(Due::Message(Box::new(message))),
+            _ => self.optional.push(message),
+        });
+    }
+
+    /// Takes the message that corresponds to a recorded one and need not be there.
+    fn take_optional(&mut self, recorded: &Message) -> Option<Found> {
+        let is_same =
+            |it: &Message| it.topic() == recorded.topic() && it.stamp() == recorded.stamp();
+        let index = self.optional.iter().position(is_same)?;
+        Some(Found {
+            computed: self.optional.remove(index),
+            is_misplaced: false,
+        })
+    }
+
     fn is_due(&self, recorded: &Message) -> bool {
         self.due.iter().any(|it| it.is_of(recorded))
     }
@@ -637,6 +673,10 @@ impl ReplayedTwin {
         found: &mut Verification,
     ) -> Option<Found> {
         if !self.is_due(recorded) && !self.passed.iter().any(|it| it.is_of(recorded)) {
+            let optional = self.take_optional(recorded);
+            if optional.is_some() {
+                return optional;
+            }
             self.advance_towards(recorded);
         }
         let index = self.due.iter().position(|it| it.is_of(recorded));

@@ -39,7 +39,7 @@ pub const NOT_RECOMPUTED: [(&str, &str); 6] = [
     ),
     (
         "all",
-        "whether messages, journal, counts and times were computed afresh by a forger: only a seal shows that",
+        "whether a forger has recomputed messages, journal, counts and times: only a seal shows that",
     ),
 ];
 

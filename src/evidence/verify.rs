@@ -91,6 +91,7 @@ fn verify_with(
         .map(|it| Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut pass = VerifyingPass::new(reader, &journal, observe);
+    pass.found.about = about(reader, &journal)?;
     for message in reader.messages() {
         match message {
             Ok(message) => pass.message(&message)?,
@@ -100,6 +101,18 @@ fn verify_with(
         }
     }
     pass.finish()
+}
+
+/// The program that made the recording, from the first checkpoint: the names of its topics are needed from the beginning.
+fn about(reader: &Reader, journal: &str) -> Result<Option<About>, VerifyError> {
+    let lines = reader.messages().filter_map(Result::ok);
+    for message in lines.filter(|it| *it.topic == *journal) {
+        let line = JournalLine::decode(&message.data)?;
+        if line.about.is_some() {
+            return Ok(line.about);
+        }
+    }
+    Ok(None)
 }
 
 /// One pass over the messages of a recording.
@@ -183,7 +196,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 &mut self.found,
             );
         } else if let Some(topic) = topic {
-            if self.found.about.is_none() {
+            if self.found.checkpoints == 0 {
                 self.early[topic] += 1;
                 return Ok(());
             }
@@ -201,9 +214,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 
     fn line(&mut self, line: &JournalLine, publish_time: i64, place: &Place<'_>) {
         let found = &mut self.found;
-        if let Some(about) = &line.about {
-            found.about.get_or_insert_with(|| about.clone());
-        }
         let (first, last) = found.lines.unwrap_or((line.number, line.number));
         found.lines = Some((first, last.max(line.number)));
         let is_first = self.lines.next().is_none();
@@ -217,11 +227,16 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         self.replayer.gap(gap, place, found);
         match gap {
             Gap::Missing(_) => self.inputs.restart(found),
-            Gap::None | Gap::Earlier(_) => {}
+            Gap::Earlier(_) => self.inputs.continue_at(place.log_time),
+            Gap::None => {}
         }
         self.lines.count(line, gap, is_first, place, found);
         match &line.entry {
             JournalEntry::Twin(entry) => {
+                let is_complete = self.replayer.journal(entry, place, found);
+                if !is_complete {
+                    self.inputs.restart(found);
+                }
                 match entry {
                     Journal::Checkpoint(checkpoint) => {
                         let column_id = &checkpoint.parameters.settings().column_id;
@@ -231,7 +246,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                     Journal::Command(record) => self.inputs.command(&record.command, place, found),
                     Journal::Status(_) => {}
                 }
-                self.replayer.journal(entry, place, found);
                 // The forecasts of a response are known to be missing at its end.
                 if matches!(entry, Journal::Checkpoint(_)) {
                     self.settle(place);

@@ -98,7 +98,11 @@ fn written(messages: &[Message]) -> (TempDir, PathBuf) {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("forged");
     let declared = Topics::of_default_node().declared().unwrap();
-    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
+    let options = WriterOptions {
+        sync: false,
+        ..WriterOptions::default()
+    };
+    let mut writer = Writer::create(&path, &options, &declared).unwrap();
     for message in messages {
         let topic = declared.iter().position(|it| *it.name == *message.topic);
         let entry = Entry {
