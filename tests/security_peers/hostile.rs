@@ -288,7 +288,7 @@ fn twin(keystore: &Keystore) -> Command {
 
 fn send(environment: &Environment, event_id: &str) -> Result<ImpactOutcome, ClientError> {
     let options = ImpactOptions {
-        column_id: "column".to_owned(),
+        column_id: Some("column".to_owned()),
         event_id: Some(event_id.to_owned()),
         vehicle: String::new(),
         impact: ImpactSpecification {

@@ -192,6 +192,11 @@ impl DiscoveryDB {
     //   return
     // }
 
+    if guid == self.my_guid && self.participant_proxies.contains_key(&guid.prefix) {
+      // Our own announcement, or that of someone who claims to be us.
+      return false;
+    }
+
     let mut new_participant = false;
     if !self.participant_proxies.contains_key(&guid.prefix) {
       if guid != self.my_guid && !self.make_room_for_participant() {
