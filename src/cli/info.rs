@@ -7,6 +7,7 @@ use clap::Args;
 use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
+use column_twin::printable::PrintableWriter;
 use column_twin::recording::{
     self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, SealFinding, instant,
 };
@@ -37,7 +38,7 @@ pub fn run(arguments: &InfoArgs, out: &mut impl Write) -> Result<(), Failure> {
     let events = recording::summarise_events(&reader);
     let written = match arguments.json {
         true => writeln!(out, "{:#}", as_json(&reader, &events)),
-        false => print(&reader, &events, out),
+        false => print(&reader, &events, &mut PrintableWriter(out)),
     };
     printed(written)?;
     events?;

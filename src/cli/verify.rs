@@ -25,10 +25,14 @@ pub struct VerifyArgs {
 }
 
 const EXAMPLE: &str = "\
-Runs the twin again from the recorded state, parameters and inputs, and compares every value of
-column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and markers
-with the recording. The same build computes the same bits. Computing times and counts of other
-threads cannot be recomputed and are not compared.
+Runs the twin again from the recorded state, parameters and commands, and compares every message
+of column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and
+markers with the recording: its values, its place, and whether it is there. impact_event and
+column_parameters are compared with the commands in the journal. The journal counts the messages
+on all other topics. Log and publish times are compared with those in the journal.
+
+A message may be missing only if the recording declares the loss: in twin_status, by its recorder,
+by a damaged file, or by a crash that cut off its end. The output lists what cannot be recomputed.
 
 The seal of a recording is checked, too. It proves that nothing was changed since it was recorded.
 Who has recorded follows only from a key that you trust: --trusted-key. A recording of version 0.1,
@@ -44,8 +48,9 @@ Example: make a key, seal recordings with it, and demand that a recording is sea
   column-twin verify impact --trusted-key seal_key_public.pem
 
 Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording differs,
-messages are missing although no loss is declared, nothing could be checked, or the seal does not hold
-or is not as demanded, 2 the recording cannot be read or has no journal, or a key cannot be read.";
+more messages are missing than it declares as lost, nothing could be checked, or the seal does not
+hold or is not as demanded, 2 the recording cannot be read or has no journal of this version, or a
+key cannot be read.";
 
 /// Verifies the recording and prints the result.
 pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {
@@ -81,9 +86,8 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
         Exit::Failed,
         match found.is_contradicted() {
             true => format!(
-                "{bag} differs from the recomputation: {} differences, {} messages missing",
-                found.differences,
-                found.missing()
+                "{bag} differs from the recomputation: {} differences, {} messages missing without a declared loss",
+                found.differences, found.undeclared
             ),
             false => format!(
                 "nothing in {bag} could be checked, for the reasons above; verify the previous or the next recording"

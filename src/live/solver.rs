@@ -224,7 +224,7 @@ impl Solver {
 pub(super) struct Sink {
     pub queues: Vec<Arc<OutputQueues>>,
     pub state_writer: Option<Arc<StateWriter>>,
-    /// The latest parameters. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
+    /// The parameters that hold. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
     /// There are outputs of which the readers have not been notified.
     pub unnotified: bool,

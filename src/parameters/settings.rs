@@ -38,6 +38,7 @@ pub struct Settings {
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
+    pub start_type_description_service: bool,
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,

@@ -169,6 +169,14 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "take the time from the topic /clock, as every ROS 2 node does",
     },
     Parameter {
+        name: "start_type_description_service",
+        unit: "",
+        default: DefaultValue::Bool(true),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "offer the service ~/get_type_description, as every ROS 2 node does",
+    },
+    Parameter {
         name: "geometry.length_below",
         unit: "m",
         default: DefaultValue::Double(1.0),

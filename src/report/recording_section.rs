@@ -10,7 +10,6 @@ use super::verdict::Verdict;
 use super::words::short;
 use crate::evidence::{About, Verification, build};
 use crate::figures::units::Unit;
-use crate::outgoing::Topic;
 use crate::recording::{EventSummary, instant};
 
 /// Maximum number of events in the overview; of more events, the last ones are listed.
@@ -246,12 +245,12 @@ fn result(found: &Verification) -> Markup {
                 }
             }
             tbody {
-                @for (topic, check) in Topic::ALL.iter().zip(&found.topics) {
+                @for (topic, check) in found.rows() {
                     tr {
-                        th scope="row" { (topic.endpoint().name) }
+                        th scope="row" { (topic) }
                         td.number { (check.recorded) }
                         td.number { (check.compared) }
-                        td.number { (check.differing + check.unexpected) }
+                        td.number { (check.differing + check.misplaced + check.unexpected) }
                         td.number { (check.missing) }
                         td.number { (check.unchecked) }
                     }

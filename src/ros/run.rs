@@ -14,6 +14,7 @@ use super::live_twin::{LiveTwin, LiveTwinError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::rosout::start_logging;
+use super::security::{SecurityError, protection};
 use super::signals::StopSignals;
 use super::twin_node::TwinNode;
 
@@ -46,6 +47,9 @@ pub enum RunError {
     /// Parameters are not valid.
     #[error(transparent)]
     Parameters(#[from] ParameterFaults),
+    /// The enclave is missing or cannot be used.
+    #[error(transparent)]
+    Security(#[from] SecurityError),
     /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -74,6 +78,8 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     let (parameters, deprecated) = load_parameters(options, &names)?;
+    // Before anything starts or is written.
+    protection(&environment.security, environment.domain_id)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     warn_of_ignored_settings(options);

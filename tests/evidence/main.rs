@@ -23,3 +23,4 @@ mod scenarios;
 mod sealed;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
+mod tampering;

@@ -106,8 +106,15 @@ fn a_late_joiner_gets_one_status_and_not_all_that_were_ever_sent() {
 fn a_late_joiner_gets_ten_forecasts_also_when_another_reader_is_there() {
     let domain = Domain::fresh();
     let sender = Sender::start(&domain, &qos::IMPACT_FORECAST);
+    let deep = Endpoint {
+        qos: Qos {
+            depth: 1000,
+            ..qos::IMPACT_FORECAST.qos
+        },
+        ..qos::IMPACT_FORECAST
+    };
     let mut node = reader(&domain);
-    let first = Incoming::<ImpactReport>::early(&mut node, &qos::IMPACT_FORECAST);
+    let first = Incoming::<ImpactReport>::early(&mut node, &deep);
     sender.wait_for_readers(1);
     for number in 1..=MANY {
         sender.publisher.publish(report(number)).unwrap();

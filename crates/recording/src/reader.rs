@@ -20,7 +20,7 @@ use crate::seal::SEAL;
 use crate::seal_check::{Seal, SealCheck};
 use crate::topic::OfferedQos;
 use crate::wholeness::Wholeness;
-use crate::writer::{LOSSES, REPAIR, START};
+use crate::writer::{LOSSES, REPAIR, REPEATED_CHECKPOINT, START};
 
 /// Maximum number of topics of a recording; MCAP numbers them with 16 bits.
 const MAX_TOPICS: usize = 65_536;
@@ -76,6 +76,9 @@ struct Contents {
     text: usize,
     messages: u64,
     span: Option<(u64, u64)>,
+    /// Log time of the last message.
+    last: u64,
+    out_of_order: u64,
     bytes: u64,
     compression: Option<ChunkCompression>,
     wholeness: Wholeness,
@@ -188,6 +191,30 @@ impl Reader {
         self.contents
             .span
             .map(|(first, last)| (nanos(first), nanos(last)))
+    }
+
+    /// Number of messages that are recorded after one with a later log time.
+    #[must_use]
+    pub fn out_of_order(&self) -> u64 {
+        self.contents.out_of_order
+    }
+
+    /// Whether the recording could not wait for a checkpoint: it begins with a copy of the last one, and an earlier recording
+    /// has the messages that followed it.
+    #[must_use]
+    pub fn repeats_checkpoint(&self) -> bool {
+        self.start_notes()
+            .is_some_and(|notes| notes.contains_key(REPEATED_CHECKPOINT))
+    }
+
+    /// Number of damaged records that are left out here, or were left out when the recording was repaired.
+    #[must_use]
+    pub fn damaged_records(&self) -> u64 {
+        let repaired = self.repair_notes();
+        let left_out = repaired.and_then(|notes| notes.get("damaged_records")?.parse().ok());
+        self.wholeness()
+            .damaged
+            .saturating_add(left_out.unwrap_or(0))
     }
 
     /// Profile of the first file; `ros2` for ROS 2.
@@ -499,6 +526,8 @@ impl Contents {
 
     fn count(&mut self, topic: usize, time: u64) {
         self.messages += 1;
+        self.out_of_order += u64::from(time < self.last);
+        self.last = time;
         if let Some(topic) = self.topics.get_mut(topic) {
             topic.messages += 1;
         }

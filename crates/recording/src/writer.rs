@@ -26,6 +26,9 @@ pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 /// Name of the recording program if none is given.
 pub(crate) const APPLICATION: &str = "recording";
 
+/// Note of a recording that could not wait for a checkpoint and begins with a copy of the last one.
+pub(crate) const REPEATED_CHECKPOINT: &str = "repeated_checkpoint";
+
 /// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
 pub(crate) const START: &str = "_start";
 

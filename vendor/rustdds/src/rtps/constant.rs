@@ -76,11 +76,12 @@ pub const MAX_UNSENT_CHANGES_PER_READER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 // bounded.
 pub const MAX_TRACKED_CHANGES_PER_WRITER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 
-// Most payload bytes a TopicCache retains for samples withheld from Reliable
-// DataReaders while an earlier sample from the same Writer is missing. Beyond
-// this, the oldest missing sample is given up as lost, and the samples after it
-// are handed over.
-pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 16 * 1024 * 1024;
+// Most bytes a TopicCache retains for samples withheld from Reliable DataReaders
+// while an earlier sample from the same Writer is missing. Beyond this, the oldest
+// missing sample is given up as lost, and the samples after it are handed over.
+// Each sample counts with its payload and with what it costs beside that.
+pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 4 * 1024 * 1024;
+pub const WITHHELD_BYTES_PER_SAMPLE: usize = 512;
 
 // Most bytes of one sample of the discovery topics (SPDP, SEDP). Larger ones are
 // dropped, because what they announce is kept for as long as the sender wishes.

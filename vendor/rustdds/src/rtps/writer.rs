@@ -1685,13 +1685,9 @@ impl Writer {
       let acked_by_all_readers = if self.my_guid.entity_id.kind().is_built_in()
         && self.is_reliable()
       {
-        // Discovery data is keyed, and every late joiner needs all of it.
-        self
-          .readers
-          .values()
-          .map(RtpsReaderProxy::acked_up_to_before)
-          .min()
-          .unwrap_or_else(SequenceNumber::zero)
+        // Discovery data is keyed, and every late joiner needs all of it, however
+        // many readers have acknowledged it.
+        SequenceNumber::zero()
       } else {
         // Best-effort readers never acknowledge, and without any reliable reader
         // there is nobody to wait for.
