@@ -152,9 +152,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         #[cfg(feature = "ros")]
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "security")]
-        CliCommand::Keystore(arguments) => {
-            keystore::run(arguments, &ros, &mut io::stdout().lock())
-        }
+        CliCommand::Keystore(arguments) => keystore::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(not(feature = "security"))]
         CliCommand::Keystore(arguments) => keystore::run(arguments),
         #[cfg(feature = "record")]
