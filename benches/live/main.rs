@@ -7,6 +7,7 @@
 //! | `idle` | processor time of the node at rest |
 //! | `stop` | time from SIGTERM during a response to the end of the program |
 //! | `viewer` | processor time of the viewer's scene, and its effect on the delay of publication |
+//! | `soak` | 1 kHz for as long as `--seconds` says: losses, memory of the node over time |
 //! | `load` | lateness of the solver while other programs use all processors |
 //!
 //! Without PARTS all of them run. The node is `column-twin run`; the peers are separate processes. Everything runs on loopback in
@@ -20,6 +21,7 @@ mod idle;
 mod load;
 mod peers;
 mod processor;
+mod soak;
 mod stop;
 mod stream;
 mod table;
@@ -45,13 +47,14 @@ struct Arguments {
 /// A part of the benchmark, which takes the duration of its measurement.
 type Part = (&'static str, fn(Duration));
 
-const PARTS: [Part; 6] = [
+const PARTS: [Part; 7] = [
     ("stream", stream::run),
     ("forecast", forecast::run),
     ("idle", idle::run),
     ("stop", stop::run),
     ("viewer", viewer::run),
     ("load", load::run),
+    ("soak", soak::run),
 ];
 
 fn arguments() -> Result<Arguments, String> {

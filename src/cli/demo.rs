@@ -278,7 +278,7 @@ fn follow(
     out: &LinePrinter<'_>,
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
-        column_id: "heb220_paper".to_owned(),
+        column_id: Some("heb220_paper".to_owned()),
         event_id: Some("demo-1".to_owned()),
         vehicle: String::new(),
         impact: ImpactSpecification {

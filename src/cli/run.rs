@@ -24,7 +24,8 @@ Example: the column of a parameter file, in a namespace, on this machine only
 
 The arguments after --ros-args are those of every ROS 2 node: -r, -p, --params-file, --log-level.
 With -p record.mode:=always the node records everything that it receives and sends, in the directory
-given by -p record.directory:=DIR.
+given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or
+with a fresh one, whose public part the log shows.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are missing
 in a recording.";
 
@@ -37,6 +38,7 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
     };
     let end = ros::run(&options).map_err(|error| match error {
         RunError::Parameters(faults) => faults.into(),
+        error @ RunError::SealKey(_) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),

@@ -221,8 +221,7 @@ impl LiveHandle {
         Some(receivers.swap_remove(index))
     }
 
-    /// The latest parameters, including a change that waits for the end of a response. If that change is rejected then,
-    /// the previous values return.
+    /// The parameters that hold; a change that waits for the end of a response is not among them yet.
     #[must_use]
     pub fn parameters(&self) -> Arc<Parameters> {
         let latest = self.parameters.read();

@@ -106,6 +106,14 @@ impl RosArguments {
         }
     }
 
+    /// Whether an argument is one of those that belong after `--ros-args`.
+    #[must_use]
+    pub fn knows(argument: &str) -> bool {
+        let mut value = std::iter::once(OsString::from("a:=b"));
+        let taken = Self::default().take_one(argument, &mut value);
+        !matches!(taken, Err(ArgumentError::Unknown(_)))
+    }
+
     /// Reads a section up to `--` or the end.
     fn take_section(
         &mut self,
@@ -328,6 +336,16 @@ mod tests {
             "{words:?}"
         );
         assert!(words[4].starts_with("-p requires a value"), "{words:?}");
+    }
+
+    #[test]
+    fn arguments_that_need_ros_args_are_known() {
+        for argument in ["-p", "--param", "--params-file", "-r", "--log-level", "-e"] {
+            assert!(RosArguments::knows(argument), "{argument}");
+        }
+        for argument in ["--config", "-c", "-x", "top.load:=1.0", ""] {
+            assert!(!RosArguments::knows(argument), "{argument}");
+        }
     }
 
     #[test]

@@ -39,10 +39,11 @@ pub(super) fn diagnostics(
     health: &Health,
     recording: Option<&RecordingHealth>,
     security: Option<SecurityHealth>,
+    waiting: &[&str],
     counters: &NodeCounters,
 ) -> DiagnosticArray {
     let mut status = vec![
-        twin_status(twin),
+        twin_status(twin, waiting),
         solver_status(health),
         queue_status(&health.queues),
         node_status(counters),
@@ -65,7 +66,7 @@ pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool
     state(one) == state(other)
 }
 
-fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
+fn twin_status(twin: &TwinStatus, waiting: &[&str]) -> DiagnosticStatus {
     let (level, message) = match twin.phase {
         TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
         TwinStatus::COLLAPSED => (
@@ -100,6 +101,10 @@ fn twin_status(twin: &TwinStatus) -> DiagnosticStatus {
         (
             "parameter changes rejected",
             twin.parameters_refused.to_string(),
+        ),
+        (
+            "parameters that wait for the end of the response",
+            waiting.join(", "),
         ),
         ("last rejection", twin.last_refusal_reason.clone()),
         ("impacts since reset", twin.impacts_since_reset.to_string()),
@@ -283,6 +288,7 @@ mod tests {
             health,
             None,
             None,
+            &[],
             counters,
         );
         array.status.iter().map(|it| it.level).collect()
@@ -353,11 +359,12 @@ mod tests {
             (TwinStatus::SEVERITY_EVACUATE, DiagnosticStatus::ERROR),
             (TwinStatus::SEVERITY_UNKNOWN, DiagnosticStatus::ERROR),
         ] {
-            let status = twin_status(&TwinStatus {
+            let twin = TwinStatus {
                 severity,
                 severity_reason: "a hinge has turned too far".to_owned(),
                 ..TwinStatus::default()
-            });
+            };
+            let status = twin_status(&twin, &[]);
             assert_eq!(status.level, level);
             let is_named = status.message.contains("a hinge has turned too far");
             assert_eq!(
@@ -367,6 +374,21 @@ mod tests {
                 status.message
             );
         }
+    }
+
+    #[test]
+    fn parameters_that_wait_are_listed() {
+        let waiting = ["top.load", "damping.ratio"];
+        let status = twin_status(&TwinStatus::default(), &waiting);
+        let listed = status
+            .values
+            .iter()
+            .find(|it| it.value == "top.load, damping.ratio");
+        let key = listed.map(|it| it.key.as_str());
+        assert_eq!(
+            key,
+            Some("parameters that wait for the end of the response")
+        );
     }
 
     #[test]
@@ -384,6 +406,7 @@ mod tests {
                 &Health::default(),
                 None,
                 None,
+                &[],
                 &counters,
             )
         };

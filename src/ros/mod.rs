@@ -33,6 +33,7 @@ pub mod security;
 mod signals;
 mod task;
 mod twin_node;
+mod type_descriptions;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};

@@ -1,5 +1,6 @@
 //! A node: participant, names, and endpoints created from the table.
 
+use std::collections::BTreeSet;
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
@@ -84,10 +85,11 @@ impl Node {
         let name = NodeName::new(names.namespace(), names.node())
             .map_err(|error| not_created(error.to_string()))?;
         // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
-        // nor ranges nor sets that are valid only as a whole.
+        // nor ranges nor sets that are valid only as a whole. A node has one publisher of `/parameter_events`.
         let options = NodeOptions::new()
             .enable_rosout(false)
-            .start_parameter_services(false);
+            .start_parameter_services(false)
+            .publish_parameter_events(false);
         let node = context
             .new_node(name, options)
             .map_err(|error| not_created(error.to_string()))?;
@@ -152,6 +154,26 @@ impl Node {
         Ok(async {
             futures::join!(follow, compare);
         })
+    }
+
+    /// Full names of the topics with the type of an endpoint that others in the domain use, apart from `known`.
+    #[must_use]
+    pub(super) fn other_topics(&self, endpoint: &Endpoint, known: &str) -> Vec<String> {
+        let (package, type_name) = endpoint.package_and_type();
+        let dds_type = format!("{package}::msg::dds_::{type_name}_");
+        let discovered = self.context.discovered_topics().into_iter();
+        let names: BTreeSet<String> = discovered
+            .filter(|topic| topic.type_name == dds_type)
+            .map(|topic| {
+                topic
+                    .name
+                    .strip_prefix("rt")
+                    .unwrap_or(&topic.name)
+                    .to_owned()
+            })
+            .filter(|name| name != known)
+            .collect();
+        names.into_iter().collect()
     }
 
     /// A publisher of an endpoint of the table.

@@ -59,6 +59,9 @@ pub enum RunError {
     /// The recording cannot be started.
     #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
+    /// The key of the seals cannot be used.
+    #[error("the recording cannot start: {0}")]
+    SealKey(String),
     /// Logging or signal handling cannot be set up.
     #[error("{0}; a program can run only one node")]
     Process(Box<dyn std::error::Error + Send + Sync>),
@@ -120,7 +123,7 @@ struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 impl RunRecording {
     fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
-        use crate::recording::{RecorderOptions, RecorderReport, ReportLevel};
+        use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
         let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
         let log = |report: &RecorderReport| match report.level() {
             ReportLevel::Info => tracing::info!("{report}"),
@@ -133,7 +136,12 @@ impl RunRecording {
         };
         NodeRecording::start(&parameters.settings().record, &topics, with_log)
             .map(Self)
-            .map_err(|error| RunError::Recording(crate::recording::with_parameter(&error).into()))
+            .map_err(|error| match crate::recording::with_parameter(&error) {
+                reason if matches!(error, RecordingError::BadKey { .. }) => {
+                    RunError::SealKey(reason)
+                }
+                reason => RunError::Recording(reason.into()),
+            })
     }
 
     fn tap(&self) -> Option<Arc<dyn RecordingTap>> {

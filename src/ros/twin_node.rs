@@ -76,7 +76,7 @@ impl TwinNode {
             recording.clone(),
         )?;
         let subscriptions = Subscriptions::new(&mut node, &twin.parameters(), recording.clone())?;
-        let services = Services::new(&mut node, recording)?;
+        let services = Services::new(&mut node, &twin.parameters(), recording)?;
         let stop_publishing = Arc::clone(&stop);
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::assessed::Assessed;
 use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
+use super::plant::Plant;
 use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
@@ -27,6 +28,8 @@ pub(super) struct ActiveResponse {
 #[derive(Debug)]
 pub(super) struct Foreseen {
     pub report: Report,
+    /// The column at rest after it.
+    pub at_rest: Plant,
     pub assessed: Option<Arc<Assessed>>,
     pub error_estimate: Option<f64>,
 }
@@ -45,6 +48,7 @@ impl ActiveResponse {
             report,
             assessed,
             error_estimate,
+            ..
         } = foreseen;
         let output = self.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
         out.put(Output::Forecast(output));

@@ -82,6 +82,7 @@ pub enum Accepted {
     Unchanged,
     /// It holds now.
     Applied,
-    /// It is valid and will be applied when the present response has ended.
+    /// It is valid and will be applied when the present response has ended, unless the column cannot take it then: another
+    /// impact may have damaged it.
     Waiting,
 }

@@ -249,6 +249,7 @@ impl Twin {
                     let last = LastImpact::new(&response.striking, &report, None);
                     let foreseen = Foreseen {
                         report,
+                        at_rest: at_rest.clone(),
                         assessed: capacities
                             .map(|it| assessed(&response.parameters, &at_rest, Some(&last), &it)),
                         error_estimate: None,

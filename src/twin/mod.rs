@@ -35,7 +35,8 @@
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no longer
 //!   holds; a notice tells which.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
-//!   properties to which a damage belongs cannot change while the column is damaged.
+//!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
+//!   damage it.
 //! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
@@ -69,6 +70,8 @@ pub use output::{
     Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput, StateOutput,
     StrikingVehicle,
 };
+#[cfg(test)]
+pub(crate) use plant::failing_step;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{

@@ -27,8 +27,7 @@ pub enum Output {
     Status(Status),
     /// A command was refused and has changed nothing.
     Refused(Refused),
-    /// Parameters were changed, will be when the response has ended, or return to what they were because a change that
-    /// waited was refused.
+    /// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
@@ -95,16 +94,18 @@ pub struct ReportOutput {
     pub compute_time: f64,
 }
 
-/// Parameters were changed, will be when the response has ended, or return to what they were.
+/// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.
     pub stamp: Nanos,
-    /// The parameters that have new values.
+    /// The parameters that have new values, or will have; of a refused change, those that keep theirs.
     pub names: Vec<&'static str>,
-    /// Whether they apply now or wait.
+    /// Whether the new values apply now or wait; `Unchanged` if the change had waited and was refused.
     pub change: Accepted,
-    /// All parameters: as they are now, or as they will be.
+    /// The parameters that wait for the end of the response now.
+    pub waiting: Vec<&'static str>,
+    /// All parameters as they hold now.
     pub parameters: Arc<Parameters>,
     /// The sender of the change.
     pub source: Arc<str>,

@@ -12,6 +12,7 @@ use super::seconds;
 use super::seen_ids::SeenIds;
 use super::what_if::Striking;
 use crate::parameters::Parameters;
+use crate::printable::{Printable, is_printable};
 
 /// Longest identifier of an event in characters.
 pub const MAX_EVENT_ID_CHARS: usize = 255;
@@ -138,10 +139,10 @@ impl Registry {
         if chars == 0 {
             return invalid("event_id is empty; give every impact its own identifier".to_owned());
         }
-        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(char::is_control) {
+        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(|c| !is_printable(c)) {
             return invalid(format!(
                 "event_id is too long or contains control characters; \
-                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control characters"
+                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control or invisible characters"
             ));
         }
         if self.seen.contains(id) {
@@ -295,8 +296,5 @@ pub(super) fn check_stamp(
 
 /// A name from outside as it may appear in a message: of bounded length, without characters that a terminal would obey.
 pub(super) fn printable(name: &str) -> String {
-    truncated(name, MAX_EVENT_ID_CHARS)
-        .chars()
-        .map(|c| if c.is_control() { '?' } else { c })
-        .collect()
+    Printable(&truncated(name, MAX_EVENT_ID_CHARS)).to_string()
 }

@@ -127,6 +127,32 @@ impl Twin {
         }
     }
 
+    /// Follows the column until the present response is over.
+    pub fn advance_to_end(&mut self, out: &mut impl Outputs) {
+        let next = Position {
+            response: self.journal.responses.saturating_add(1),
+            step: None,
+        };
+        while self.journal.responses < next.response
+            && let Some(now) = self.instant_towards(next)
+        {
+            let found = self.position();
+            self.run_ahead(u64::MAX, now, out);
+            self.step_to(now, out);
+            if self.position() == found {
+                return;
+            }
+        }
+    }
+
+    /// Tries the next step of the column: a response whose next step cannot be computed ends there.
+    pub fn try_next_step(&mut self, out: &mut impl Outputs) {
+        let timeline = self.response.as_ref().map(|response| &response.timeline);
+        if let Some(now) = timeline.map(|it| it.instant_of(it.step().saturating_add(1))) {
+            self.step_to(now, out);
+        }
+    }
+
     /// An instant to step to on the way to a position, neither beyond it nor beyond the next impact; `None` where the
     /// position is not ahead.
     fn instant_towards(&self, wanted: Position) -> Option<Nanos> {

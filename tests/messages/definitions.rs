@@ -9,6 +9,7 @@ use column_twin::messages::column_twin::{
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;
+use column_twin::messages::service_msgs::ServiceEventInfo;
 use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
 use column_twin::messages::{INTERFACES, Message, find, std_msgs, std_srvs};
 use re_ros_msg::MessageSchema;
@@ -55,7 +56,7 @@ impl ForEachType for SameFields {
 fn expected_format(ty: &Type) -> Format {
     match ty {
         Type::BuiltIn(BuiltInType::Bool) => Format::Bool,
-        Type::BuiltIn(BuiltInType::Byte | BuiltInType::UInt8) => Format::U8,
+        Type::BuiltIn(BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8) => Format::U8,
         Type::BuiltIn(BuiltInType::Int32) => Format::I32,
         Type::BuiltIn(BuiltInType::UInt16) => Format::U16,
         Type::BuiltIn(BuiltInType::UInt32) => Format::U32,
@@ -131,6 +132,7 @@ fn every_constant_has_the_value_of_its_definition() {
             SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
+        ServiceEventInfo { REQUEST_SENT, REQUEST_RECEIVED, RESPONSE_SENT, RESPONSE_RECEIVED }
         Log { DEBUG, INFO, WARN, ERROR, FATAL }
         Marker {
             ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT_VIEW_FACING,
@@ -141,7 +143,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 7, "a type with constants is missing above");
+    assert_eq!(with_constants, 8, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.

@@ -273,6 +273,12 @@ impl SecureDiscovery {
     std::mem::take(&mut self.authentication_outcomes)
   }
 
+  /// Forgets the authentication with a participant that has been lost.
+  pub fn forget_participant(&mut self, guid_prefix: GuidPrefix) {
+    self.handshake_states.remove(&guid_prefix);
+    self.stored_authentication_messages.remove(&guid_prefix);
+  }
+
   fn rejected(&mut self, remote_guid_prefix: GuidPrefix, reason: impl Into<String>) {
     self
       .authentication_outcomes
@@ -374,6 +380,8 @@ impl SecureDiscovery {
             auth_msg_writer,
           );
         }
+        // The remote is still there: continue, even if it has not answered so far.
+        self.reset_stored_message_resend_counter(&guid_prefix);
         info!("Authenticating with Participant {guid_prefix:?}");
         // Otherwise keep the same authentication status
         AuthenticationStatus::Authenticating
@@ -1533,7 +1541,15 @@ impl SecureDiscovery {
     key_exchange_writer: &no_key::DataWriter<ParticipantVolatileMessageSecure>,
   ) {
     // First resend authentication messages
-    for (guid_prefix, stored_message) in self.stored_authentication_messages.iter_mut() {
+    // A message with no more resends is kept: the next participant message of the
+    // remote allows further ones. Otherwise a remote that discovers us late could
+    // never authenticate.
+    let outcomes = &mut self.authentication_outcomes;
+    for (guid_prefix, stored_message) in self
+      .stored_authentication_messages
+      .iter_mut()
+      .filter(|(_guid_prefix, stored_message)| stored_message.remaining_resend_counter > 0)
+    {
       // Resend the message unless it's a final message (which needs to be requested
       // from us)
       if self.handshake_states.get(guid_prefix)
@@ -1542,6 +1558,10 @@ impl SecureDiscovery {
         match auth_msg_writer.write(stored_message.message.clone(), None) {
           Ok(()) => {
             stored_message.remaining_resend_counter -= 1;
+            if stored_message.remaining_resend_counter == 0 {
+              let reason = "it did not complete the authentication, or rejected us";
+              outcomes.push((*guid_prefix, Err(reason.to_string())));
+            }
             debug!(
               "Resent an unanswered authentication message to remote participant {:?}. Resending \
                at most {} more times.",
@@ -1557,19 +1577,6 @@ impl SecureDiscovery {
         }
       }
     }
-    // Remove authentication messages with no more resends
-    let outcomes = &mut self.authentication_outcomes;
-    self
-      .stored_authentication_messages
-      .retain(|guid_prefix, message| {
-        let is_kept = message.remaining_resend_counter > 0;
-        if !is_kept {
-          let reason = "it did not complete the authentication, or rejected us".to_string();
-          outcomes.push((*guid_prefix, Err(reason)));
-        }
-        is_kept
-      });
-
     // Then try to send those key exchange messages that we haven't been able to
     // send yet
     let mut msgs_still_to_cache = HashSet::new();

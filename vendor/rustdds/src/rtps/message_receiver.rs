@@ -235,6 +235,12 @@ impl MessageReceiver {
     self.available_readers.remove(&old_reader_guid.entity_id)
   }
 
+  pub fn garbage_collect_fragments(&mut self) {
+    for reader in self.available_readers.values_mut() {
+      reader.garbage_collect_fragments();
+    }
+  }
+
   pub fn reader_mut(&mut self, reader_id: EntityId) -> Option<&mut Reader> {
     self.available_readers.get_mut(&reader_id)
   }
