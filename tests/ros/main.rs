@@ -6,12 +6,15 @@
 mod bad_input;
 mod domain;
 mod duplicates;
+mod hostile;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;
 mod live_twin;
 mod loopback;
+mod parameter_events;
 mod program;
 mod real_peers;
 mod real_time;
 mod restart;
 mod simulation;
+mod transport;
