@@ -439,6 +439,13 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
                 .prop_map(Value::from)
                 .boxed()
         }
+        Admissible::Sender => prop_oneof![
+            prop::collection::vec(any::<u8>(), 4..=12)
+                .prop_map(|bytes| bytes.iter().map(|byte| format!("{byte:02x}")).collect()),
+            prop::sample::select(vec!["/operator", "/garage/operator_2"]).prop_map(str::to_owned),
+        ]
+        .prop_map(|text: String| Value::from(text))
+        .boxed(),
         Admissible::SectionName => {
             let names: Vec<_> = catalogue()
                 .iter()

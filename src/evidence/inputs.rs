@@ -177,6 +177,8 @@ impl Inputs {
         match code {
             // The message could not be recorded; its command follows all the same.
             None => waiting.unrecorded += 1,
+            // What a sender sends that is not allowed to, or sends too much, is not recorded.
+            Some(RefusalCode::SenderNotAllowed | RefusalCode::SenderTooFast) => {}
             Some(RefusalCode::NoAnswer) => {
                 if let Some(last) = waiting.messages.back_mut() {
                     last.optional = true;

@@ -133,7 +133,13 @@ impl NodeRecording {
         if !self.events_only {
             return true;
         }
-        let periodic = [endpoints::TWIN_STATUS.name, endpoints::DIAGNOSTICS.name];
+        // Joint states and markers come with the status, too.
+        let periodic = [
+            endpoints::TWIN_STATUS.name,
+            endpoints::DIAGNOSTICS.name,
+            endpoints::JOINT_STATES.name,
+            endpoints::MARKERS.name,
+        ];
         if !periodic.contains(&endpoint.name) {
             return true;
         }
@@ -141,7 +147,7 @@ impl NodeRecording {
         if endpoint.name == endpoints::DIAGNOSTICS.name {
             return self.changes_a_level(bytes) || is_active;
         }
-        if is_at_rest(bytes) {
+        if endpoint.name == endpoints::TWIN_STATUS.name && is_at_rest(bytes) {
             self.is_active.store(false, Ordering::Relaxed);
         }
         is_active

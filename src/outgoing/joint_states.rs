@@ -23,13 +23,22 @@ impl JointStates {
             }
             _ => [0.0; HINGES],
         };
-        JointState {
-            header,
-            name: HINGE_NAMES.map(|name| format!("hinge_{name}")).to_vec(),
-            position: rotations.to_vec(),
-            velocity: rates.to_vec(),
-            effort: sample.hinges.map(|hinge| hinge.moment).to_vec(),
-        }
+        joint_state(header, sample, rates)
+    }
+
+    /// The joint state of a column that does not move.
+    pub fn at_rest(header: Header, sample: &Sample) -> JointState {
+        joint_state(header, sample, [0.0; HINGES])
+    }
+}
+
+fn joint_state(header: Header, sample: &Sample, rates: [f64; HINGES]) -> JointState {
+    JointState {
+        header,
+        name: HINGE_NAMES.map(|name| format!("hinge_{name}")).to_vec(),
+        position: sample.hinges.map(|hinge| hinge.rotation).to_vec(),
+        velocity: rates.to_vec(),
+        effort: sample.hinges.map(|hinge| hinge.moment).to_vec(),
     }
 }
 

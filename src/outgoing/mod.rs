@@ -23,8 +23,8 @@ use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    Journal, Lengths, Output, RefusalCode, ReportOutput, StateOutput, Status, TwinPhase,
-    WithdrawnForecast,
+    Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput, Status,
+    TwinPhase, WithdrawnForecast,
 };
 use joint_states::JointStates;
 use markers::markers;
@@ -35,6 +35,10 @@ const JOINT_STATES_PERIOD: i64 = 10_000_000;
 
 /// Minimum time between the samples of two marker arrays \[ns\]: 25 Hz appear as continuous motion.
 const MARKERS_PERIOD: i64 = 40_000_000;
+
+/// Minimum time between the messages that show the column at rest \[ns\], so that a display that is started then shows it too:
+/// somewhat less than the period of the status, with which they come.
+const AT_REST_PERIOD: i64 = 900_000_000;
 
 /// A topic on which the twin publishes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -194,6 +198,7 @@ pub struct Outgoing {
     joints: JointStates,
     joint_states: Thinning,
     markers: Thinning,
+    at_rest: Thinning,
 }
 
 impl Outgoing {
@@ -208,6 +213,7 @@ impl Outgoing {
             joints: JointStates::default(),
             joint_states: Thinning::new(JOINT_STATES_PERIOD),
             markers: Thinning::new(MARKERS_PERIOD),
+            at_rest: Thinning::new(AT_REST_PERIOD),
         }
     }
 
@@ -228,11 +234,18 @@ impl Outgoing {
             Output::Withdrawn(withdrawn) => {
                 put(Message::ImpactForecast(self.withdrawn(withdrawn)));
             }
-            Output::Status(status) => put(Message::TwinStatus(self.status(status))),
+            Output::Status(status) => {
+                if let Some(resting) = &status.at_rest {
+                    self.resting(status.stamp, resting, &mut put);
+                }
+                // Last, because with it a recording of events ends.
+                put(Message::TwinStatus(self.status(status)));
+            }
             Output::Journal(Journal::Checkpoint(_)) => {
                 self.joints = JointStates::default();
                 self.joint_states = Thinning::new(JOINT_STATES_PERIOD);
                 self.markers = Thinning::new(MARKERS_PERIOD);
+                self.at_rest = Thinning::new(AT_REST_PERIOD);
             }
             Output::Journal(Journal::Command(_) | Journal::Status(_))
             | Output::Refused(_)
@@ -280,6 +293,28 @@ impl Outgoing {
             let slack = &[0.0; MAX_MASSES][..sample.vehicle.masses.min(MAX_MASSES)];
             let body = VehicleBody::named(name, mass, slack);
             put(Message::Markers(markers(&header, lengths, &body, sample)));
+        }
+    }
+
+    /// The column at rest, for displays that were started after the last response. The markers of that response, which show
+    /// the vehicle too, are kept for late joiners.
+    fn resting(&mut self, stamp: i64, resting: &RestingColumn, mut put: impl FnMut(Message)) {
+        if !self.at_rest.passes(stamp, true) {
+            return;
+        }
+        let RestingColumn {
+            sample,
+            lengths,
+            is_unseen,
+        } = resting;
+        let header = self.header(stamp);
+        let joints = JointStates::at_rest(header.clone(), sample);
+        put(Message::JointStates(joints));
+        if *is_unseen {
+            let nothing = VehicleBody::named("", 0.0, &[]);
+            put(Message::Markers(markers(
+                &header, *lengths, &nothing, sample,
+            )));
         }
     }
 

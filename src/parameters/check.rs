@@ -5,6 +5,7 @@ use super::fault::Problem;
 use super::given::{Content, Given};
 use super::parameter::{Admissible, Parameter};
 use super::processors::{MAX_PROCESSOR, processors};
+use super::senders::AllowedSender;
 use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::value::{Kind, Value, readable};
@@ -213,6 +214,10 @@ impl Parameter {
                 Some(_) => Ok(Value::from(text.trim())),
                 None => Err(invalid()),
             },
+            Admissible::Sender => match text.parse::<AllowedSender>() {
+                Ok(sender) => Ok(Value::from(sender.to_string())),
+                Err(_) => Err(invalid()),
+            },
             Admissible::Text {
                 min_chars,
                 max_chars,
@@ -280,6 +285,7 @@ impl Parameter {
             Admissible::Processors => {
                 format!("numbers from 0 to {MAX_PROCESSOR} and ranges such as 1,4-7, or \"\"")
             }
+            Admissible::Sender => "the first 8 to 24 hexadecimal digits of a GUID, in quotes, or an enclave such as \"/garage/operator\"".to_owned(),
             Admissible::List {
                 of,
                 min_len,

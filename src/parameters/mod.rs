@@ -34,6 +34,7 @@ mod overrides;
 mod parameter;
 mod processors;
 mod reference;
+mod senders;
 mod settings;
 mod spelling;
 mod steel;
@@ -56,13 +57,14 @@ pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
+pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use settings::{
     AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
     GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
     RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
-    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    SectionSettings, SendersSettings, Settings, SolverSettings, SpringSettings, StateSettings,
+    SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode,
+    ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

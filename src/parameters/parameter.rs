@@ -99,6 +99,8 @@ pub enum Admissible {
     SteelGrade,
     /// A [list of processors](super::processors()), or the empty string.
     Processors,
+    /// An [allowed sender](super::AllowedSender).
+    Sender,
     /// An array of numbers or of strings.
     List {
         /// Admissible values of every element: numbers or strings.
@@ -165,7 +167,8 @@ impl Admissible {
             | Self::SectionName
             | Self::VehicleName
             | Self::SteelGrade
-            | Self::Processors => Kind::String,
+            | Self::Processors
+            | Self::Sender => Kind::String,
             Self::List { of, .. } => match of.kind() {
                 Kind::Double => Kind::DoubleArray,
                 Kind::String => Kind::StringArray,

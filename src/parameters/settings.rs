@@ -28,6 +28,7 @@ pub struct Settings {
     /// The vehicle of an impact that names none.
     pub vehicle: VehicleSettings,
     pub event: EventSettings,
+    pub senders: SendersSettings,
     pub rate: RateSettings,
     pub hardening: HardeningSettings,
     pub solver: SolverSettings,
@@ -101,6 +102,8 @@ groups! {
     HardeningSettings { ratio: f64 }
     /// Admissible stamps of impact events.
     EventSettings { max_age: f64, max_ahead: f64 }
+    /// Who may send events, parameters and resets, and how often.
+    SendersSettings { allowed: Vec<String>, max_rate: f64, burst: u32 }
     /// Time stepping.
     SolverSettings { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.

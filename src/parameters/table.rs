@@ -632,6 +632,42 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "how far the stamp of an impact event may lie in the future; an event further ahead is rejected",
     },
     Parameter {
+        name: "senders.allowed",
+        unit: "",
+        default: DefaultValue::Texts(&[]),
+        admissible: Admissible::List {
+            of: &Admissible::Sender,
+            min_len: 0,
+            max_len: 64,
+        },
+        applies: Applies::Restart,
+        meaning: "who may send impact events, parameters and resets; empty: everybody. An enclave is known only with DDS security; \
+                  without it a GUID can be forged",
+    },
+    Parameter {
+        name: "senders.max_rate",
+        unit: "1/s",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-3,
+            max: 1e6,
+            zero: "no limit",
+        },
+        applies: Applies::Restart,
+        meaning: "impact events, sets of parameters and resets per second that the node takes from each sender, and from all new ones together",
+    },
+    Parameter {
+        name: "senders.burst",
+        unit: "",
+        default: DefaultValue::Integer(10),
+        admissible: Admissible::Integer {
+            min: 1,
+            max: 10_000,
+        },
+        applies: Applies::Restart,
+        meaning: "number that a sender may send at once under senders.max_rate",
+    },
+    Parameter {
         name: "rate.law",
         unit: "",
         default: DefaultValue::Text("none"),

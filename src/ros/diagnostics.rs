@@ -1,5 +1,6 @@
 //! `/diagnostics`: the twin, its solver, its queues, its recording and the node, for people and aggregators.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -13,6 +14,7 @@ use super::clock_watch::ClockWatch;
 use super::lines::severity_word;
 use super::live_twin::Health;
 use super::security::SecurityHealth;
+use super::senders::Senders;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]
@@ -27,9 +29,17 @@ pub(super) struct NodeCounters {
     pub unlogged: AtomicU64,
     /// The simulated clock; `None` with the system's.
     pub clock: Option<ClockWatch>,
+    /// The senders, if the parameters limit them.
+    pub senders: Option<Arc<Senders>>,
 }
 
 impl NodeCounters {
+    /// Messages and requests of senders that are not allowed, or too fast.
+    pub fn rejected_senders(&self) -> u64 {
+        let senders = self.senders.as_ref();
+        senders.map_or(0, |it| it.not_allowed() + it.too_fast())
+    }
+
     pub fn count(counter: &AtomicU64) {
         counter.fetch_add(1, Ordering::Relaxed);
     }
@@ -66,6 +76,7 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     ];
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
+    status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
@@ -259,6 +270,25 @@ fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     };
     let values = values.map(|(key, count)| (key.to_owned(), count.to_string()));
     entry("ros", level, message.to_owned(), values)
+}
+
+fn senders_status(senders: &Senders) -> DiagnosticStatus {
+    let counts = [senders.not_allowed(), senders.too_fast()];
+    let (level, message) = match counts {
+        [0, 0] => (DiagnosticStatus::OK, "none rejected"),
+        [_, 0] => (
+            DiagnosticStatus::WARN,
+            "senders that are not allowed were rejected",
+        ),
+        _ => (
+            DiagnosticStatus::WARN,
+            "senders that are too fast were rejected",
+        ),
+    };
+    let keys = ["rejected, not allowed", "rejected, too fast"];
+    let values = keys.iter().zip(counts);
+    let values = values.map(|(key, count)| ((*key).to_owned(), count.to_string()));
+    entry("senders", level, message.to_owned(), values)
 }
 
 fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use futures::{StreamExt, join, pin_mut};
 use ros2_client::rcl_interfaces as rcl;
-use ros2_client::{MessageInfo, Server, Subscription};
+use ros2_client::{Gid, MessageInfo, Server, Subscription};
 
-use crate::incoming::{column_command, impact_command};
+use crate::incoming::{column_command, impact_command, nanos};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::column_twin::{
@@ -26,6 +27,7 @@ use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
+use super::senders::{GuidPrefix, Rejected, Senders};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
@@ -37,6 +39,7 @@ impl ros2_client::Message for PredictImpactResponse {}
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
+    senders: Arc<Senders>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
@@ -45,6 +48,7 @@ impl Subscriptions {
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
+        senders: Arc<Senders>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
@@ -53,6 +57,7 @@ impl Subscriptions {
             clock: simulated
                 .then(|| node.subscription(&qos::CLOCK))
                 .transpose()?,
+            senders,
             recording,
         })
     }
@@ -64,8 +69,22 @@ impl Subscriptions {
             &qos::IMPACT_EVENT,
             &counters,
             |event: ImpactEvent, info| {
+                let sender = info.publisher_gid();
+                if let Err(rejected) = self.senders.admit(sender, Instant::now()) {
+                    let id = event.event_id.chars().take(MAX_NAMED_CHARS);
+                    let what = id.collect::<String>();
+                    return tell(&self.recording, &qos::IMPACT_EVENT, &what, &rejected);
+                }
                 record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
                 let event_id = event.event_id.clone();
+                tracing::debug!(
+                    "received impact event {event_id:?} of {}: {} kg, {} m/s, gap {} m, {:.6} s old",
+                    GuidPrefix::from(sender),
+                    event.mass,
+                    event.velocity,
+                    event.gap,
+                    1e-9 * (twin.now().saturating_sub(nanos(event.header.stamp))) as f64,
+                );
                 if let Err(refusal) = twin.submit(impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
@@ -136,6 +155,26 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
     }
 }
 
+/// Most characters of an identifier that a log names before it was checked.
+const MAX_NAMED_CHARS: usize = 64;
+
+/// Logs and records that a message of a sender was rejected.
+fn tell(
+    recording: &Option<Arc<dyn RecordingTap>>,
+    endpoint: &Endpoint,
+    what: &str,
+    rejected: &Rejected,
+) {
+    let Rejected { refusal, is_told } = rejected;
+    if !is_told {
+        return;
+    }
+    tracing::warn!("{what:?} on {} was rejected: {refusal}", endpoint.name);
+    if let Some(recording) = recording {
+        recording.rejected(endpoint, what, Some(refusal.code), &refusal.reason);
+    }
+}
+
 /// Records a received message in the encoding of this program.
 fn record<M: crate::messages::Message>(
     recording: &Option<Arc<dyn RecordingTap>>,
@@ -163,6 +202,7 @@ pub(super) struct Services {
     parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
+    senders: Arc<Senders>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
@@ -180,9 +220,11 @@ impl Services {
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
+        senders: Arc<Senders>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {
+            senders,
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET)?,
             predict: node.server(&qos::PREDICT)?,
@@ -222,13 +264,28 @@ impl Services {
             }
         };
         let (twin, counters) = (&*twin, &*counters);
+        let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
+            let admitted = self.senders.admit(gid, Instant::now());
+            admitted.map_err(|rejected| {
+                tell(&recording, endpoint, what, &rejected);
+                rejected.refusal
+            })
+        };
         join!(
             each(
                 &self.column_parameters,
                 &qos::COLUMN_PARAMETERS,
                 counters,
                 |message, info| {
+                    let sender = info.publisher_gid();
+                    if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_err() {
+                        return;
+                    }
                     record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);
+                    tracing::debug!(
+                        "received a set of parameters of {}",
+                        GuidPrefix::from(sender)
+                    );
                     let Err(refusal) = set_column(twin, &message) else {
                         return;
                     };
@@ -244,7 +301,15 @@ impl Services {
                     }
                 }
             ),
-            answer(&qos::RESET, &self.reset, counters, |_| reset(twin)),
+            answer_from(&qos::RESET, &self.reset, counters, |sender, _| {
+                match admit(sender, &qos::RESET, "a reset") {
+                    Ok(()) => reset(twin),
+                    Err(refusal) => TriggerResponse {
+                        success: false,
+                        message: refusal.tagged(),
+                    },
+                }
+            }),
             answer(&qos::PREDICT, &self.predict, counters, |request| predicted(
                 twin, &request
             )),
@@ -260,14 +325,22 @@ impl Services {
             answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
                 parameters::describe(&request)
             }),
-            answer(&qos::SET_PARAMETERS, &set, counters, |request| {
-                parameters::set(twin, request)
+            answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
+                match admit(sender, &qos::SET_PARAMETERS, "a request") {
+                    Ok(()) => parameters::set(twin, request),
+                    Err(refusal) => parameters::set_rejected(&request, &refusal),
+                }
             }),
-            answer(
+            answer_from(
                 &qos::SET_PARAMETERS_ATOMICALLY,
                 &set_atomically,
                 counters,
-                |request| { parameters::set_atomically(twin, request) }
+                |sender, request| {
+                    match admit(sender, &qos::SET_PARAMETERS_ATOMICALLY, "a request") {
+                        Ok(()) => parameters::set_atomically(twin, request),
+                        Err(refusal) => parameters::set_rejected_atomically(&refusal),
+                    }
+                }
             ),
             describe_types,
         );
@@ -284,11 +357,32 @@ async fn answer<Request, Response>(
     Request: ros2_client::Message + Clone + 'static,
     Response: ros2_client::Message + 'static,
 {
+    answer_from(endpoint, server, counters, |_, request| reply(request)).await;
+}
+
+/// Answers every request with the result of `reply`, which is given the sender too.
+async fn answer_from<Request, Response>(
+    endpoint: &Endpoint,
+    server: &Server<Request, Response>,
+    counters: &NodeCounters,
+    mut reply: impl FnMut(Gid, Request) -> Response,
+) where
+    Request: ros2_client::Message + Clone + 'static,
+    Response: ros2_client::Message + 'static,
+{
     let mut requests = server.receive_request_stream();
     while let Some(request) = requests.next().await {
         match request {
             Ok((id, request)) => {
-                if let Err(error) = server.async_send_response(id, reply(request)).await {
+                tracing::debug!(
+                    "received a request to {} of {}",
+                    endpoint.name,
+                    GuidPrefix::from(id.writer_gid)
+                );
+                if let Err(error) = server
+                    .async_send_response(id, reply(id.writer_gid, request))
+                    .await
+                {
                     NodeCounters::count(&counters.unpublished);
                     tracing::warn!("a response of {} cannot be sent: {error:?}", endpoint.name);
                 }

@@ -1,5 +1,6 @@
 //! The live twin from the point of view of the node: commands, health and clock, from start to stop.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use crate::column::{ImpactSpecification, ModelError};
@@ -9,9 +10,12 @@ use crate::live::{
 };
 use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
-use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode, Twin};
+use crate::twin::{
+    Accepted, Command, Condition, Prediction, Refusal, RefusalCode, SavedState, Twin,
+};
 
 use super::node_viewer::{self, NodeViewer};
+use super::utc::Utc;
 
 /// Why the live twin cannot be started.
 #[derive(Debug, thiserror::Error)]
@@ -96,7 +100,11 @@ impl LiveTwin {
         };
         let saved = match saved {
             Loaded::Absent => None,
-            Loaded::Damage(saved) => Some(saved),
+            Loaded::Damage(saved) => {
+                let path = path.as_deref().unwrap_or(Path::new(""));
+                tracing::info!("{}", restored(&saved, path, simulated.is_some()));
+                Some(saved)
+            }
             Loaded::Rejected { reason, kept_as } => {
                 tracing::warn!(
                     "the state file cannot be used, so the column starts virgin: {reason}; the file was renamed to {}",
@@ -251,6 +259,41 @@ impl LiveTwin {
             None => Err(Refusal::new(RefusalCode::Stopping, "the twin is stopping")),
         }
     }
+}
+
+/// What was restored: how much, from which file, of which time.
+fn restored(saved: &SavedState, path: &Path, is_simulated: bool) -> String {
+    let SavedState {
+        column_id,
+        stamp,
+        condition,
+        displacement,
+        plastic_work_since_reset,
+        impacts_since_reset,
+        last_event_id,
+        ..
+    } = saved;
+    let when = match is_simulated {
+        true => format!("at {} s of simulated time", *stamp as f64 * 1e-9),
+        false => format!("on {}", Utc(*stamp)),
+    };
+    let last = match last_event_id.is_empty() {
+        true => String::new(),
+        false => format!(", the last of them {last_event_id:?}"),
+    };
+    let condition = match condition {
+        Condition::Standing => "stands",
+        Condition::Collapsed => "has collapsed",
+        Condition::Severed => "is severed",
+        Condition::Faulted(_) => "could not be computed any further",
+    };
+    format!(
+        "the damage of column {column_id:?} was restored from {}, saved {when}: it {condition}, v1 is {:.3} mm, {:.1} J were \
+         dissipated in {impacts_since_reset} impacts since the last reset{last}",
+        path.display(),
+        1e3 * displacement.v1,
+        plastic_work_since_reset,
+    )
 }
 
 fn health(handle: &LiveHandle) -> Health {

@@ -84,14 +84,21 @@ impl Matches {
                 local_reader: own,
                 remote_writer: peer,
             } => {
-                locked(&self.peers).entry(own).or_default().insert(peer);
+                let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
                 self.changed.notify_all();
+                if is_new && let Some(name) = locked(&self.names).get(&own) {
+                    tracing::debug!("matched {peer:?} on {name}");
+                }
             }
             Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
+                let mut was_known = false;
                 for peers in locked(&self.peers).values_mut() {
-                    peers.remove(&guid);
+                    was_known |= peers.remove(&guid);
                 }
                 self.changed.notify_all();
+                if was_known {
+                    tracing::debug!("lost {guid:?}");
+                }
             }
             Event::RemoteReaderQosIncompatible {
                 local_writer: own, ..

@@ -124,6 +124,24 @@ pub(super) fn set(twin: &LiveTwin, request: SetParametersRequest) -> SetParamete
     }
 }
 
+/// The answer to a request that is not carried out.
+pub(super) fn set_rejected(
+    request: &SetParametersRequest,
+    refusal: &Refusal,
+) -> SetParametersResponse {
+    let rejected = |_: &raw::Parameter| result(Err(refusal.tagged()));
+    SetParametersResponse {
+        results: each(&request.parameter, rejected, |reason| result(Err(reason))),
+    }
+}
+
+/// The answer to a request that is not carried out.
+pub(super) fn set_rejected_atomically(refusal: &Refusal) -> SetParametersAtomicallyResponse {
+    SetParametersAtomicallyResponse {
+        result: result(Err(refusal.tagged())),
+    }
+}
+
 /// `~/set_parameters_atomically`: all or none, validated as a whole.
 pub(super) fn set_atomically(
     twin: &LiveTwin,
@@ -322,6 +340,7 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
         | Admissible::VehicleName
         | Admissible::SteelGrade
         | Admissible::Processors
+        | Admissible::Sender
         | Admissible::List { .. } => {}
     }
     it

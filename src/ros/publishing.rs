@@ -15,7 +15,8 @@ use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
 use crate::twin::{
-    Accepted, Notice, NoticeLevel, Output, ParametersChanged, Refused, RefusedInput,
+    Accepted, Command, Journal, Notice, NoticeLevel, Output, ParametersChanged, Refused,
+    RefusedInput,
 };
 
 use super::clock_watch::SeldomWarning;
@@ -30,6 +31,9 @@ use super::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+
+/// States that leave later than this are told at the log level `debug` \[ns\].
+const LATE: i64 = 2_000_000;
 
 /// Maximum wait for an output before the thread checks the stop flag.
 const MAX_WAIT: Duration = Duration::from_millis(100);
@@ -60,6 +64,8 @@ pub(super) struct Publishing {
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
     clock_warning: SeldomWarning,
+    /// Stamp of the last state.
+    last_state: Option<i64>,
     /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
@@ -109,6 +115,7 @@ impl Publishing {
             peers: node.security_peers(),
             last_diagnostics: None,
             clock_warning: SeldomWarning::default(),
+            last_state: None,
             is_over: false,
         })
     }
@@ -164,6 +171,7 @@ impl Publishing {
     }
 
     fn publish(&mut self, output: Output) {
+        self.note(&output);
         let mut messages = Vec::new();
         self.outgoing
             .convert(&output, |message| messages.push(message));
@@ -191,6 +199,67 @@ impl Publishing {
         }
     }
 
+    /// Tells what leaves the twin, and where it leaves late.
+    fn note(&mut self, output: &Output) {
+        if !tracing::enabled!(tracing::Level::DEBUG) {
+            return;
+        }
+        match output {
+            Output::State(state) => {
+                let last = self.last_state.replace(state.stamp);
+                let gap = last.map_or(0, |last| state.stamp.saturating_sub(last));
+                let late = self.twin.now().saturating_sub(state.stamp);
+                if late > LATE {
+                    tracing::debug!(
+                        "state {:.6} s after the one before leaves {:.6} s late",
+                        1e-9 * gap as f64,
+                        1e-9 * late as f64
+                    );
+                }
+            }
+            Output::Forecast(forecast) => tracing::debug!(
+                "forecast of impact {:?} leaves {:.6} s after its stamp, {:.6} s of computing, error estimate {:?}",
+                forecast.event_id,
+                1e-9 * self.twin.now().saturating_sub(forecast.stamp) as f64,
+                forecast.compute_time,
+                forecast.error_estimate,
+            ),
+            Output::Withdrawn(it) => tracing::debug!(
+                "no result of impact {:?}: {}",
+                it.impact.event_id,
+                it.reason
+            ),
+            Output::Report(it) => tracing::debug!(
+                "report of impact {:?}, {:.6} s of computing",
+                it.event_id,
+                it.compute_time
+            ),
+            Output::Status(status) => tracing::debug!("status: {:?}", status.phase),
+            Output::Journal(Journal::Checkpoint(it)) => {
+                tracing::debug!("checkpoint {} after response {}", it.number, it.response);
+            }
+            Output::Journal(Journal::Command(it)) => {
+                let kind = match &it.command {
+                    Command::Impact(impact) => format!("impact {:?}", impact.event_id),
+                    Command::SetParameters { changes, .. } => {
+                        format!("change of {} parameters", changes.len())
+                    }
+                    Command::RejectedChange { .. } => "change that cannot be read".to_owned(),
+                    Command::Reset { .. } => "reset".to_owned(),
+                    Command::ClockJumpedBack { .. } => "jump of the clock".to_owned(),
+                };
+                let outcome = it.refusal.as_ref().map_or("accepted", |it| it.code.name());
+                let at = it.position;
+                tracing::debug!("command {}: {kind} at {at:?}: {outcome}", it.number);
+            }
+            Output::Journal(Journal::Status(_))
+            | Output::Refused(_)
+            | Output::ParametersChanged(_)
+            | Output::Notice(_)
+            | Output::Save(_) => {}
+        }
+    }
+
     /// Adds the state of threads and queues, which the twin does not know.
     fn twin_status(&mut self, status: TwinStatus) {
         let health = self.twin.health();
@@ -198,7 +267,7 @@ impl Publishing {
         self.status = TwinStatus {
             overruns: health.overruns,
             worst_lateness: health.worst_lateness,
-            dropped_inputs: health.dropped_inputs,
+            dropped_inputs: health.dropped_inputs + self.counters.rejected_senders(),
             dropped_states: health.dropped_states,
             dropped_recording: lost.unwrap_or(0),
             dropped_viewer: health.dropped_viewer,

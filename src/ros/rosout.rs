@@ -25,6 +25,7 @@ use tracing_subscriber::util::{SubscriberInitExt, TryInitError};
 use tracing_subscriber::{Layer, Registry};
 
 use super::arguments::{LogLevel, RosArguments};
+use super::library_log;
 use crate::printable::Printable;
 
 /// Maximum number of messages that wait to be published; further ones are dropped and counted.
@@ -86,7 +87,11 @@ pub fn start_logging(
     logger: &str,
 ) -> Result<Option<RosoutQueue>, TryInitError> {
     let level = arguments.level_of(logger);
-    let own = format!("off,column_twin={}", directive(level));
+    let own = format!(
+        "off,column_twin={},rustdds={}",
+        directive(level),
+        library_directive(level)
+    );
     let terminal = arguments.stdout.unwrap_or(true).then(|| {
         let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(&own));
         let form = RosFormat {
@@ -105,6 +110,7 @@ pub fn start_logging(
         .then(|| layer.with_filter(EnvFilter::new(&own)));
     let queue = rosout.is_some().then_some(queue);
     Registry::default().with(terminal).with(rosout).try_init()?;
+    library_log::forward();
     Ok(queue)
 }
 
@@ -114,6 +120,14 @@ fn directive(level: LogLevel) -> &'static str {
         LogLevel::Debug => "debug",
         LogLevel::Info => "info",
         LogLevel::Warn => "warn",
+        LogLevel::Error | LogLevel::Fatal => "error",
+    }
+}
+
+/// The libraries say nothing below warnings.
+fn library_directive(level: LogLevel) -> &'static str {
+    match level {
+        LogLevel::Debug | LogLevel::Info | LogLevel::Warn => "warn",
         LogLevel::Error | LogLevel::Fatal => "error",
     }
 }

@@ -33,6 +33,7 @@ use super::publishing::Publishing;
 use super::qos;
 use super::raw::Raw;
 use super::rosout::RosoutQueue;
+use super::senders::{Identities, Senders};
 use super::task::Task;
 
 /// Maximum wait for a log message before the thread checks the stop flag.
@@ -65,7 +66,13 @@ impl TwinNode {
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let is_simulated = twin.parameters().settings().use_sim_time;
+        let parameters = twin.parameters();
+        let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
+        let senders = Senders::new(&parameters.settings().senders, identities);
+        senders.warn_of_enclaves();
+        let senders = Arc::new(senders);
         let counters = Arc::new(NodeCounters {
+            senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
             ..NodeCounters::default()
         });
@@ -80,8 +87,13 @@ impl TwinNode {
             Arc::clone(&counters),
             recording.clone(),
         )?;
-        let subscriptions = Subscriptions::new(&mut node, &twin.parameters(), recording.clone())?;
-        let services = Services::new(&mut node, &twin.parameters(), recording)?;
+        let subscriptions = Subscriptions::new(
+            &mut node,
+            &twin.parameters(),
+            Arc::clone(&senders),
+            recording.clone(),
+        )?;
+        let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {

@@ -58,6 +58,7 @@ impl BegunImpact {
             error_estimate,
             step_nanos: self.step_nanos,
             compute_time: seconds(compute_nanos),
+            is_superseded: false,
         }
     }
 }

@@ -8,7 +8,8 @@ use super::active_response::BegunImpact;
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
 use super::command::Nanos;
 use super::output::{
-    ForecastEnd, NoticeLevel, Output, Outputs, Verdicts, WithdrawnForecast, WithdrawnImpact,
+    ForecastEnd, NoticeLevel, Output, Outputs, ReportOutput, Verdicts, WithdrawnForecast,
+    WithdrawnImpact,
 };
 use super::plant::Plant;
 use super::timeline::{LookAhead, Outlook};
@@ -27,6 +28,8 @@ pub(super) struct Forecast {
     foreseen: Option<Foreseen>,
     was_given_out: bool,
     error_estimate: Option<f64>,
+    /// Something else has ended the response.
+    is_superseded: bool,
 }
 
 /// The end of a response, known in advance.
@@ -58,6 +61,7 @@ impl Forecast {
             foreseen: None,
             was_given_out: false,
             error_estimate: None,
+            is_superseded: false,
         }
     }
 
@@ -68,6 +72,7 @@ impl Forecast {
             foreseen: None,
             was_given_out: false,
             error_estimate: None,
+            is_superseded: false,
         }
     }
 
@@ -124,7 +129,7 @@ impl Forecast {
                             .map(|it| assessed(&impact.parameters, &at_rest, Some(&last), &it)),
                         error_estimate: None,
                     };
-                    put_forecast(impact, &foreseen, compute_nanos, out);
+                    put_forecast(impact, &foreseen, self.is_superseded, compute_nanos, out);
                     let assessed = foreseen.assessed.as_deref();
                     out.verdict("forecast", &impact.event_id, assessed, now);
                     self.foreseen = Some(foreseen);
@@ -143,7 +148,7 @@ impl Forecast {
                     if let Some(foreseen) = &mut self.foreseen {
                         foreseen.error_estimate = estimate;
                         if estimate.is_some() {
-                            put_forecast(impact, foreseen, compute_nanos, out);
+                            put_forecast(impact, foreseen, self.is_superseded, compute_nanos, out);
                         }
                     }
                 }
@@ -163,6 +168,7 @@ impl Forecast {
 fn put_forecast(
     impact: &BegunImpact,
     foreseen: &Foreseen,
+    is_superseded: bool,
     compute_nanos: u64,
     out: &mut impl Outputs,
 ) {
@@ -173,7 +179,10 @@ fn put_forecast(
         ..
     } = foreseen;
     let output = impact.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
-    out.put(Output::Forecast(output));
+    out.put(Output::Forecast(ReportOutput {
+        is_superseded,
+        ..output
+    }));
 }
 
 /// That there will be no forecast.
@@ -253,10 +262,11 @@ impl SupersededForecasts {
     pub fn take(
         &mut self,
         impact: BegunImpact,
-        forecast: Forecast,
+        mut forecast: Forecast,
         end: ForecastEnd,
         reason: String,
     ) {
+        forecast.is_superseded = true;
         let superseded = Superseded {
             impact,
             forecast,

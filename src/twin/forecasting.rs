@@ -20,6 +20,13 @@ impl Twin {
             || !self.superseded.is_empty()
     }
 
+    /// Whether the forecast of the present response was not given out yet. What remains to be computed after that, its error
+    /// and forecasts of earlier responses, is not urgent.
+    pub fn awaits_forecast(&self) -> bool {
+        let present = self.response.as_ref();
+        present.is_some_and(|it| it.forecast.is_running() && !it.forecast.is_known())
+    }
+
     /// Carries the forecasts on by at most `max_steps`. Each is given out when the response and the remaining capacity are
     /// known, and again when the error of the time step is known. The present response comes first.
     pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {

@@ -276,6 +276,7 @@ impl Twin {
             &self.at_rest,
             self.assessed.as_ref(),
             struck,
+            self.journal.responses,
         )
     }
 

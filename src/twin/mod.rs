@@ -85,7 +85,7 @@ pub use registry::{
 };
 pub use saved_state::{SavedState, SavedStateError};
 pub use seen_ids::MAX_SEEN_IDS;
-pub use status::{Status, TwinPhase};
+pub use status::{RestingColumn, Status, TwinPhase};
 pub use timeline::MAX_LOOK_AHEAD_STEPS;
 pub use what_if::{ColumnSnapshot, MAX_VEHICLE_NAME_CHARS, Prediction, Striking};
 

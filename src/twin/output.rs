@@ -94,6 +94,8 @@ pub struct ReportOutput {
     pub step_nanos: u64,
     /// What computing it took \[s\].
     pub compute_time: f64,
+    /// It is the forecast of a response that something else has ended; an [`Output::Withdrawn`] follows.
+    pub is_superseded: bool,
 }
 
 /// The forecast of an accepted impact no longer holds, or there will be none.

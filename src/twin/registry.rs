@@ -293,12 +293,21 @@ pub(super) fn check_stamp(
     let tolerance = &parameters.settings().event;
     let off = seconds(stamp.abs_diff(now));
     let check = "check that the sender and the twin have the same clock";
+    if stamp == 0 && now != 0 && off > tolerance.max_age {
+        let reason = "the stamp is zero, as in a message in which it was not set; set header.stamp to the time of the impact \
+                      (with ros2 topic pub: `stamp: now`)";
+        return Err(Refusal::new(RefusalCode::StampTooOld, reason));
+    }
     if stamp <= now && off > tolerance.max_age {
         let reason = format!(
             "the stamp is {off} s old; event.max_age is {} s; {check}",
             tolerance.max_age
         );
         return Err(Refusal::new(RefusalCode::StampTooOld, reason));
+    }
+    if now == 0 && off > tolerance.max_ahead {
+        let reason = "the clock of the twin is zero: use_sim_time is true, but no message on /clock has arrived";
+        return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));
     }
     if stamp > now && off > tolerance.max_ahead {
         let reason = format!(

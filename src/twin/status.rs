@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
 use super::command::Nanos;
+use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
 use super::registry::{Counts, LastRefusal, Registry};
-use crate::column::{HINGES, Phase, VehicleReport};
+use crate::column::{HINGES, Phase, Sample, VehicleReport};
 
 /// Where column and twin are in the course of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,11 +94,24 @@ pub struct Status {
     pub vehicle: VehicleReport,
     /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
     pub error_estimate: Option<f64>,
+    /// The column, for displays; `None` during a response.
+    pub at_rest: Option<RestingColumn>,
+}
+
+/// The column at rest, as a display needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RestingColumn {
+    /// The values.
+    pub sample: Sample,
+    /// Undeformed lengths of the bars.
+    pub lengths: Lengths,
+    /// Whether no response has shown the column since the start of the program or the last reset.
+    pub is_unseen: bool,
 }
 
 impl Status {
     /// The status at `now`; `assessed` is the assessment of the column at rest, `struck` the column where it is responding to
-    /// an impact.
+    /// an impact, `responses` those that have begun since the start of the program.
     pub(super) fn new(
         now: Nanos,
         phase: TwinPhase,
@@ -105,6 +119,7 @@ impl Status {
         at_rest: &Plant,
         assessed: Option<&Arc<Assessed>>,
         struck: Option<&Struck>,
+        responses: u64,
     ) -> Self {
         let sample_at_rest = at_rest.state.sample(&at_rest.model);
         let (hinges, plastic_work) = match struck {
@@ -140,6 +155,14 @@ impl Status {
             assessed: assessed.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
+            at_rest: struck.is_none().then(|| RestingColumn {
+                sample: sample_at_rest,
+                lengths: Lengths {
+                    below: at_rest.model.properties.length_below,
+                    above: at_rest.model.properties.length_above,
+                },
+                is_unseen: responses == 0 || life.last_event_id.is_empty(),
+            }),
         }
     }
 }

@@ -71,7 +71,7 @@ impl ViewerItem {
         Some(match output {
             Output::State(state) => Self::State(state),
             // It is given out again with its error estimate, and the numbers that are shown remain.
-            Output::Forecast(it) if it.error_estimate.is_some() => return None,
+            Output::Forecast(it) if it.error_estimate.is_some() || it.is_superseded => return None,
             Output::Forecast(it) => Self::Forecast(Announcement::of_output(&it)),
             Output::Report(it) => Self::Result(Announcement::of_output(&it)),
             Output::Status(status) if status.phase == TwinPhase::Idle => Self::Rest {

@@ -19,8 +19,9 @@ pub const VIEWER_QUEUE: &str = "viewer";
 /// Name of the viewer's thread.
 pub const VIEWER_THREAD: &str = "viewer";
 
-/// Period of the viewer's thread: 60 Hz.
-const PERIOD: Duration = Duration::from_nanos(16_666_667);
+/// Period of the viewer's thread: two frames of a scene that moves without a pause. A piece of data costs about the same
+/// whether it holds one frame or two.
+const PERIOD: Duration = Duration::from_nanos(33_333_333);
 
 /// Maximum wait for an output of the twin.
 const MAX_WAIT: Duration = Duration::from_millis(100);

@@ -17,5 +17,6 @@ mod program;
 mod real_peers;
 mod real_time;
 mod restart;
+mod senders;
 mod simulation;
 mod transport;

@@ -33,7 +33,8 @@ fn status(node: &mut Node) -> TwinStatus {
 fn sigterm_during_a_response_keeps_its_damage() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
-    let program = Program::ready(&domain, folder.path(), &QUIET);
+    let patient = [&QUIET[..], &["-p", "response.duration:=20.0"]].concat();
+    let program = Program::ready(&domain, folder.path(), &patient);
     let mut node = reader(&domain);
     let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
     let forecasts = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_FORECAST);
@@ -51,7 +52,23 @@ fn sigterm_during_a_response_keeps_its_damage() {
     println!("ended within {took:?}");
     assert!(ended.success(), "{ended}: {log:#?}");
 
-    let _program = Program::ready(&domain, folder.path(), &QUIET);
+    let restarted = Program::ready(&domain, folder.path(), &QUIET);
+    // What was restored, from which file, and of which time.
+    let said = |it: &&String| it.contains("the damage of column \"column\" was restored from");
+    let line = restarted
+        .seen
+        .iter()
+        .find(said)
+        .cloned()
+        .unwrap_or_default();
+    for part in [
+        "state/column.json",
+        " UTC: it stands, v1 is ",
+        "in 1 impacts",
+        "\"e1\"",
+    ] {
+        assert!(line.contains(part), "{line:?} lacks {part}");
+    }
     let status = status(&mut reader(&domain));
     let (_, simulated) = simulation::stream(&Parameters::default(), 1500.0, 10.0);
     assert_eq!(status.residual_v1, forecast.residual_v1);

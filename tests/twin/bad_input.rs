@@ -394,3 +394,13 @@ fn ten_thousand_events_in_a_second() {
     assert_eq!(counts.events_refused, bench.refusals().len() as u64);
     assert!(counts.events_accepted >= 1);
 }
+
+/// It was once called 1795303513 s old.
+#[test]
+fn a_stamp_of_zero_is_one_that_was_not_set() {
+    let reason = refusal_of(event("a", 0));
+    assert!(
+        reason.contains("the stamp is zero") && reason.contains("header.stamp"),
+        "{reason}"
+    );
+}

@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 /// How long a test waits until the viewer listens.
 const LISTEN_TIMEOUT: Duration = Duration::from_secs(120);
 
+/// How long a viewer without a screen needs to find its graphics driver.
+const STARTING_TIME: Duration = Duration::from_secs(2);
+
 /// The program of the viewer, which is installed if it is missing.
 pub fn program() -> PathBuf {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interop/viewer.sh");
@@ -47,23 +50,54 @@ pub struct Running(Child);
 impl Running {
     /// The viewer without a screen.
     pub fn headless(port: u16) -> Self {
-        let mut headless = viewer(&program());
-        headless.arg("--headless");
-        Self::start(headless, port)
+        Self::try_headless(port).unwrap_or_else(|reason| panic!("{reason}"))
     }
 
-    pub fn start(mut command: Command, port: u16) -> Self {
+    /// The viewer without a screen.
+    ///
+    /// # Errors
+    /// It does not run here.
+    pub fn try_headless(port: u16) -> Result<Self, String> {
+        let mut headless = viewer(&program());
+        headless.arg("--headless");
+        let mut running = Self::try_start(headless, port)?;
+        // Without a driver for graphics it ends shortly after it has begun to listen.
+        std::thread::sleep(STARTING_TIME);
+        running.check()?;
+        Ok(running)
+    }
+
+    pub fn start(command: Command, port: u16) -> Self {
+        Self::try_start(command, port).unwrap_or_else(|reason| panic!("{reason}"))
+    }
+
+    fn try_start(mut command: Command, port: u16) -> Result<Self, String> {
         let child = command
             .args(["--bind", "127.0.0.1", "--port", &port.to_string()])
             .spawn()
-            .expect("starts");
-        let running = Self(child);
+            .map_err(|error| format!("the viewer does not start: {error}"))?;
+        let mut running = Self(child);
         let deadline = Instant::now() + LISTEN_TIMEOUT;
         while TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err() {
-            assert!(Instant::now() < deadline, "the viewer does not listen");
+            running.check()?;
+            if Instant::now() >= deadline {
+                return Err("the viewer does not listen".to_owned());
+            }
             std::thread::park_timeout(Duration::from_millis(50));
         }
-        running
+        Ok(running)
+    }
+
+    /// # Errors
+    /// The process has ended.
+    pub fn check(&mut self) -> Result<(), String> {
+        match self.0.try_wait() {
+            Ok(None) => Ok(()),
+            Ok(Some(status)) => Err(format!(
+                "the viewer has ended ({status}); without a screen it needs a Vulkan driver, such as Debian's mesa-vulkan-drivers"
+            )),
+            Err(error) => Err(format!("the viewer cannot be watched: {error}")),
+        }
     }
 
     pub fn signal(&self, signal: &str) {

@@ -1,0 +1,145 @@
+//! The warnings and errors of RustDDS and ros2-client, which write to the `log` crate, in the log of this program.
+//!
+//! A peer can provoke them with every datagram. Each place of the libraries may therefore speak only a few times per minute;
+//! what it says beyond that is counted. They are not forwarded to `/rosout`, which would feed itself.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use log::{Level, LevelFilter, Log, Metadata, Record};
+
+/// Most messages of one place of the libraries per [`PERIOD`].
+const MAX_PER_PLACE: u64 = 3;
+
+/// Period of [`MAX_PER_PLACE`].
+const PERIOD: Duration = Duration::from_secs(60);
+
+/// Most places that are told apart; the libraries have fewer. Further ones share one allowance.
+const MAX_PLACES: usize = 1024;
+
+/// Longest message in characters: a text may come from a peer.
+const MAX_CHARS: usize = 300;
+
+/// Places that speak although nothing is wrong: every datagram that is longer than an Ethernet frame, and every question about
+/// a peer that is not known yet.
+const NOISE: [&str; 2] = ["rustdds::network::udp_sender", "ros2_client::node"];
+
+/// Forwards what passes.
+#[derive(Debug, Default)]
+struct LibraryLog {
+    places: Mutex<HashMap<Place, Spoken>>,
+}
+
+/// File and line in a library.
+type Place = (String, u32);
+
+#[derive(Debug)]
+struct Spoken {
+    period_start: Instant,
+    count: u64,
+}
+
+/// Begins to forward, if no other part of the program takes the records of the `log` crate.
+pub(super) fn forward() {
+    if log::set_boxed_logger(Box::<LibraryLog>::default()).is_ok() {
+        log::set_max_level(LevelFilter::Warn);
+    }
+}
+
+impl LibraryLog {
+    /// Whether a place may speak now; then with the number of its messages that were hidden before.
+    fn admit(&self, place: Place, now: Instant) -> Option<u64> {
+        let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_full = places.len() >= MAX_PLACES && !places.contains_key(&place);
+        let place = if is_full { Place::default() } else { place };
+        let spoken = places.entry(place).or_insert(Spoken {
+            period_start: now,
+            count: 0,
+        });
+        let mut hidden = 0;
+        if now.saturating_duration_since(spoken.period_start) >= PERIOD {
+            hidden = spoken.count.saturating_sub(MAX_PER_PLACE);
+            *spoken = Spoken {
+                period_start: now,
+                count: 0,
+            };
+        }
+        spoken.count += 1;
+        (spoken.count <= MAX_PER_PLACE).then_some(hidden)
+    }
+}
+
+impl Log for LibraryLog {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        let root = metadata.target().split("::").next().unwrap_or_default();
+        metadata.level() <= Level::Warn
+            && ["rustdds", "ros2_client"].contains(&root)
+            && !NOISE.contains(&metadata.target())
+    }
+
+    fn log(&self, record: &Record<'_>) {
+        if !self.enabled(record.metadata()) {
+            return;
+        }
+        let file = record.module_path().unwrap_or_default().to_owned();
+        let place = (file, record.line().unwrap_or_default());
+        let Some(hidden) = self.admit(place, Instant::now()) else {
+            return;
+        };
+        let text: String = record.args().to_string().chars().take(MAX_CHARS).collect();
+        let module = record.target();
+        let hidden = match hidden {
+            0 => String::new(),
+            _ => format!(" ({hidden} similar messages in the last minute are not shown)"),
+        };
+        match record.level() {
+            Level::Error => tracing::error!(target: "rustdds", "{module}: {text}{hidden}"),
+            _ => tracing::warn!(target: "rustdds", "{module}: {text}{hidden}"),
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_enabled(target: &str, level: Level) -> bool {
+        let metadata = Metadata::builder().target(target).level(level).build();
+        LibraryLog::default().enabled(&metadata)
+    }
+
+    #[test]
+    fn only_warnings_of_the_libraries_that_mean_something_are_forwarded() {
+        assert!(is_enabled("rustdds::rtps::reader", Level::Error));
+        assert!(is_enabled("ros2_client::service", Level::Warn));
+        assert!(!is_enabled("rustdds::rtps::reader", Level::Info));
+        assert!(!is_enabled("rustdds::network::udp_sender", Level::Warn));
+        assert!(!is_enabled("wgpu_core::device", Level::Error));
+    }
+
+    #[test]
+    fn a_hostile_peer_cannot_fill_the_log() {
+        let log = LibraryLog::default();
+        let start = Instant::now();
+        let place = || ("rustdds::reader".to_owned(), 7);
+        let shown = |now| {
+            (0..10_000)
+                .filter_map(|_| log.admit(place(), now))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(shown(start), [0, 0, 0]);
+        assert_eq!(shown(start + PERIOD), [9_997, 0, 0]);
+        // Nor its memory.
+        for line in 0..10 * MAX_PLACES as u32 {
+            log.admit((String::new(), line), start);
+        }
+        assert!(
+            log.places
+                .lock()
+                .is_ok_and(|places| places.len() <= MAX_PLACES + 1)
+        );
+    }
+}
