@@ -340,6 +340,17 @@ impl<'a, 'b> Narration<'a, 'b> {
 
     fn take(&mut self, seen: &Seen, since: Duration) {
         match seen {
+            Seen::Forecast(report)
+                if matches!(
+                    report.kind,
+                    ImpactReport::WITHDRAWN | ImpactReport::NO_FORECAST
+                ) =>
+            {
+                self.out.print(format_args!(
+                    "  no result will follow: {}\n",
+                    report.severity_reason
+                ));
+            }
             // The forecast is published again with the error of its time step.
             Seen::Forecast(report) if self.forecast.is_some() => {
                 self.out.print(format_args!(

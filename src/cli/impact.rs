@@ -75,6 +75,10 @@ pub fn run(
             lines.print(report_line("forecast", &report));
             lines.end()
         }
+        ImpactOutcome::NoForecast(reason) => {
+            lines.print(format_args!("accepted, without a forecast: {reason}"));
+            lines.end()
+        }
         ImpactOutcome::Refused(reason) => Err(Failure::plain(
             Exit::Failed,
             format!("the twin rejected the event: {reason}"),

@@ -9,7 +9,7 @@ use super::lines::Gap;
 use super::verification::Verification;
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
-use crate::messages::column_twin::{ColumnState, TwinStatus};
+use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::twin::{
     Checkpoint, CommandRecord, Journal, Output, Position, StateOutput, StatusRecord, Twin,
@@ -197,6 +197,9 @@ impl Replayer {
             event_id: &checkpoint.life.last_event_id,
             ..*place
         };
+        for message in replayed.forecasts.take_all() {
+            note_missing(&message, &place, found);
+        }
         match place.first_difference(checkpoint, &computed) {
             // Resets the conversion to messages, as the recorded node did at this checkpoint.
             None => {
@@ -600,8 +603,17 @@ impl ReplayedTwin {
             return;
         };
         let mut out = Vec::new();
-        self.twin.advance_to_instant(stamp, &mut out);
+        // Another impact, which may be the next one to come, has ended the response.
+        let instant = match is_withdrawn(recorded) {
+            true => self.twin.next_impact().unwrap_or(stamp),
+            false => stamp,
+        };
+        if !is_stopped(recorded) {
+            self.twin.advance_to_instant(instant, &mut out);
+        }
         match recorded {
+            // What was still to come when the twin was stopped never happened.
+            _ if is_stopped(recorded) => self.twin.abandon_forecasts(&mut out),
             // The last state has the stamp of the step before the one that cannot be computed.
             Message::ColumnState(state) if is_last(state) && out.is_empty() => {
                 self.twin.try_next_step(&mut out);
@@ -747,6 +759,18 @@ impl ReplayedTwin {
     }
 }
 
+/// Whether a message tells that the forecast of an impact no longer holds, or that there is none.
+fn is_withdrawn(recorded: &Message) -> bool {
+    let kinds = [ImpactReport::WITHDRAWN, ImpactReport::NO_FORECAST];
+    matches!(recorded, Message::ImpactForecast(it) if kinds.contains(&it.kind))
+}
+
+/// Whether it tells so because the twin was stopped.
+fn is_stopped(recorded: &Message) -> bool {
+    is_withdrawn(recorded)
+        && matches!(recorded, Message::ImpactForecast(it) if it.end == ImpactReport::END_STOPPED)
+}
+
 /// Notes a computed message that is not recorded, which shows at this place.
 fn note_missing(message: &Message, place: &Place<'_>, found: &mut Verification) {
     let topic = message.topic();
@@ -781,6 +805,10 @@ fn copy_machine_dependent_fields(recorded: &Message, computed: &mut Message) {
         (Message::ImpactForecast(recorded), Message::ImpactForecast(computed))
         | (Message::ImpactReport(recorded), Message::ImpactReport(computed)) => {
             computed.compute_time = recorded.compute_time;
+            // A forecast may have been withdrawn before its error was estimated.
+            if recorded.kind == ImpactReport::WITHDRAWN && recorded.error_estimate.is_nan() {
+                computed.error_estimate = f64::NAN;
+            }
         }
         (Message::TwinStatus(recorded), Message::TwinStatus(computed)) => {
             computed.overruns = recorded.overruns;

@@ -700,7 +700,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 600.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "maximum duration of a computed response, which ends earlier if the column comes to rest",
+        meaning: "maximum duration of a computed response from the end of the approach, and of the approach; a response ends earlier if \
+                  the column comes to rest",
     },
     Parameter {
         name: "capacity.imperfection",

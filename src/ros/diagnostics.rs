@@ -1,6 +1,7 @@
 //! `/diagnostics`: the twin, its solver, its queues, its recording and the node, for people and aggregators.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use crate::live::QueueStats;
 use crate::messages::column_twin::TwinStatus;
@@ -8,6 +9,7 @@ use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyVal
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
+use super::clock_watch::ClockWatch;
 use super::lines::severity_word;
 use super::live_twin::Health;
 use super::security::SecurityHealth;
@@ -23,6 +25,8 @@ pub(super) struct NodeCounters {
     pub unpublished: AtomicU64,
     /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
+    /// The simulated clock; `None` with the system's.
+    pub clock: Option<ClockWatch>,
 }
 
 impl NodeCounters {
@@ -50,6 +54,7 @@ pub(super) fn diagnostics(
     ];
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
+    status.extend(counters.clock.as_ref().map(clock_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
         one.hardware_id.clone_from(&twin.column_id);
@@ -244,6 +249,16 @@ fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     entry("ros", level, message.to_owned(), values)
 }
 
+fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+    let count = ("messages on /clock".to_owned(), clock.count().to_string());
+    let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
+        (Some(problem), _) => (DiagnosticStatus::WARN, problem),
+        (None, 0) => (DiagnosticStatus::OK, "waiting for /clock".to_owned()),
+        (None, _) => (DiagnosticStatus::OK, "simulated time".to_owned()),
+    };
+    entry("clock", level, message, [count])
+}
+
 fn phase_name(phase: u8) -> &'static str {
     match phase {
         TwinStatus::IDLE => "IDLE",
@@ -278,6 +293,9 @@ fn entry(
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use super::super::clock_watch::CLOCK_TIMEOUT;
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
@@ -302,6 +320,18 @@ mod tests {
             NodeCounters::default(),
         );
         assert_eq!(levels(&all.0, &all.1, &all.2), [0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_missing_clock_is_a_warning() {
+        let of = |waited: Duration| {
+            let started = Instant::now()
+                .checked_sub(waited)
+                .expect("later than the boot");
+            clock_status(&ClockWatch::new(started)).level
+        };
+        assert_eq!(of(Duration::ZERO), DiagnosticStatus::OK);
+        assert_eq!(of(CLOCK_TIMEOUT), DiagnosticStatus::WARN);
     }
 
     #[test]

@@ -86,7 +86,12 @@ impl Subscriptions {
                     &qos::CLOCK,
                     &counters,
                     |message: Clock, _| match message.clock.to_nanos() {
-                        Some(now) => twin.set_clock(now),
+                        Some(now) => {
+                            if let Some(clock) = &counters.clock {
+                                clock.received();
+                            }
+                            twin.set_clock(now);
+                        }
                         None => NodeCounters::count(&counters.unreadable),
                     },
                 )

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod client;
+mod clock_watch;
 mod diagnostics;
 mod duplicates;
 mod environment;

@@ -18,6 +18,7 @@ use crate::twin::{
     Accepted, Notice, NoticeLevel, Output, ParametersChanged, Refused, RefusedInput,
 };
 
+use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
 use super::matches::Matches;
@@ -58,6 +59,7 @@ pub(super) struct Publishing {
     waiting: Vec<&'static str>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    clock_warning: SeldomWarning,
     /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
@@ -106,6 +108,7 @@ impl Publishing {
             protection: node.protection(),
             peers: node.security_peers(),
             last_diagnostics: None,
+            clock_warning: SeldomWarning::default(),
             is_over: false,
         })
     }
@@ -130,10 +133,23 @@ impl Publishing {
                 None if stop.load(Ordering::Relaxed) => return,
                 None => {}
             }
+            self.warn_of_a_missing_clock();
             let last = self.last_diagnostics.as_ref();
             if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
                 self.diagnose(true);
             }
+        }
+    }
+
+    fn warn_of_a_missing_clock(&mut self) {
+        let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) else {
+            return;
+        };
+        let now = Instant::now();
+        if let Some(problem) = clock.problem(now)
+            && self.clock_warning.is_due(now)
+        {
+            tracing::warn!("{problem}");
         }
     }
 
@@ -169,6 +185,7 @@ impl Publishing {
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Withdrawn(_)
             | Output::Status(_)
             | Output::Save(_) => {}
         }

@@ -197,6 +197,13 @@ impl RecordedTwin {
         self.put(out);
     }
 
+    /// The clock jumps back, as the thread of the solver notices it.
+    pub fn jump_back(&mut self, nanos: Nanos) {
+        self.now -= nanos;
+        let by = nanos.unsigned_abs();
+        self.execute(Command::ClockJumpedBack { by });
+    }
+
     pub fn until_rest(&mut self) {
         while self.twin.is_responding() {
             self.advance(MS);
