@@ -45,7 +45,10 @@ fn every_command_about_keystores_in_the_documentation_works() {
     let mut run = 0;
     for command in blocks().into_iter().flatten() {
         if !command.starts_with("column-twin keystore ") {
-            let mut known = ELSEWHERE.iter().map(|(begins, _)| *begins).chain(QUICK_START);
+            let mut known = ELSEWHERE
+                .iter()
+                .map(|(begins, _)| *begins)
+                .chain(QUICK_START);
             assert!(
                 known.any(|begins| command.starts_with(begins)),
                 "`{command}` is documented and not run"
