@@ -139,6 +139,8 @@ endpoints! {
     DESCRIBE_PARAMETERS = "~/describe_parameters" "rcl_interfaces/srv/DescribeParameters" Service SERVICE;
     /// Parameter service.
     SET_PARAMETERS = "~/set_parameters" "rcl_interfaces/srv/SetParameters" Service SERVICE;
+    /// Describes the types of the node.
+    GET_TYPE_DESCRIPTION = "~/get_type_description" "type_description_interfaces/srv/GetTypeDescription" Service SERVICE;
     /// Parameter service.
     SET_PARAMETERS_ATOMICALLY = "~/set_parameters_atomically" "rcl_interfaces/srv/SetParametersAtomically" Service SERVICE;
 }

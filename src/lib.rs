@@ -23,10 +23,15 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+#[cfg(any(feature = "ros", feature = "record"))]
+pub mod incoming;
+#[cfg(feature = "security")]
+pub mod keystore;
 pub mod live;
 pub mod messages;
 pub mod outgoing;
 pub mod parameters;
+pub mod printable;
 #[cfg(feature = "record")]
 pub mod recording;
 #[cfg(feature = "cli")]

@@ -8,6 +8,7 @@ use column_twin::parameters::{
     Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
     vehicle_names,
 };
+use column_twin::printable::is_printable;
 use proptest::prelude::*;
 
 fn in_repository(path: &str) -> PathBuf {
@@ -431,7 +432,7 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
                 .prop_map(|chars| {
                     chars
                         .into_iter()
-                        .filter(|c| !c.is_control())
+                        .filter(|c| is_printable(*c))
                         .collect::<String>()
                 })
                 .prop_filter("not empty", |text| !text.is_empty())
@@ -542,5 +543,62 @@ proptest! {
                 let _ = Parameters::from_values([(parameter.name, value)]).map(|it| it.column_properties());
             }
         }
+    }
+}
+
+/// The report of a wrong file as a user sees it, with its wrapped lines joined.
+fn report_of(text: &str) -> String {
+    let faults = Parameters::from_yaml(Path::new("f.yaml"), text).expect_err("a wrong file");
+    format!("{:?}", faults.report()).replace("\n  │ ", " ")
+}
+
+#[test]
+fn an_empty_file_is_rejected_with_the_reason() {
+    for text in ["", "\n\n", "# only a comment\n"] {
+        let report = report_of(text);
+        let reason = "f.yaml:1:1: the file is empty; begin it with `column_twin:` and, indented below it, `ros__parameters:`";
+        assert!(report.contains(reason), "{text:?}: {report}");
+    }
+}
+
+#[test]
+fn an_unclosed_bracket_is_rejected_with_the_reason() {
+    for text in [
+        "column_twin: [1, 2\n",
+        "column_twin: {ros__parameters: {a: 1\n\n",
+    ] {
+        let report = report_of(text);
+        assert!(report.contains("not valid YAML"), "{report}");
+        assert!(report.contains("of line 1, column "), "{report}");
+    }
+}
+
+#[test]
+fn a_line_of_100_kb_is_not_quoted_whole() {
+    let long = "x".repeat(100_000);
+    for line in [
+        format!("steel.grade: {long}"),
+        format!("{long}: 1.0"),
+        format!("top.load: [{long}"),
+        format!("steel.grade: S350\n    # {long}"),
+    ] {
+        let report = report_of(&format!("column_twin:\n  ros__parameters:\n    {line}\n"));
+        assert!(report.len() < 1000, "{} characters", report.len());
+        assert!(report.contains("f.yaml:"), "{report}");
+    }
+}
+
+/// A file could otherwise change the terminal of whoever looks at its faults.
+#[test]
+fn control_and_bidirectional_characters_of_a_file_are_not_shown() {
+    for text in [
+        "column_twin:\n  ros__parameters:\n    top.load: \"\u{202e}1e5\"\n",
+        "column_twin:\n  ros__parameters:\n    top.lo\u{200b}ad: 1.0\n",
+        "column_twin:\n  ros__parameters:\n    top.load: -1.0 # \u{202e}\n",
+        "column_twin:\n  ros__parameters:\n    steel.grade: \"a\\e[2J\"\n",
+    ] {
+        let report = report_of(text);
+        let shown = |c: char| c == '\n' || is_printable(c);
+        assert!(report.chars().all(shown), "{report:?}");
     }
 }

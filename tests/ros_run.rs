@@ -44,7 +44,7 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
         })
     });
     let impact = ImpactOptions {
-        column_id: "a3".to_owned(),
+        column_id: Some("a3".to_owned()),
         event_id: Some("e1".to_owned()),
         vehicle: String::new(),
         impact: ImpactSpecification {

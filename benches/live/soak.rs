@@ -1,9 +1,11 @@
 //! Publishing at 1 kHz for a long time: what is lost, and the memory of the node.
 
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin::{ColumnState, HingeForces};
-use column_twin::ros::qos;
+use column_twin::ros::security::{SecuritySettings, SecurityStrategy};
+use column_twin::ros::{Environment, qos};
 
 use super::domain::Domain;
 use super::peers::{Arrival, Peer, Reader};
@@ -50,9 +52,28 @@ impl Count {
 }
 
 pub fn run(span: Duration) {
-    let domain = Domain::fresh();
+    let mut domain = Domain::fresh();
     let folder = tempfile::tempdir().expect("a folder");
-    let program = Program::ready(&domain, folder.path(), &[]);
+    let security = Environment::of_process().expect("valid variables").security;
+    let program = if security.keystore.is_some() {
+        println!("with DDS security");
+        domain.environment.security = SecuritySettings {
+            is_enabled: true,
+            strategy: SecurityStrategy::Enforce,
+            enclave: "/operator".to_owned(),
+            ..security
+        };
+        let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+        command
+            .args(["run", "--ros-args", "--enclave", "/column_twin"])
+            .env("ROS_SECURITY_ENABLE", "true")
+            .env("ROS_SECURITY_STRATEGY", "Enforce");
+        let mut program = Program::spawn(&domain, folder.path(), command);
+        program.wait_for("is ready in domain");
+        program
+    } else {
+        Program::ready(&domain, folder.path(), &[])
+    };
     let mut peer = Peer::new(&domain);
     let readers = [
         peer.reader(

@@ -2,6 +2,8 @@
 
 use std::io;
 
+use column_twin::printable::PrintableLines;
+
 /// Exit codes of commands that do not succeed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
@@ -35,7 +37,7 @@ impl Failure {
     pub fn plain(exit: Exit, fault: impl std::fmt::Display) -> Self {
         Self {
             exit,
-            report: miette::Report::msg(fault.to_string()),
+            report: miette::Report::msg(PrintableLines(&fault.to_string()).to_string()),
         }
     }
 }

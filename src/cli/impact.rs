@@ -7,8 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
-use super::run::environment;
-use column_twin::parameters::Parameters;
+use super::run::client_environment;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
 };
@@ -20,9 +19,9 @@ use column_twin::ros::{
 pub struct ImpactArgs {
     #[command(flatten)]
     impact: ImpactSpecificationArgs,
-    /// Parameter column_id of the column that is hit
-    #[arg(long, value_name = "ID", default_value_t = default_column())]
-    column: String,
+    /// Parameter column_id of the column that is hit; default: that of the only twin
+    #[arg(long, value_name = "ID")]
+    column: Option<String>,
     /// Identifier of the event; default: a new one
     #[arg(long, value_name = "ID")]
     event: Option<String>,
@@ -41,10 +40,6 @@ Example: a van of its own mass at 50 km/h
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 
-fn default_column() -> String {
-    Parameters::default().settings().column_id.clone()
-}
-
 /// Publishes the event and prints the forecast.
 pub fn run(
     arguments: &ImpactArgs,
@@ -62,17 +57,26 @@ pub fn run(
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
-    let outcome =
-        send_impact(&environment()?, &ros.remap_rules, &options, &mut say).map_err(|error| {
-            let exit = match error {
-                ClientError::Name(_) => Exit::BadInput,
-                _ => Exit::Failed,
-            };
-            Failure::plain(exit, error)
-        })?;
+    let outcome = send_impact(
+        &client_environment(ros)?,
+        &ros.remap_rules,
+        &options,
+        &mut say,
+    )
+    .map_err(|error| {
+        let exit = match error {
+            ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
+            _ => Exit::Failed,
+        };
+        Failure::plain(exit, error)
+    })?;
     match outcome {
         ImpactOutcome::Forecast(report) => {
             lines.print(report_line("forecast", &report));
+            lines.end()
+        }
+        ImpactOutcome::NoForecast(reason) => {
+            lines.print(format_args!("accepted, without a forecast: {reason}"));
             lines.end()
         }
         ImpactOutcome::Refused(reason) => Err(Failure::plain(

@@ -16,6 +16,8 @@ mod impact;
 mod impact_args;
 #[cfg(feature = "record")]
 mod info;
+#[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
+mod keystore;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -45,6 +47,8 @@ use std::io;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+#[cfg(any(feature = "ros", feature = "record"))]
+use column_twin::printable::PrintableWriter;
 
 use capacity::CapacityArgs;
 use failure::Exit;
@@ -90,6 +94,8 @@ enum CliCommand {
     /// Print the topics and messages of the node as OMG IDL, for DDS programs without ROS
     #[cfg(feature = "ros")]
     Idl(idl::IdlArgs),
+    /// Make and maintain keys, certificates and permissions for DDS security
+    Keystore(keystore::KeystoreArgs),
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
@@ -126,33 +132,41 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(request) => {
             // This is also how clap answers a request for help or the version. A failure to print cannot be reported.
             let _ = request.print();
+            #[cfg(feature = "ros")]
+            if let Some(hint) = ros_arguments_hint(&request) {
+                eprintln!("{hint}");
+            }
             return u8::try_from(request.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
         }
     };
     let ended = match &cli.command {
         #[cfg(all(feature = "ros", feature = "record"))]
-        CliCommand::Demo(arguments) => demo::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Demo(arguments) => demo::run(arguments, &mut shown()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        CliCommand::Verify(arguments) => verify::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Verify(arguments) => verify::run(arguments, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Run(arguments) => run::run(arguments, ros),
         #[cfg(feature = "ros")]
-        CliCommand::Impact(arguments) => impact::run(arguments, &ros, &mut io::stdout().lock()),
+        CliCommand::Impact(arguments) => impact::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]
-        CliCommand::Watch(arguments) => watch::run(arguments, &ros, &mut io::stdout().lock()),
+        CliCommand::Watch(arguments) => watch::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "security")]
+        CliCommand::Keystore(arguments) => keystore::run(arguments, &ros, &mut io::stdout().lock()),
+        #[cfg(not(feature = "security"))]
+        CliCommand::Keystore(arguments) => keystore::run(arguments),
         #[cfg(feature = "record")]
         CliCommand::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]
-        CliCommand::Report(arguments) => report::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Report(arguments) => report::run(arguments, &mut shown()),
         #[cfg(feature = "record")]
-        CliCommand::Repair(arguments) => repair::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Repair(arguments) => repair::run(arguments, &mut shown()),
         #[cfg(feature = "record")]
         CliCommand::Export(arguments) => export::run(arguments, &mut io::stdout().lock()),
     };
@@ -165,10 +179,56 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// The standard output of a command that prints names from outside for people.
+#[cfg(any(feature = "ros", feature = "record"))]
+fn shown() -> PrintableWriter<io::StdoutLock<'static>> {
+    PrintableWriter(io::stdout().lock())
+}
+
+/// What to do about a ROS argument among the program's own arguments.
+#[cfg(feature = "ros")]
+fn ros_arguments_hint(error: &clap::Error) -> Option<String> {
+    use clap::error::{ContextKind, ContextValue};
+    let Some(ContextValue::String(argument)) = error.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    column_twin::ros::RosArguments::knows(argument).then(|| {
+        format!(
+            "\n{argument} is a ROS argument; put it after --ros-args, such as: \
+             column-twin run --ros-args -p top.load:=4.0e5"
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::CommandFactory;
+
+    #[cfg(feature = "ros")]
+    #[test]
+    fn a_ros_argument_without_ros_args_gets_a_hint() {
+        let hint = |line: &str| {
+            let error = Cli::try_parse_from(line.split(' ')).expect_err(line);
+            ros_arguments_hint(&error)
+        };
+        for line in [
+            "column-twin run -p top.load:=4.0e5",
+            "column-twin run --params-file f.yaml",
+            "column-twin watch -r __ns:=/garage",
+            "column-twin impact --mass 1 --velocity 2 --log-level debug",
+        ] {
+            let hint = hint(line).expect(line);
+            assert!(hint.contains("put it after --ros-args"), "{hint}");
+        }
+        for line in [
+            "column-twin run --confg f.yaml",
+            "column-twin walk",
+            "column-twin run x",
+        ] {
+            assert_eq!(hint(line), None, "{line}");
+        }
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

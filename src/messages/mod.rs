@@ -14,8 +14,7 @@
 //! # Ok::<(), cdr::CdrError>(())
 //! ```
 //!
-//! Not supported: the type hash of a service as a whole, which nothing announces or records, and `wstring`, whose
-//! characters have 2 or 4 bytes, depending on the vendor.
+//! Not supported: `wstring`, whose characters have 2 or 4 bytes, depending on the vendor.
 
 mod table;
 
@@ -27,9 +26,12 @@ pub mod geometry_msgs;
 pub mod rcl_interfaces;
 pub mod rosgraph_msgs;
 pub mod sensor_msgs;
+pub mod service_msgs;
 pub mod std_msgs;
 pub mod std_srvs;
 pub mod visualization_msgs;
 
-pub use ros_interface::{BoundedSequence, Interface, Message, cdr, idl, interface, type_hash};
+pub use ros_interface::{
+    BoundedSequence, Interface, Message, Part, cdr, idl, interface, type_description, type_hash,
+};
 pub use table::{INTERFACES, find};

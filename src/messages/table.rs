@@ -4,7 +4,7 @@ use ros_interface::{Interface, Message, Part};
 
 use super::{
     builtin_interfaces, column_twin, diagnostic_msgs, geometry_msgs, rcl_interfaces, rosgraph_msgs,
-    sensor_msgs, std_msgs, std_srvs, visualization_msgs,
+    sensor_msgs, service_msgs, std_msgs, std_srvs, visualization_msgs,
 };
 
 /// Connects each struct with its file, and lists all of them, so that no type can be missing from the list.
@@ -48,6 +48,7 @@ interfaces! {
     rosgraph_msgs Message Clock = Clock in "msg/deps/rosgraph_msgs/Clock.msg";
     sensor_msgs Message CompressedImage = CompressedImage in "msg/deps/sensor_msgs/CompressedImage.msg";
     sensor_msgs Message JointState = JointState in "msg/deps/sensor_msgs/JointState.msg";
+    service_msgs Message ServiceEventInfo = ServiceEventInfo in "msg/deps/service_msgs/ServiceEventInfo.msg";
     std_msgs Message ColorRGBA = ColorRGBA in "msg/deps/std_msgs/ColorRGBA.msg";
     std_msgs Message Header = Header in "msg/deps/std_msgs/Header.msg";
     std_msgs Message String = String in "msg/deps/std_msgs/String.msg";

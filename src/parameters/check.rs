@@ -9,6 +9,7 @@ use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::value::{Kind, Value, readable};
 use super::vehicles::{nearest_vehicle_name, vehicle_name, vehicle_names};
+use crate::printable::is_printable;
 
 impl Parameter {
     /// The value in the form in which it is kept: a whole number as `Double` where a double is expected, the name of a
@@ -217,7 +218,7 @@ impl Parameter {
                 max_chars,
             } => {
                 let fits = (min_chars..=max_chars).contains(&text.chars().count())
-                    && !text.chars().any(char::is_control);
+                    && text.chars().all(is_printable);
                 if fits {
                     Ok(Value::from(text))
                 } else {

@@ -15,6 +15,9 @@ use super::vehicles::{RIGID, narrow_by_default};
 /// list of wrong names is rejected quickly.
 const MAX_COMPARED: usize = 16;
 
+/// Number of unknown names in sections for any node of which each has its own warning.
+const MAX_FOREIGN: usize = 16;
+
 /// Values with their origin, and the faults so far.
 pub(super) struct Draft {
     /// One per entry of the table, in its order, as are the next two.
@@ -27,6 +30,8 @@ pub(super) struct Draft {
     warnings: Vec<Fault>,
     /// Unknown names that were compared with all known ones.
     compared: usize,
+    /// Unknown names in sections for any node.
+    foreign: usize,
     /// Files that were read, in their order.
     files: Vec<PathBuf>,
 }
@@ -40,6 +45,7 @@ impl Draft {
             faults: Vec::new(),
             warnings: Vec::new(),
             compared: 0,
+            foreign: 0,
             files: Vec::new(),
         }
     }
@@ -76,7 +82,12 @@ impl Draft {
         }
     }
 
-    fn assign(&mut self, Assignment { name, given }: Assignment) {
+    fn assign(&mut self, assignment: Assignment) {
+        let Assignment {
+            name,
+            given,
+            for_any_node,
+        } = assignment;
         let fault_at = |given: &Given, problem| Fault {
             name: Some(name.clone()),
             value: given.text.clone(),
@@ -84,8 +95,14 @@ impl Draft {
             problem,
         };
         let Some(index) = Parameter::index_of(&name) else {
-            let problem = self.unknown(&name);
-            self.faults.push(Fault {
+            let (problem, found) = match for_any_node {
+                true => match self.of_another_node(&name) {
+                    Some(problem) => (problem, &mut self.warnings),
+                    None => return,
+                },
+                false => (self.unknown(&name), &mut self.faults),
+            };
+            found.push(Fault {
                 value: None,
                 ..fault_at(&given, problem)
             });
@@ -112,6 +129,26 @@ impl Draft {
         self.places[index] = Some(given.place);
     }
 
+    /// The warning about a name in a section for any node; `None` where there were enough of them.
+    fn of_another_node(&mut self, name: &str) -> Option<Problem> {
+        self.foreign += 1;
+        if self.foreign > MAX_FOREIGN {
+            return None;
+        }
+        Some(Problem::OfAnotherNode {
+            nearest: self.nearest(name),
+        })
+    }
+
+    fn nearest(&mut self, name: &str) -> Vec<String> {
+        if self.compared == MAX_COMPARED {
+            return Vec::new();
+        }
+        self.compared += 1;
+        let nearest = Parameter::nearest(name).into_iter();
+        nearest.map(str::to_owned).collect()
+    }
+
     fn unknown(&mut self, name: &str) -> Problem {
         let members: Vec<_> = Parameter::in_group(name)
             .map(|parameter| parameter.name.to_owned())
@@ -119,14 +156,9 @@ impl Draft {
         if !members.is_empty() {
             return Problem::Group { members };
         }
-        let nearest = if self.compared < MAX_COMPARED {
-            self.compared += 1;
-            Parameter::nearest(name)
-        } else {
-            Vec::new()
-        };
-        let nearest = nearest.into_iter().map(str::to_owned).collect();
-        Problem::UnknownName { nearest }
+        Problem::UnknownName {
+            nearest: self.nearest(name),
+        }
     }
 
     /// The settings and what to warn of, or all faults of single parameters and between them.
@@ -153,6 +185,16 @@ impl Draft {
         for inconsistency in inconsistencies(&settings) {
             let fault = self.fault_of(inconsistency);
             self.faults.extend(fault);
+        }
+        if self.foreign > MAX_FOREIGN {
+            self.warnings.push(Fault {
+                name: None,
+                value: None,
+                place: Origin::Direct,
+                problem: Problem::MoreOfOtherNodes {
+                    count: self.foreign - MAX_FOREIGN,
+                },
+            });
         }
         self.sort_faults();
         ParameterFaults::none_of(self.faults).map(|()| (settings, self.warnings))
@@ -326,6 +368,57 @@ mod tests {
             assert!(faults.contains(expected), "{faults}");
             assert_eq!(faults.lines().count(), 2, "{faults}");
         }
+    }
+
+    /// A file that several nodes share once ended the node where `/**` gave a name that another node owns.
+    #[test]
+    fn a_name_of_another_node_under_a_wildcard_is_a_warning() {
+        let load = |text: &str| {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = folder.path().join("f.yaml");
+            std::fs::write(&path, text).expect("written");
+            let loaded = Parameters::load_in_order(&NodeName::default(), [Source::File(path)]);
+            loaded.map(|(parameters, warnings)| {
+                let warnings = warnings.iter().map(|it| {
+                    let text = it.to_string();
+                    text.split_once("f.yaml")
+                        .map_or(text.clone(), |(_, rest)| rest.to_owned())
+                });
+                (parameters, warnings.collect::<Vec<_>>())
+            })
+        };
+        for section in ["/**", "/*", "'*'", "/**/*"] {
+            let text = format!(
+                "{section}:\n  ros__parameters: {{lidar: {{port: 3}}, top.laod: 1.0, top: 2, top.load: 3.0}}\n"
+            );
+            let (parameters, warnings) = load(&text).expect(section);
+            assert_eq!(parameters.get("top.load"), Some(Value::Double(3.0)));
+            assert_eq!(
+                warnings,
+                [
+                    ":2:29: lidar.port is not a parameter of this node and has no effect on it (did you mean viewer.port?)",
+                    ":2:39: top.laod is not a parameter of this node and has no effect on it (did you mean top.load?)",
+                    ":2:54: top is not a parameter of this node and has no effect on it (did you mean support.top?)",
+                ],
+                "{section}"
+            );
+        }
+        // A section that names the node is for it alone.
+        for section in ["column_twin", "/column_twin", "/**/column_twin"] {
+            let text = format!("{section}:\n  ros__parameters: {{top.laod: 1.0}}\n");
+            let faults = load(&text).expect_err(section).to_string();
+            assert!(faults.contains("did you mean top.load?"), "{faults}");
+        }
+        // A wrong value of a parameter of this node is a fault everywhere.
+        let faults = load("/**:\n  ros__parameters: {top.load: -1.0}\n").expect_err("negative");
+        assert!(faults.to_string().contains("out of range"), "{faults}");
+        let many: String = (0..20).map(|n| format!("    zz{n}: 1\n")).collect();
+        let (_, warnings) = load(&format!("/**:\n  ros__parameters:\n{many}")).expect("warnings");
+        assert_eq!(warnings.len(), MAX_FOREIGN + 1);
+        assert_eq!(
+            warnings[MAX_FOREIGN],
+            "4 more names in sections for any node are not parameters of this node"
+        );
     }
 
     #[test]

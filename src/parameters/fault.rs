@@ -7,6 +7,7 @@ use std::sync::Arc;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::yaml::Location;
+use crate::printable::{Printable, is_printable};
 
 /// One fault. `Display` is one line with place, name, value and what is admissible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -64,6 +65,21 @@ pub enum Problem {
     UnknownName {
         /// Names with a similar spelling, closest first.
         nearest: Vec<String>,
+    },
+    /// No parameter of this node has this name, which was given for any node: a warning, not a fault.
+    #[error(
+        "is not a parameter of this node and has no effect on it{}",
+        Suggestion(.nearest, "")
+    )]
+    OfAnotherNode {
+        /// Names with a similar spelling, closest first.
+        nearest: Vec<String>,
+    },
+    /// Further names as in [`OfAnotherNode`](Self::OfAnotherNode): a warning, not a fault.
+    #[error("{count} more names in sections for any node are not parameters of this node")]
+    MoreOfOtherNodes {
+        /// How many.
+        count: usize,
     },
     /// The name is that of a group of parameters.
     #[error("is a group of parameters, not a parameter; it contains {}", .members.join(", "))]
@@ -168,17 +184,9 @@ struct Shortened<'a>(&'a str);
 impl fmt::Display for Shortened<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const MAX_CHARS: usize = 60;
-        for c in self.0.chars().take(MAX_CHARS) {
-            if c.is_control() {
-                write!(f, "{}", c.escape_default())?
-            } else {
-                write!(f, "{c}")?
-            }
-        }
-        if self.0.chars().nth(MAX_CHARS).is_some() {
-            f.write_str("...")
-        } else {
-            Ok(())
+        match self.0.char_indices().nth(MAX_CHARS) {
+            Some((end, _)) => write!(f, "{}...", Printable(&self.0[..end])),
+            None => write!(f, "{}", Printable(self.0)),
         }
     }
 }
@@ -213,6 +221,32 @@ impl fmt::Display for Origin {
             Self::CommandLine(text) => write!(f, "{}: ", Shortened(text)),
             Self::Direct => Ok(()),
         }
+    }
+}
+
+impl Excerpt {
+    /// Whether a report can quote the lines around it. It cannot at the end of a text, where no line is left to point at, and it
+    /// should not where a line is very long, or would change the terminal.
+    fn can_be_quoted(&self) -> bool {
+        const MAX_LINE_CHARS: usize = 240;
+        /// Lines before and after, more than a report shows.
+        const CONTEXT: usize = 2;
+        let (text, range) = (&*self.text, &self.bytes);
+        let Some((before, rest)) = text.split_at_checked(range.start) else {
+            return false;
+        };
+        let Some(after) = text.get(range.end..) else {
+            return false;
+        };
+        let begin = before.rmatch_indices('\n').nth(CONTEXT);
+        let end = after.match_indices('\n').nth(CONTEXT);
+        let begin = begin.map_or(0, |(at, _)| at + 1);
+        let end = end.map_or(text.len(), |(at, _)| range.end + at);
+        let is_quotable = |line: &str| {
+            line.chars().count() <= MAX_LINE_CHARS
+                && line.chars().all(|c| c == '\t' || is_printable(c))
+        };
+        !rest.trim().is_empty() && text[begin..end].lines().all(is_quotable)
     }
 }
 
@@ -260,7 +294,7 @@ impl ParameterFaults {
                     path,
                     excerpt: Some(excerpt),
                     ..
-                } => {
+                } if excerpt.can_be_quoted() => {
                     let label =
                         LabeledSpan::at(excerpt.bytes.clone(), FaultInPlace(fault).to_string());
                     let name = path.display().to_string();

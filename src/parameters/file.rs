@@ -71,6 +71,7 @@ pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment
         faults: Vec::new(),
         other_nodes: Vec::new(),
         meant: false,
+        for_any_node: false,
     };
     match yaml::parse(&file.text) {
         Ok(
@@ -111,6 +112,8 @@ struct FileReader<'a> {
     other_nodes: Vec<String>,
     /// Whether some part of the file applies to this node.
     meant: bool,
+    /// Whether the present section is for any node, and not for this one by name.
+    for_any_node: bool,
 }
 
 impl FileReader<'_> {
@@ -152,6 +155,7 @@ impl FileReader<'_> {
                 }
                 (YamlContent::Mapping(parameters), true) => {
                     self.meant = true;
+                    self.for_any_node = !self.node.is_named_by(path);
                     self.group(parameters, "", &mut BTreeMap::new());
                 }
                 (YamlContent::Null, true) => self.meant = true,
@@ -236,7 +240,11 @@ impl FileReader<'_> {
         {
             given.place = self.file.place(&key.at);
         }
-        self.found.push(Assignment { name, given });
+        self.found.push(Assignment {
+            name,
+            given,
+            for_any_node: self.for_any_node,
+        });
     }
 
     fn report_duplicates(

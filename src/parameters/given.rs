@@ -9,6 +9,8 @@ use super::yaml::{Location, YamlContent, YamlNode};
 pub(super) struct Assignment {
     pub name: String,
     pub given: Given,
+    /// Given for any node (`/**`): a name that this node does not know belongs to another one.
+    pub for_any_node: bool,
 }
 
 /// What was given for a parameter, or as an element of a list.
@@ -39,6 +41,7 @@ impl Assignment {
         Self {
             name: name.into(),
             given: Given::direct(value),
+            for_any_node: false,
         }
     }
 }

@@ -41,6 +41,7 @@ mod table;
 mod value;
 mod vehicles;
 mod yaml;
+mod yaml_1_1;
 
 use std::path::{Path, PathBuf};
 
@@ -65,7 +66,7 @@ pub use settings::{
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
-pub use value::{Kind, Value};
+pub use value::{Kind, Value, readable};
 pub use vehicles::{
     CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID, Sourced,
     SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, vehicle_catalogue,

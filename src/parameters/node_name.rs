@@ -19,6 +19,12 @@ impl NodeName {
         self.0.rsplit('/').next().unwrap_or_default()
     }
 
+    /// Whether a pattern that matches this node names it: its last part is the node's name and not a wildcard.
+    #[must_use]
+    pub fn is_named_by(&self, pattern: &str) -> bool {
+        with_slashes(pattern).rsplit('/').next() == Some(self.bare())
+    }
+
     /// Whether a name or pattern from a parameter file matches this node: `*` matches one part of the name, `**` any
     /// number of parts.
     #[must_use]
@@ -88,6 +94,17 @@ mod tests {
             ("", false),
         ] {
             assert_eq!(node.is_meant_by(pattern), meant, "{pattern}");
+        }
+        for (pattern, named) in [
+            ("/garage/a3/column_twin", true),
+            ("/**/column_twin", true),
+            ("/*/*/column_twin", true),
+            ("/**", false),
+            ("/garage/**", false),
+            ("/garage/a3/*", false),
+        ] {
+            assert!(node.is_meant_by(pattern), "{pattern}");
+            assert_eq!(node.is_named_by(pattern), named, "{pattern}");
         }
         let long = "/**/*".repeat(10_000);
         assert!(!node.is_meant_by(&long));

@@ -38,6 +38,7 @@ pub struct Settings {
     pub state: StateSettings,
     pub publish_rate: f64,
     pub use_sim_time: bool,
+    pub start_type_description_service: bool,
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
@@ -125,6 +126,8 @@ groups! {
         max_age: f64,
         compression: Compression,
         sync: bool,
+        seal: bool,
+        seal_key: String,
     }
     /// Pictures.
     ViewerSettings {

@@ -110,7 +110,8 @@ fn string_in_yaml(text: &str) -> Result<String, fmt::Error> {
 }
 
 /// A number as people write it: 60, 0.001, 1e-6, 2.1e11.
-pub(super) fn readable(value: f64) -> String {
+#[must_use]
+pub fn readable(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{value}")
     } else {

@@ -69,7 +69,7 @@ pub(super) fn parse(text: &str) -> Result<Option<YamlNode>, SyntaxError> {
         };
         let (event, span) = event.map_err(|error| SyntaxError {
             at: offsets.locate(Span::empty(*error.marker())),
-            message: format!("not valid YAML: {}", error.info()),
+            message: format!("not valid YAML: {}{}", error.info(), builder.unclosed(text)),
         })?;
         let at = offsets.locate(span);
         if matches!(event, Event::StreamEnd) {
@@ -141,6 +141,21 @@ impl Builder {
         }
         self.open.push(collection);
         Ok(())
+    }
+
+    /// What to add to a syntax error inside brackets: where they begin.
+    fn unclosed(&self, text: &str) -> String {
+        let at = match self.open.last() {
+            Some(Open::List { at, .. } | Open::Mapping { at, .. }) => at,
+            None => return String::new(),
+        };
+        let (bracket, closing) = match text.get(at.bytes.start..).and_then(|it| it.chars().next()) {
+            Some('[') => ('[', ']'),
+            Some('{') => ('{', '}'),
+            _ => return String::new(),
+        };
+        let (line, column) = (at.line, at.column);
+        format!("; the `{bracket}` of line {line}, column {column} needs a `{closing}`")
     }
 
     fn close(&mut self) -> Result<(), String> {
@@ -314,6 +329,26 @@ mod tests {
             assert_eq!(error.at.line, line, "{text:?} {error:?}");
             assert!(error.message.contains(words), "{text:?} {error:?}");
         }
+    }
+
+    #[test]
+    fn an_unclosed_bracket_is_named_with_its_place() {
+        for (text, words) in [
+            (
+                "a: 1\nb: [1, 2\n",
+                "; the `[` of line 2, column 4 needs a `]`",
+            ),
+            (
+                "a: {b: [1], c: 2\nd: 3\n",
+                "; the `{` of line 1, column 4 needs a `}`",
+            ),
+            ("[1", "; the `[` of line 1, column 1 needs a `]`"),
+        ] {
+            let error = parse(text).expect_err(text);
+            assert!(error.message.ends_with(words), "{text:?} {error:?}");
+        }
+        let error = parse("a: 'b\n").expect_err("a quote");
+        assert!(!error.message.contains("needs a"), "{error:?}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -14,6 +15,8 @@ use crate::messages::column_twin::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;
+use crate::parameters::readable;
+use crate::printable::Printable;
 
 use super::environment::Environment;
 use super::lines::{Seen, WatchLines};
@@ -35,8 +38,8 @@ const STATUS_WAIT: Duration = Duration::from_secs(2);
 /// An impact to send.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactOptions {
-    /// The column.
-    pub column_id: String,
+    /// The column; `None`: that of the only twin.
+    pub column_id: Option<String>,
     /// Identifier of the event; `None`: a new one.
     pub event_id: Option<String>,
     /// Name of the vehicle; empty: that of the twin's parameters.
@@ -54,6 +57,8 @@ pub struct ImpactOptions {
 pub enum ImpactOutcome {
     /// It was accepted, and this is the forecast.
     Forecast(Box<ImpactReport>),
+    /// It was accepted, but there is no forecast for this reason.
+    NoForecast(String),
     /// It was rejected for this reason.
     Refused(String),
 }
@@ -72,17 +77,27 @@ pub enum ClientError {
     Signals(#[from] std::io::Error),
     /// No twin was found.
     #[error(
-        "no twin subscribes to {topic} in domain {domain_id} (waited {waited:?}); check that `column-twin run` is running \
-         with the same ROS_DOMAIN_ID, namespace and ROS_AUTOMATIC_DISCOVERY_RANGE"
+        "no twin subscribes to {topic} in domain {domain_id} (waited {waited:?}); {}",
+        elsewhere(.others)
     )]
     NoTwin {
         /// The topic.
         topic: String,
+        /// The topics of this type on which there are twins, in other namespaces or with other names.
+        others: Vec<String>,
         /// The domain.
         domain_id: u16,
         /// The timeout.
         waited: Duration,
     },
+    /// The only twin does not tell its column.
+    #[error(
+        "no twin_status arrived within {STATUS_WAIT:?}, so the column is not known; name it with --column"
+    )]
+    NoColumn,
+    /// There are twins of several columns.
+    #[error("there are twins of several columns: {}; choose one with --column", listed(.0))]
+    SeveralColumns(Vec<String>),
     /// The event cannot be sent.
     #[error("cannot send the event: {0}")]
     NotSent(String),
@@ -105,6 +120,24 @@ pub enum ClientError {
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// What to do if there is no twin on a topic.
+fn elsewhere(others: &[String]) -> String {
+    if others.is_empty() {
+        return "check that `column-twin run` is running with the same ROS_DOMAIN_ID, namespace and \
+                ROS_AUTOMATIC_DISCOVERY_RANGE"
+            .to_owned();
+    }
+    format!(
+        "there are twins on {}: choose the namespace with --ros-args -r __ns:=/NAMESPACE",
+        others.join(", ")
+    )
+}
+
+fn listed(columns: &[String]) -> String {
+    let quoted = columns.iter().map(|it| format!("\"{}\"", Printable(it)));
+    quoted.collect::<Vec<_>>().join(", ")
 }
 
 /// Publishes an event and waits for the twin's reply; `say` receives progress messages.
@@ -263,6 +296,7 @@ fn converse<T>(
     // The twin's first messages do not reach a reader that is not matched yet.
     let mut endpoints = subscribed.guids();
     endpoints.push(publisher.guid());
+    let status = subscribed.status.as_ref().map(Subscription::guid);
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let (events, matches) = (node.participant_events(), node.matches());
     let task = Task::start("column_twin/see", move || async move {
@@ -280,21 +314,38 @@ fn converse<T>(
             let found = |guid: &_| matches.wait_for(*guid, 1, until);
             endpoints.iter().all(found).then_some(())
         })?
-        .ok_or(ClientError::NoTwin {
+        .ok_or_else(|| ClientError::NoTwin {
+            others: node.other_topics(&qos::IMPACT_EVENT, &topic),
             topic,
             domain_id: environment.domain_id,
             waited: options.match_timeout,
         })?;
         // The counter distinguishes a rejection of this event from one of an earlier event with the same identifier.
-        let refused_before = wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
-            Some(Seen::Status(status)) => Some(status.events_refused),
+        let mut refused_before = None;
+        let mut columns = BTreeSet::new();
+        let all_are_known = |columns: &BTreeSet<String>| {
+            let twins = status.map_or(0, |status| matches.count(status));
+            options.column_id.is_some() || columns.len() >= twins
+        };
+        wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
+            Some(Seen::Status(status)) => {
+                refused_before.get_or_insert(status.events_refused);
+                columns.insert(status.column_id);
+                all_are_known(&columns).then_some(())
+            }
             _ => None,
         })?;
-        let event = event(options);
+        let column_id = match &options.column_id {
+            Some(column_id) => column_id.clone(),
+            None => only(columns)?,
+        };
+        let event = event(options, column_id);
         let event_id = event.event_id.clone();
         say(&format!(
-            "sending impact {event_id:?}: {} kg at {} m/s",
-            event.mass, event.velocity
+            "sending impact {event_id:?} to column {:?}: {} kg at {} m/s",
+            event.column_id,
+            readable(event.mass),
+            readable(event.velocity)
         ));
         let begun = Instant::now();
         publisher
@@ -403,7 +454,17 @@ fn wait_until<T>(
     Ok(None)
 }
 
-fn event(options: &ImpactOptions) -> ImpactEvent {
+/// The only column.
+fn only(columns: BTreeSet<String>) -> Result<String, ClientError> {
+    let mut columns: Vec<_> = columns.into_iter().collect();
+    match columns.len() {
+        0 => Err(ClientError::NoColumn),
+        1 => Ok(columns.remove(0)),
+        _ => Err(ClientError::SeveralColumns(columns)),
+    }
+}
+
+fn event(options: &ImpactOptions, column_id: String) -> ImpactEvent {
     let since = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
@@ -413,7 +474,7 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
             stamp: Time::from_nanos(stamp).unwrap_or_default(),
             frame_id: String::new(),
         },
-        column_id: options.column_id.clone(),
+        column_id,
         event_id: options
             .event_id
             .clone()
@@ -426,9 +487,12 @@ fn event(options: &ImpactOptions) -> ImpactEvent {
 /// The outcome of the event in a message, if any; `before` is the number of rejections before the event was sent.
 fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutcome> {
     match seen {
-        Seen::Forecast(report) if report.event_id == event_id => {
-            Some(ImpactOutcome::Forecast(Box::new(report.clone())))
-        }
+        Seen::Forecast(report) if report.event_id == event_id => Some(match report.kind {
+            ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
+                ImpactOutcome::NoForecast(report.severity_reason.clone())
+            }
+            _ => ImpactOutcome::Forecast(Box::new(report.clone())),
+        }),
         Seen::Status(status)
             if status.last_refusal_event_id == event_id
                 && before.is_none_or(|before| status.events_refused > before) =>
@@ -465,6 +529,16 @@ mod tests {
             answer(&forecast, "a", None),
             Some(ImpactOutcome::Forecast(_))
         ));
+        let none = Seen::Forecast(ImpactReport {
+            event_id: "a".to_owned(),
+            kind: ImpactReport::NO_FORECAST,
+            severity_reason: "superseded".to_owned(),
+            ..ImpactReport::default()
+        });
+        assert_eq!(
+            answer(&none, "a", None),
+            Some(ImpactOutcome::NoForecast("superseded".to_owned()))
+        );
         assert!(answer(&refused("a", 3), "a", Some(3)).is_none());
         assert_eq!(
             answer(&refused("a", 4), "a", Some(3)),
@@ -473,9 +547,24 @@ mod tests {
     }
 
     #[test]
+    fn the_only_column_is_found_and_several_are_listed() {
+        let of = |columns: &[&str]| only(columns.iter().map(|it| (*it).to_owned()).collect());
+        assert!(of(&["a3"]).is_ok_and(|column| column == "a3"));
+        let none = of(&[]).expect_err("no column").to_string();
+        assert!(none.contains("name it with --column"), "{none}");
+        let several = of(&["b", "a\u{202e}"])
+            .expect_err("two columns")
+            .to_string();
+        assert_eq!(
+            several,
+            r#"there are twins of several columns: "a\u{202e}", "b"; choose one with --column"#
+        );
+    }
+
+    #[test]
     fn omitted_values_are_nan_and_identifiers_differ() {
         let options = ImpactOptions {
-            column_id: "column".to_owned(),
+            column_id: None,
             event_id: None,
             vehicle: "mid_car".to_owned(),
             impact: ImpactSpecification {
@@ -488,7 +577,7 @@ mod tests {
             match_timeout: CHECK_INTERVAL,
             answer_timeout: CHECK_INTERVAL,
         };
-        let event = event(&options);
+        let event = event(&options, "column".to_owned());
         assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);
         assert!(event.event_id.starts_with("impact-1"));
         assert_eq!(event.vehicle, "mid_car");

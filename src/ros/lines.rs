@@ -136,6 +136,14 @@ impl WatchLines {
                     state_line(state)
                 })
             }
+            Seen::Forecast(report) if report.kind == ImpactReport::WITHDRAWN => Some(format!(
+                "the forecast of {} no longer holds: {}",
+                report.event_id, report.severity_reason
+            )),
+            Seen::Forecast(report) if report.kind == ImpactReport::NO_FORECAST => Some(format!(
+                "no forecast of {}: {}",
+                report.event_id, report.severity_reason
+            )),
             // It is published again with the error of its time step.
             Seen::Forecast(report) if !report.error_estimate.is_nan() => Some(format!(
                 "forecast of {}: the time step makes an error of about {:.2e} of the largest v1",

@@ -213,7 +213,7 @@ impl LiveTwin {
         &self.initial_parameters.settings().column_id
     }
 
-    /// The latest parameters.
+    /// The parameters that hold.
     pub fn parameters(&self) -> Arc<Parameters> {
         self.ask(|handle| Ok(handle.parameters()))
             .unwrap_or_else(|_| Arc::clone(&self.initial_parameters))

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod client;
+mod clock_watch;
 mod dds_threads;
 mod diagnostics;
 mod duplicates;
@@ -30,9 +31,11 @@ mod raw;
 pub mod replay;
 mod rosout;
 mod run;
+pub mod security;
 mod signals;
 mod task;
 mod twin_node;
+mod type_descriptions;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};

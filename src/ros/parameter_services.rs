@@ -14,14 +14,22 @@ use ros2_client::rcl_interfaces::{
 };
 
 use crate::parameters::{Admissible, Kind, PARAMETERS, Parameter, Parameters, Value};
-use crate::twin::{Command, Refusal, RefusalCode};
+use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 
 use super::live_twin::LiveTwin;
 
 /// Maximum number of parameters in one request: more than exist, and few enough to answer quickly.
 const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
 
-/// `~/get_parameters`: unknown names are "not set", as in rclpy.
+/// What a client has to know of a change that is accepted during a response.
+const WAITS: &str = "takes effect when the response ends";
+
+/// What to do if a value is admissible by itself, but not together with the others.
+const TOGETHER: &str = "set parameters that depend on one another in one request, with ~/set_parameters_atomically or a \
+                        message on column_parameters";
+
+/// `~/get_parameters`: the values that hold; a change that waits for the end of a response is not among them yet. Unknown names
+/// are "not set", as in rclpy.
 pub(super) fn get(
     parameters: &Parameters,
     request: &GetParametersRequest,
@@ -131,26 +139,48 @@ pub(super) fn set_atomically(
     }
 }
 
-/// Changes parameters as a whole; returns what the client should know of a deprecated value.
+/// Changes parameters as a whole; returns what the client should know: that the change waits, or uses a deprecated value.
 fn set_all(twin: &LiveTwin, parameters: Vec<raw::Parameter>) -> Result<String, String> {
     const SOURCE: &str = "parameter service";
+    let current = twin.parameters();
+    let is_single = parameters.len() == 1;
     let values: Result<Vec<_>, Refusal> = parameters
         .into_iter()
-        .map(|parameter| Ok((parameter.name.clone(), settable_value(parameter)?)))
+        .map(|parameter| {
+            let name = parameter.name.clone();
+            Ok((name, settable_value(&current, parameter)?))
+        })
         .collect();
     let source = SOURCE.into();
-    let (command, warnings) = match values {
+    let (command, mut remarks, is_admissible_alone) = match values {
         Ok(changes) => {
-            let warnings: Vec<_> = changes.iter().filter_map(deprecation).collect();
-            (Command::SetParameters { changes, source }, warnings)
+            let remarks: Vec<_> = changes.iter().filter_map(deprecation).collect();
+            let alone = is_single && changes.iter().all(is_admissible);
+            (Command::SetParameters { changes, source }, remarks, alone)
         }
-        Err(refusal) => (Command::RejectedChange { refusal, source }, vec![]),
+        Err(refusal) => (Command::RejectedChange { refusal, source }, vec![], false),
     };
-    twin.execute(command).map_err(|refusal| refusal.tagged())?;
-    for warning in &warnings {
+    let accepted = twin.execute(command).map_err(|refusal| {
+        let tagged = refusal.tagged();
+        match refusal.code {
+            RefusalCode::ParametersInvalid if is_admissible_alone => {
+                format!("{tagged}; {TOGETHER}")
+            }
+            _ => tagged,
+        }
+    })?;
+    for warning in &remarks {
         tracing::warn!("{warning}");
     }
-    Ok(warnings.join("; "))
+    if accepted == Accepted::Waiting {
+        remarks.insert(0, WAITS.to_owned());
+    }
+    Ok(remarks.join("; "))
+}
+
+/// Whether the parameter may have this value, whatever the others are.
+fn is_admissible((name, value): &(String, Value)) -> bool {
+    Parameter::named(name).is_some_and(|parameter| parameter.check(value).is_ok())
 }
 
 fn deprecation((name, value): &(String, Value)) -> Option<String> {
@@ -163,8 +193,9 @@ fn deprecation((name, value): &(String, Value)) -> Option<String> {
     ))
 }
 
-/// The value, if the parameter can be set while the node runs.
-fn settable_value(parameter: raw::Parameter) -> Result<Value, Refusal> {
+/// The value, if the parameter can be set while the node runs, or has this value already: `ros2 param load` sends back a whole
+/// dump.
+fn settable_value(current: &Parameters, parameter: raw::Parameter) -> Result<Value, Refusal> {
     let raw::Parameter { name, value } = parameter;
     // What becomes of an array of other elements is the same for all, unless it is empty.
     let array = |is_empty: bool| is_empty.then(|| Value::DoubleArray(vec![]));
@@ -188,7 +219,12 @@ fn settable_value(parameter: raw::Parameter) -> Result<Value, Refusal> {
         // The twin rejects the name, with a suggestion.
         return Ok(found.unwrap_or(Value::Bool(false)));
     };
-    if known.read_only() {
+    let found = found.map(|value| known.meant_in_yaml_1_1(value));
+    let is_unchanged = || {
+        let value = found.as_ref().and_then(|value| known.check(value).ok());
+        value.is_some() && value == current.get(known.name)
+    };
+    if known.read_only() && !is_unchanged() {
         let reason = format!(
             "{name} is read-only while the node runs; set it when starting the node (-p {name}:=...)"
         );
@@ -474,11 +510,10 @@ mod tests {
 
     #[test]
     fn values_that_cannot_be_set_are_rejected_with_the_reason() {
+        let current = Parameters::default();
         let given = |name: &str, value: raw::ParameterValue| {
-            settable_value(raw::Parameter {
-                name: name.to_owned(),
-                value,
-            })
+            let name = name.to_owned();
+            settable_value(&current, raw::Parameter { name, value })
         };
         let reason = given("column_id", raw_value(Value::from("x"))).expect_err("read-only");
         assert!(
@@ -508,11 +543,44 @@ mod tests {
         );
     }
 
+    /// `ros2 param set /column_twin top.load 4.0e5` sends a string, because YAML 1.1 reads one; so does `ros2 param load` for
+    /// 2e-05, and for a list of unlike elements.
+    #[test]
+    fn a_number_that_yaml_1_1_reads_as_text_is_a_double() {
+        let current = Parameters::default();
+        let given = |name: &str, value: Value| {
+            let (name, value) = (name.to_owned(), raw_value(value));
+            settable_value(&current, raw::Parameter { name, value }).map_err(|it| it.reason)
+        };
+        assert_eq!(given("top.load", "4.0e5".into()), Ok(Value::Double(4e5)));
+        assert_eq!(given("solver.dt", "2e-05".into()), Ok(Value::Double(2e-5)));
+        assert_eq!(
+            given("vehicle.masses", "[4.0e2, 800]".into()),
+            Ok(Value::from(vec![400.0, 800.0]))
+        );
+        assert_eq!(given("top.load", "heavy".into()), Ok(Value::from("heavy")));
+    }
+
+    /// `ros2 param load` of a dump sends every parameter, read-only ones too.
+    #[test]
+    fn a_read_only_parameter_accepts_the_value_that_it_has() {
+        let current = Parameters::default();
+        for parameter in PARAMETERS.iter().filter(|it| it.read_only()) {
+            let value = current.get(parameter.name).expect("known");
+            let raw = raw::Parameter {
+                name: parameter.name.to_owned(),
+                value: raw_value(value.clone()),
+            };
+            assert_eq!(settable_value(&current, raw), Ok(value));
+        }
+    }
+
     #[test]
     fn arrays_are_read_written_and_described() {
+        let current = Parameters::default();
         let given = |name: &str, value: raw::ParameterValue| {
             let name = name.to_owned();
-            settable_value(raw::Parameter { name, value })
+            settable_value(&current, raw::Parameter { name, value })
         };
         let numbers = Value::from(vec![3.0, 4.5]);
         let words = Value::from(vec!["damage_20".to_owned()]);

@@ -14,20 +14,29 @@ use crate::messages::diagnostic_msgs::DiagnosticArray;
 use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput};
+use crate::twin::{
+    Accepted, Notice, NoticeLevel, Output, ParametersChanged, Refused, RefusedInput,
+};
 
+use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
+use super::matches::Matches;
 use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
+use super::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
 /// Maximum wait for an output before the thread checks the stop flag.
 const MAX_WAIT: Duration = Duration::from_millis(100);
+
+/// Maximum wait for a first reader of `/parameter_events` before the parameters are announced without one. Discovery between ROS 2
+/// programs takes up to 3.5 s.
+const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
 
 /// Maximum time to publish queued outputs after the stop.
 const FINAL_PUBLISHING_TIME: Duration = Duration::from_millis(300);
@@ -39,16 +48,25 @@ pub(super) struct Publishing {
     outgoing: Outgoing,
     twin: Arc<LiveTwin>,
     counters: Arc<NodeCounters>,
+    protection: Arc<Protection>,
+    peers: Arc<Peers>,
     node_name: String,
     fully_qualified: String,
     parameters: Arc<Parameters>,
+    /// `new_parameters` has not been published: until then with the deadline for the first reader.
+    unannounced: Option<Instant>,
+    /// The parameters that wait for the end of the response.
+    waiting: Vec<&'static str>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    clock_warning: SeldomWarning,
     /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
 
 struct Publishers {
+    /// The peers of `parameter_events`.
+    matches: Arc<Matches>,
     /// In the order of [`Topic::ALL`].
     of_twin: Vec<Publisher<Raw>>,
     diagnostics: Publisher<Raw>,
@@ -69,6 +87,7 @@ impl Publishing {
             .collect();
         Ok(Self {
             publishers: Publishers {
+                matches: node.matches(),
                 of_twin: of_twin?,
                 diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
                 parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
@@ -82,9 +101,14 @@ impl Publishing {
                 ..TwinStatus::default()
             },
             parameters: Arc::clone(&parameters),
+            unannounced: Some(Instant::now() + MAX_WAIT_FOR_READER),
+            waiting: Vec::new(),
             twin,
             counters,
+            protection: node.protection(),
+            peers: node.security_peers(),
             last_diagnostics: None,
+            clock_warning: SeldomWarning::default(),
             is_over: false,
         })
     }
@@ -92,9 +116,9 @@ impl Publishing {
     /// Publishes until `stop` is set and no outputs are queued. The twin must be stopped before, so that its queues bound the
     /// remaining outputs.
     pub fn run(mut self, mut outputs: impl OutputSource, stop: &AtomicBool) {
-        self.announce_parameters();
         let mut end = None;
         loop {
+            self.announce_parameters(stop.load(Ordering::Relaxed));
             if stop.load(Ordering::Relaxed) {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !self.is_over {
@@ -109,10 +133,23 @@ impl Publishing {
                 None if stop.load(Ordering::Relaxed) => return,
                 None => {}
             }
+            self.warn_of_a_missing_clock();
             let last = self.last_diagnostics.as_ref();
             if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
                 self.diagnose(true);
             }
+        }
+    }
+
+    fn warn_of_a_missing_clock(&mut self) {
+        let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) else {
+            return;
+        };
+        let now = Instant::now();
+        if let Some(problem) = clock.problem(now)
+            && self.clock_warning.is_due(now)
+        {
+            tracing::warn!("{problem}");
         }
     }
 
@@ -144,10 +181,11 @@ impl Publishing {
             }
             Output::Refused(refused) => log_refusal(&refused),
             Output::Notice(notice) => log_notice(&notice),
-            Output::ParametersChanged(changed) => self.parameters_changed(changed.parameters),
+            Output::ParametersChanged(changed) => self.parameters_changed(changed),
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Withdrawn(_)
             | Output::Status(_)
             | Output::Save(_) => {}
         }
@@ -177,7 +215,21 @@ impl Publishing {
         Some(recording)
     }
 
-    fn announce_parameters(&self) {
+    /// Publishes all parameters as new, once: as soon as there is a reader, which is only then matched, or after a while
+    /// without one, for the recording. `at_once` does not wait.
+    fn announce_parameters(&mut self, at_once: bool) {
+        let Some(deadline) = self.unannounced else {
+            return;
+        };
+        let Publishers {
+            matches,
+            parameter_events,
+            ..
+        } = &self.publishers;
+        if !at_once && Instant::now() < deadline && matches.count(parameter_events.guid()) == 0 {
+            return;
+        }
+        self.unannounced = None;
         let stamp = self.twin.now();
         let node = self.fully_qualified.clone();
         if let Some(event) = parameter_services::event(node, stamp, None, &self.parameters) {
@@ -185,13 +237,28 @@ impl Publishing {
         }
     }
 
-    fn parameters_changed(&mut self, parameters: Arc<Parameters>) {
+    fn parameters_changed(&mut self, changed: ParametersChanged) {
+        self.announce_parameters(true);
+        let ParametersChanged {
+            names,
+            change,
+            waiting,
+            parameters,
+            ..
+        } = changed;
+        if change == Accepted::Waiting {
+            tracing::info!("wait for the end of the response: {}", names.join(", "));
+        }
+        self.waiting = waiting;
         let stamp = self.twin.now();
         let node = self.fully_qualified.clone();
         let before = Some(&*self.parameters);
         if let Some(event) = parameter_services::event(node, stamp, before, &parameters) {
             for it in &event.changed_parameters {
-                tracing::info!("parameter {} has a new value", it.name);
+                let name = &it.name;
+                if let (Some(old), Some(new)) = (self.parameters.get(name), parameters.get(name)) {
+                    tracing::info!("parameter {name} changed from {old} to {new}");
+                }
             }
             self.send_parameter_event(event);
         }
@@ -207,6 +274,8 @@ impl Publishing {
             &self.status,
             &health,
             self.recording_health(&health).as_ref(),
+            self.protection.health(&self.peers),
+            &self.waiting,
             &self.counters,
         );
         let last = self.last_diagnostics.as_ref();

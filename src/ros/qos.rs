@@ -110,8 +110,9 @@ mod tests {
                     .all(|other| other.name != endpoint.name)
             );
             let (package, _) = endpoint.package_and_type();
-            // The types of the parameter services come from ros2-client.
-            if package != "rcl_interfaces" || endpoint.direction == Direction::Out {
+            // The types of the parameter services come from ros2-client, and those of the description from its module.
+            let is_foreign = ["rcl_interfaces", "type_description_interfaces"].contains(&package);
+            if !is_foreign || endpoint.direction == Direction::Out {
                 let known = match endpoint.direction {
                     Direction::Service => format!("{}_Request", endpoint.type_name),
                     _ => endpoint.type_name.to_owned(),

@@ -17,14 +17,15 @@ use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber};
 use tracing_subscriber::filter::EnvFilter;
+use tracing_subscriber::fmt::FmtContext;
 use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
-use tracing_subscriber::fmt::{FmtContext, format};
 use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::util::{SubscriberInitExt, TryInitError};
 use tracing_subscriber::{Layer, Registry};
 
 use super::arguments::{LogLevel, RosArguments};
+use crate::printable::Printable;
 
 /// Maximum number of messages that wait to be published; further ones are dropped and counted.
 const ROSOUT_QUEUE: usize = 256;
@@ -125,7 +126,7 @@ impl LogRecord {
         Self {
             level: level_code(metadata.level()),
             stamp: now(),
-            message: text.0,
+            message: Printable(&text.0).to_string(),
             file: metadata.file().unwrap_or_default().to_owned(),
             function: metadata.module_path().unwrap_or_default().to_owned(),
             line: metadata.line().unwrap_or_default(),
@@ -243,7 +244,7 @@ where
 {
     fn format_event(
         &self,
-        context: &FmtContext<'_, S, N>,
+        _: &FmtContext<'_, S, N>,
         mut writer: Writer<'_>,
         event: &Event<'_>,
     ) -> fmt::Result {
@@ -258,9 +259,9 @@ where
             stamp % 1_000_000_000,
             self.logger
         )?;
-        context
-            .field_format()
-            .format_fields(format::Writer::new(&mut writer), event)?;
+        let mut text = Text::default();
+        event.record(&mut text);
+        write!(writer, "{}", Printable(&text.0))?;
         if hidden > 0 {
             write!(
                 writer,
@@ -295,6 +296,21 @@ mod tests {
         assert_eq!(log.name, "garage.column_twin");
         assert!(log.file.ends_with("rosout.rs") && log.line > 0);
         assert_eq!(records[1].level, 40);
+    }
+
+    /// An identifier from outside could hide or forge lines of the log.
+    #[test]
+    fn control_and_bidirectional_characters_are_escaped_in_every_line() {
+        let (records, _) = logged(|| {
+            tracing::warn!(
+                "impact \"{}\" was rejected",
+                "a\u{1b}[2K\n[INFO]: \u{202e}fine"
+            );
+        });
+        assert_eq!(
+            records[0].message,
+            r#"impact "a\u{1b}[2K\n[INFO]: \u{202e}fine" was rejected"#
+        );
     }
 
     #[test]

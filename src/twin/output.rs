@@ -23,12 +23,13 @@ pub enum Output {
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
+    /// The forecast of an accepted impact no longer holds, or there will be none; in both cases no report follows.
+    Withdrawn(WithdrawnForecast),
     /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
     /// A command was refused and has changed nothing.
     Refused(Refused),
-    /// Parameters were changed, will be when the response has ended, or return to what they were because a change that
-    /// waited was refused.
+    /// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
     ParametersChanged(ParametersChanged),
     /// For the log.
     Notice(Notice),
@@ -95,16 +96,59 @@ pub struct ReportOutput {
     pub compute_time: f64,
 }
 
-/// Parameters were changed, will be when the response has ended, or return to what they were.
+/// The forecast of an accepted impact no longer holds, or there will be none.
+#[derive(Debug, Clone)]
+pub struct WithdrawnForecast {
+    /// The impact.
+    pub impact: WithdrawnImpact,
+    /// Whether a forecast was given out.
+    pub was_known: bool,
+    /// Estimated relative error of its `max_v1`, if it was given out again with it.
+    pub error_estimate: Option<f64>,
+    /// For programs.
+    pub end: ForecastEnd,
+    /// For people.
+    pub reason: Arc<str>,
+}
+
+/// An accepted impact that has no report.
+#[derive(Debug, Clone)]
+pub struct WithdrawnImpact {
+    /// Stamp of the event.
+    pub stamp: Nanos,
+    /// Its identifier.
+    pub event_id: Arc<str>,
+    /// What hits the column.
+    pub striking: Striking,
+}
+
+/// Why a forecast no longer holds, or why there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForecastEnd {
+    /// Another impact has hit the moving column; its forecast and its report include what this one did.
+    Superseded,
+    /// A reset has made the column virgin.
+    Reset,
+    /// The twin was stopped.
+    Stopped,
+    /// When the impact was due, the column could not take it.
+    Rejected,
+    /// It cannot be computed.
+    NotComputed,
+}
+
+/// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.
 #[derive(Debug, Clone)]
 pub struct ParametersChanged {
     /// When.
     pub stamp: Nanos,
-    /// The parameters that have new values.
+    /// The parameters that have new values, or will have; of a refused change, those that keep theirs.
     pub names: Vec<&'static str>,
-    /// Whether they apply now or wait.
+    /// Whether the new values apply now or wait; `Unchanged` if the change had waited and was refused.
     pub change: Accepted,
-    /// All parameters: as they are now, or as they will be.
+    /// The parameters that wait for the end of the response now.
+    pub waiting: Vec<&'static str>,
+    /// All parameters as they hold now.
     pub parameters: Arc<Parameters>,
     /// The sender of the change.
     pub source: Arc<str>,

@@ -106,11 +106,17 @@ impl ParameterSet {
         Ok(())
     }
 
+    /// Names of the parameters that wait for the end of the response.
+    pub fn waiting_names(&self) -> Vec<&'static str> {
+        self.waiting.as_ref().map_or_else(Vec::new, |waiting| {
+            names_of(&waiting.parameters.changed_from(&self.current))
+        })
+    }
+
     /// The change that has waited for the end of the response, with the names of what it changes. It waits no longer.
     pub fn take_waiting(&mut self) -> Option<(Waiting, Vec<&'static str>)> {
-        let waiting = self.waiting.take()?;
-        let names = names_of(&waiting.parameters.changed_from(&self.current));
-        Some((waiting, names))
+        let names = self.waiting_names();
+        Some((self.waiting.take()?, names))
     }
 
     /// Lets other parameters hold.

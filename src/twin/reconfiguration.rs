@@ -2,13 +2,20 @@
 
 use std::sync::Arc;
 
-use super::active_response::LastResponse;
 use super::command::{Accepted, Nanos};
 use super::lifecycle::Twin;
-use super::output::{NoticeLevel, Output, Outputs, ParametersChanged};
+use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
 use super::refusal::Refusal;
+use super::seconds;
 use crate::parameters::{Parameters, Value};
+
+/// Maximum length of a response \[steps\] whose end is computed in order to judge a change that waits for it: at most about a
+/// second, which the sender of the change has to wait.
+const MAX_FORESEEN_STEPS: f64 = 1e6;
+
+/// Steps in which the end of a response is computed.
+const FORESEEING_SLICE: u64 = 1024;
 
 impl Twin {
     pub(super) fn set_parameters(
@@ -25,6 +32,7 @@ impl Twin {
         }
         let column = self.column_with(&planned.parameters)?;
         let change = if self.response.is_some() && planned.must_wait() {
+            self.check_at_end(&planned.parameters, now, out)?;
             self.parameters.make_wait(&planned.parameters, source);
             Accepted::Waiting
         } else {
@@ -41,13 +49,56 @@ impl Twin {
             stamp: now,
             names: planned.names(),
             change,
-            parameters: planned.parameters,
+            waiting: self.parameters.waiting_names(),
+            parameters: Arc::clone(self.parameters.current()),
             source: Arc::clone(source),
         }));
         if change == Accepted::Applied && self.response.is_none() {
             self.save(now, out);
         }
         Ok(change)
+    }
+
+    /// Rejects a change at once that the column would not take when the response under way has ended, because of the damage
+    /// that it leaves.
+    fn check_at_end(
+        &mut self,
+        wanted: &Parameters,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<(), Refusal> {
+        let from = self.parameters.current().column_properties();
+        let Some(at_rest) = self.foreseen_at_rest(now, out) else {
+            return Ok(());
+        };
+        at_rest
+            .with_properties(&from, &wanted.column_properties())
+            .map(|_| ())
+            .map_err(|Refusal { code, reason }| {
+                let reason = format!(
+                    "the change cannot take effect when the response to the impact ends: {reason}"
+                );
+                Refusal::new(code, reason)
+            })
+    }
+
+    /// The column as the response under way will leave it. Its forecast is completed for this, so that the answer does not
+    /// depend on how far it had come; `None` for a response that may be too long, or cannot be computed.
+    fn foreseen_at_rest(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<&Plant> {
+        let response = self.response.as_ref()?;
+        let step = seconds(response.timeline.plant().model.properties.step_nanos);
+        if response.impact.parameters.response_duration() / step > MAX_FORESEEN_STEPS {
+            return None;
+        }
+        let is_unknown = |it: &Self| {
+            let response = it.response.as_ref();
+            response.is_some_and(|it| it.forecast.foreseen().is_none() && it.forecast.is_running())
+        };
+        while is_unknown(self) {
+            self.run_ahead(FORESEEING_SLICE, now, out);
+        }
+        let foreseen = self.response.as_ref()?.forecast.foreseen()?;
+        Some(&foreseen.at_rest)
     }
 
     /// The column at rest with other parameters.
@@ -65,7 +116,7 @@ impl Twin {
         self.at_rest = column;
     }
 
-    fn forbid_resuming(&mut self) {
+    pub(super) fn forbid_resuming(&mut self) {
         if let Some(last) = &mut self.last {
             last.resumable = None;
         }
@@ -75,23 +126,25 @@ impl Twin {
         let Some((waiting, names)) = self.parameters.take_waiting() else {
             return;
         };
-        match self.column_with(&waiting.parameters) {
+        let change = match self.column_with(&waiting.parameters) {
             Ok(column) => {
                 self.replace_column(column);
                 self.parameters.replace(waiting.parameters);
+                Accepted::Applied
             }
             Err(Refusal { code, reason }) => {
                 let reason =
                     format!("the change that waited for the end of the response: {reason}");
                 self.refuse_change(Refusal::new(code, reason), &waiting.source, now, out);
+                Accepted::Unchanged
             }
-        }
-        // A change that is refused now was announced when it began to wait: the parameters return to what they were.
+        };
         self.status.set_changed();
         out.put(Output::ParametersChanged(ParametersChanged {
             stamp: now,
             names,
-            change: Accepted::Applied,
+            change,
+            waiting: Vec::new(),
             parameters: Arc::clone(self.parameters.current()),
             source: waiting.source,
         }));
@@ -114,14 +167,18 @@ impl Twin {
         if let Some(response) = self.response.take() {
             let text = format!(
                 "a reset ends the response to impact \"{}\"",
-                response.event_id
+                response.impact.event_id
             );
-            out.notice(NoticeLevel::Warning, now, text);
+            out.notice(NoticeLevel::Warning, now, text.clone());
             self.solver.newton_iterations += response.newton_iterations();
-            self.last = Some(LastResponse {
-                response,
-                resumable: None,
-            });
+            self.end_early(response, ForecastEnd::Reset, text);
+        }
+        // A reset does not wait for forecasts.
+        self.superseded.abandon();
+        for impact in self.registry.pending() {
+            let reason = "a reset has dropped the impact before it was due";
+            self.superseded
+                .take_none(impact.into(), ForecastEnd::Reset, reason);
         }
         self.forbid_resuming();
         if let Some(forgotten) = self.registry.pending_in_words() {

@@ -7,11 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
 use super::command::Nanos;
+use super::output::WithdrawnImpact;
 use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
 use super::seen_ids::SeenIds;
 use super::what_if::Striking;
 use crate::parameters::Parameters;
+use crate::printable::{Printable, is_printable};
 
 /// Longest identifier of an event in characters.
 pub const MAX_EVENT_ID_CHARS: usize = 255;
@@ -93,6 +95,16 @@ pub(super) struct PendingImpact {
     pub height: Option<f64>,
 }
 
+impl From<&PendingImpact> for WithdrawnImpact {
+    fn from(impact: &PendingImpact) -> Self {
+        Self {
+            stamp: impact.stamp,
+            event_id: Arc::clone(&impact.event_id),
+            striking: impact.striking.clone(),
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Registry {
     column_id: Arc<str>,
@@ -138,10 +150,10 @@ impl Registry {
         if chars == 0 {
             return invalid("event_id is empty; give every impact its own identifier".to_owned());
         }
-        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(char::is_control) {
+        if chars > MAX_EVENT_ID_CHARS || id.chars().take(chars).any(|c| !is_printable(c)) {
             return invalid(format!(
                 "event_id is too long or contains control characters; \
-                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control characters"
+                 allowed: 1 to {MAX_EVENT_ID_CHARS} characters, no control or invisible characters"
             ));
         }
         if self.seen.contains(id) {
@@ -226,6 +238,11 @@ impl Registry {
         self.pending.first().map(|next| next.stamp)
     }
 
+    /// The impacts that are still to come, in the order of their stamps.
+    pub fn pending(&self) -> impl Iterator<Item = &PendingImpact> {
+        self.pending.iter()
+    }
+
     pub fn take_pending(&mut self) -> Option<PendingImpact> {
         (!self.pending.is_empty()).then(|| self.pending.remove(0))
     }
@@ -295,8 +312,5 @@ pub(super) fn check_stamp(
 
 /// A name from outside as it may appear in a message: of bounded length, without characters that a terminal would obey.
 pub(super) fn printable(name: &str) -> String {
-    truncated(name, MAX_EVENT_ID_CHARS)
-        .chars()
-        .map(|c| if c.is_control() { '?' } else { c })
-        .collect()
+    Printable(&truncated(name, MAX_EVENT_ID_CHARS)).to_string()
 }

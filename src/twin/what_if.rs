@@ -12,7 +12,8 @@ use crate::assessment::imperfection;
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
 };
-use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value};
+use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable};
+use crate::printable::is_printable;
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;
@@ -129,7 +130,8 @@ impl ColumnSnapshot {
     /// number checked against the one table.
     ///
     /// # Errors
-    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range.
+    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range; the vehicle
+    /// is too far away.
     pub(super) fn complete(
         &self,
         vehicle: &str,
@@ -148,22 +150,36 @@ impl ColumnSnapshot {
         let faults: Vec<_> = [
             open.or_else(|| fault_of("mass", "impact.mass", impact.mass)),
             fault_of("velocity", "impact.velocity", impact.velocity),
-            fault_of("gap", "impact.gap", impact.gap),
-            fault_of("restitution", "impact.restitution", impact.restitution),
+            fault_of("gap", "impact.gap", impact.gap).map(with_hint_at_nan),
+            fault_of("restitution", "impact.restitution", impact.restitution).map(with_hint_at_nan),
         ]
         .into_iter()
         .flatten()
         .collect();
-        match faults.is_empty() {
-            true => Ok(Striking {
-                vehicle: name,
-                impact,
-            }),
-            false => Err(Refusal::new(
-                RefusalCode::ImpactOutOfRange,
-                faults.join("; "),
-            )),
+        if !faults.is_empty() {
+            let faults = faults.join("; ");
+            return Err(Refusal::new(RefusalCode::ImpactOutOfRange, faults));
         }
+        self.check_approach(&impact)?;
+        Ok(Striking {
+            vehicle: name,
+            impact,
+        })
+    }
+
+    /// # Errors
+    /// The vehicle would not reach the column within `response.duration`, if the column stood still.
+    fn check_approach(&self, impact: &Impact) -> Result<(), Refusal> {
+        let Impact { gap, velocity, .. } = impact;
+        let (approach, longest) = (gap / velocity, self.parameters.response_duration());
+        if approach <= longest {
+            return Ok(());
+        }
+        let reason = format!(
+            "at {velocity} m/s the vehicle needs {approach} s for the gap of {gap} m; response.duration allows {longest} s: \
+             report the impact when the vehicle is nearer, or increase response.duration"
+        );
+        Err(Refusal::new(RefusalCode::ApproachTooLong, reason))
     }
 
     /// Name and mechanics of a vehicle; `None` is a rigid mass.
@@ -172,10 +188,10 @@ impl ColumnSnapshot {
     /// Why there is no such vehicle.
     fn vehicle_named(&self, name: &str) -> Result<(Arc<str>, Option<Vehicle>), String> {
         let chars = name.chars().take(MAX_VEHICLE_NAME_CHARS + 1).count();
-        if chars > MAX_VEHICLE_NAME_CHARS || name.chars().any(char::is_control) {
+        if chars > MAX_VEHICLE_NAME_CHARS || name.chars().any(|c| !is_printable(c)) {
             return Err(format!(
                 "the name of the vehicle is too long or contains control characters; \
-                 allowed: up to {MAX_VEHICLE_NAME_CHARS} characters, no control characters"
+                 allowed: up to {MAX_VEHICLE_NAME_CHARS} characters, no control or invisible characters"
             ));
         }
         let vehicle = self.parameters.vehicle_named(name);
@@ -215,7 +231,7 @@ impl ColumnSnapshot {
         match faults.into_iter().flatten().next() {
             Some(fault) => Err(Refusal::new(
                 RefusalCode::ImpactOutOfRange,
-                format!("{fault}; the column is {whole} m high"),
+                with_hint_at_nan(format!("{fault}; the column is {whole} m high")),
             )),
             None => Ok(with_impact_height(&properties, height)),
         }
@@ -227,5 +243,10 @@ fn fault_of(called: &str, name: &str, number: f64) -> Option<String> {
     let problem = Parameter::named(name)?
         .check(&Value::Double(number))
         .err()?;
-    Some(format!("{called} = {number}: {problem}"))
+    Some(format!("{called} = {}: {problem}", readable(number)))
+}
+
+/// A field of a message that is left out is 0.
+fn with_hint_at_nan(fault: String) -> String {
+    format!("{fault}; NaN (in YAML: .nan) takes the value of the parameter")
 }

@@ -4,6 +4,7 @@ use super::item::Announcement;
 use super::scene::{Drawing, force};
 use crate::column::{HINGE_NAMES, HINGES};
 use crate::messages::column_twin::ImpactReport;
+use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
 
 /// The entity of the panel.
@@ -208,10 +209,9 @@ fn escaped(text: &str) -> String {
         if character.is_ascii_punctuation() {
             escaped.push('\\');
         }
-        escaped.push(if character.is_control() {
-            ' '
-        } else {
-            character
+        escaped.push(match is_printable(character) {
+            true => character,
+            false => ' ',
         });
     }
     escaped

@@ -130,7 +130,7 @@ def base_value(base, field, number):
         return 4_000_000_000 + number
     if base == "uint64":
         return 2**63 + number
-    if base == "uint8":
+    if base in ("uint8", "char"):
         return 128 + number % 128
     if base == "byte":
         # rosbags reads it as signed, rosidl as unsigned.
@@ -145,7 +145,7 @@ def numpy_array(element, values):
     node, detail = element
     if node != Nodetype.BASE or detail[0] == "string":
         return values
-    return numpy.array(values, dtype=detail[0])
+    return numpy.array(values, dtype={"char": "uint8"}.get(detail[0], detail[0]))
 
 
 def rclpy_class(package, folder, name):

@@ -9,6 +9,7 @@ use column_twin::messages::column_twin::{
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;
+use column_twin::messages::service_msgs::ServiceEventInfo;
 use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
 use column_twin::messages::{INTERFACES, Message, find, std_msgs, std_srvs};
 use re_ros_msg::MessageSchema;
@@ -55,7 +56,7 @@ impl ForEachType for SameFields {
 fn expected_format(ty: &Type) -> Format {
     match ty {
         Type::BuiltIn(BuiltInType::Bool) => Format::Bool,
-        Type::BuiltIn(BuiltInType::Byte | BuiltInType::UInt8) => Format::U8,
+        Type::BuiltIn(BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8) => Format::U8,
         Type::BuiltIn(BuiltInType::Int32) => Format::I32,
         Type::BuiltIn(BuiltInType::UInt16) => Format::U16,
         Type::BuiltIn(BuiltInType::UInt32) => Format::U32,
@@ -121,16 +122,19 @@ fn every_constant_has_the_value_of_its_definition() {
         ColumnState { IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED }
         HingeForces { HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, ELASTIC, PLASTIC, UNLOADED }
         ImpactReport {
-            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, FORECAST, RESULT, PREDICTION, ELASTIC, PLASTIC, COLLAPSED, SEVERED,
+            HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, FORECAST, RESULT, PREDICTION, WITHDRAWN, NO_FORECAST,
+            ELASTIC, PLASTIC, COLLAPSED, SEVERED, OUTCOME_UNKNOWN,
             END_AT_REST, END_DURATION_REACHED, END_COLLAPSED, END_SEVERED, END_NOT_CONVERGED,
+            END_SUPERSEDED, END_RESET, END_STOPPED, END_REJECTED, END_NOT_COMPUTED,
             SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
         }
         TwinStatus {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED,
-            REFUSED_NONE, REFUSED_OTHER_COLUMN, REFUSED_EVENT_ID_INVALID, REFUSED_EVENT_ID_REPEATED, REFUSED_STAMP_TOO_OLD, REFUSED_STAMP_TOO_FAR_AHEAD, REFUSED_STAMP_OUT_OF_ORDER, REFUSED_TOO_MANY_IMPACTS_AHEAD, REFUSED_IMPACT_OUT_OF_RANGE, REFUSED_HEIGHT_NOT_POSSIBLE, REFUSED_COLUMN_COLLAPSED, REFUSED_TWIN_FAULTED, REFUSED_COLUMN_IMPOSSIBLE, REFUSED_PARAMETERS_INVALID, REFUSED_PARAMETERS_READ_ONLY, REFUSED_COLUMN_DAMAGED, REFUSED_NO_EQUILIBRIUM, REFUSED_NOT_COMPUTED, REFUSED_QUEUE_FULL, REFUSED_NO_ANSWER, REFUSED_STOPPING, REFUSED_VEHICLE_INVALID, REFUSED_COLUMN_SEVERED,
+            REFUSED_NONE, REFUSED_OTHER_COLUMN, REFUSED_EVENT_ID_INVALID, REFUSED_EVENT_ID_REPEATED, REFUSED_STAMP_TOO_OLD, REFUSED_STAMP_TOO_FAR_AHEAD, REFUSED_STAMP_OUT_OF_ORDER, REFUSED_TOO_MANY_IMPACTS_AHEAD, REFUSED_IMPACT_OUT_OF_RANGE, REFUSED_HEIGHT_NOT_POSSIBLE, REFUSED_COLUMN_COLLAPSED, REFUSED_TWIN_FAULTED, REFUSED_COLUMN_IMPOSSIBLE, REFUSED_PARAMETERS_INVALID, REFUSED_PARAMETERS_READ_ONLY, REFUSED_COLUMN_DAMAGED, REFUSED_NO_EQUILIBRIUM, REFUSED_NOT_COMPUTED, REFUSED_QUEUE_FULL, REFUSED_NO_ANSWER, REFUSED_STOPPING, REFUSED_VEHICLE_INVALID, REFUSED_COLUMN_SEVERED, REFUSED_APPROACH_TOO_LONG, REFUSED_SENDER_NOT_ALLOWED, REFUSED_SENDER_TOO_FAST,
             SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
+        ServiceEventInfo { REQUEST_SENT, REQUEST_RECEIVED, RESPONSE_SENT, RESPONSE_RECEIVED }
         Log { DEBUG, INFO, WARN, ERROR, FATAL }
         Marker {
             ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT_VIEW_FACING,
@@ -141,7 +145,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 7, "a type with constants is missing above");
+    assert_eq!(with_constants, 8, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.

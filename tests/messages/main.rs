@@ -9,7 +9,8 @@ mod ros2_itself;
 
 use column_twin::messages::{
     Message, builtin_interfaces, column_twin as ours, diagnostic_msgs, geometry_msgs,
-    rcl_interfaces, rosgraph_msgs, sensor_msgs, std_msgs, std_srvs, visualization_msgs,
+    rcl_interfaces, rosgraph_msgs, sensor_msgs, service_msgs, std_msgs, std_srvs,
+    visualization_msgs,
 };
 
 /// What a test does with one type.
@@ -48,6 +49,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         rosgraph_msgs::Clock,
         sensor_msgs::CompressedImage,
         sensor_msgs::JointState,
+        service_msgs::ServiceEventInfo,
         std_msgs::ColorRGBA,
         std_msgs::Header,
         std_msgs::String,

@@ -22,6 +22,8 @@ pub fn reader(domain: &Domain) -> Node {
 /// Reads one topic in its own thread until it is dropped.
 pub struct Incoming<M> {
     pub messages: Receiver<M>,
+    /// The subscription.
+    pub guid: GUID,
     abort: AbortHandle,
     thread: Option<JoinHandle<()>>,
 }
@@ -29,19 +31,15 @@ pub struct Incoming<M> {
 impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
     /// Subscribes and waits for a publisher.
     pub fn start(node: &mut Node, endpoint: &Endpoint) -> Self {
-        let (incoming, guid) = Self::subscribe(node, endpoint);
+        let incoming = Self::early(node, endpoint);
         let deadline = Instant::now() + PATIENCE;
-        let found = node.matches().wait_for(guid, 1, deadline);
+        let found = node.matches().wait_for(incoming.guid, 1, deadline);
         assert!(found, "no {} found", endpoint.name);
         incoming
     }
 
     /// Subscribes without waiting for a publisher.
     pub fn early(node: &mut Node, endpoint: &Endpoint) -> Self {
-        Self::subscribe(node, endpoint).0
-    }
-
-    fn subscribe(node: &mut Node, endpoint: &Endpoint) -> (Self, GUID) {
         let subscription = node.subscription::<M>(endpoint).unwrap();
         let guid = subscription.guid();
         let (sender, messages) = channel();
@@ -56,12 +54,12 @@ impl<M: DeserializeOwned + Send + 'static> Incoming<M> {
             let _ = futures::executor::block_on(Abortable::new(all, registration));
         };
         let thread = Some(std::thread::spawn(read));
-        let incoming = Self {
+        Self {
             messages,
+            guid,
             abort,
             thread,
-        };
-        (incoming, guid)
+        }
     }
 
     /// The first message from now on that `is_it` says yes to.

@@ -7,6 +7,7 @@ use column_twin::column::ImpactSpecification;
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
+use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{ImpactOptions, ImpactOutcome, Node, send_impact};
 use futures::future::{AbortHandle, Abortable};
@@ -122,14 +123,45 @@ fn an_impact_from_the_command_line_is_answered_or_refused() {
     twin.stop();
 }
 
+/// `column-twin impact` without `--column` finds the only twin there is, and lists several.
+#[test]
+fn an_impact_without_a_column_goes_to_the_only_twin() {
+    let domain = Domain::fresh();
+    let first = RunningTwin::start(&domain, &[("column_id", Value::from("a3"))]);
+    match impact_on(&domain, None, 1500.0, PATIENCE) {
+        Ok(ImpactOutcome::Forecast(report)) => assert_eq!(report.column_id, "a3"),
+        other => panic!("{other:?}"),
+    }
+    let second = RunningTwin::start(&domain, &[("column_id", Value::from("b1"))]);
+    // The second twin may not be known at once.
+    let listed = (0..20).find_map(|_| impact_on(&domain, None, 1500.0, PATIENCE).err());
+    let expected = "there are twins of several columns: \"a3\", \"b1\"; choose one with --column";
+    assert_eq!(listed.as_deref(), Some(expected));
+    match impact_on(&domain, Some("b1"), 1500.0, PATIENCE) {
+        Ok(ImpactOutcome::Forecast(report)) => assert_eq!(report.column_id, "b1"),
+        other => panic!("{other:?}"),
+    }
+    first.stop();
+    second.stop();
+}
+
 /// Sends an impact of 1 m/s as `column-twin impact` does.
 pub fn impact(
     domain: &Domain,
     mass: f64,
     match_timeout: Duration,
 ) -> Result<ImpactOutcome, String> {
+    impact_on(domain, Some("column"), mass, match_timeout)
+}
+
+fn impact_on(
+    domain: &Domain,
+    column_id: Option<&str>,
+    mass: f64,
+    match_timeout: Duration,
+) -> Result<ImpactOutcome, String> {
     let options = ImpactOptions {
-        column_id: "column".to_owned(),
+        column_id: column_id.map(str::to_owned),
         event_id: None,
         vehicle: String::new(),
         impact: ImpactSpecification {

@@ -12,6 +12,7 @@ mod incoming;
 mod live_twin;
 mod loopback;
 mod memory;
+mod parameter_events;
 mod program;
 mod real_peers;
 mod real_time;

@@ -117,6 +117,17 @@ fn rclpy_finds_receives_sets_and_is_refused() {
     assert!(ended.success(), "{ended}: {log:#?}");
 }
 
+/// `ros2 param`, `ros2 topic echo` and type descriptions, with the functions of rclpy that the tools call.
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn the_tools_of_ros_2_set_dump_load_echo_and_describe() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::ready(&domain, folder.path(), &[]);
+    finish(script(&domain, "tools_with_rclpy.py", None));
+    assert!(program.terminate().0.success());
+}
+
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn rclpy_plays_the_clock() {

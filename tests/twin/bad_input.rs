@@ -177,6 +177,77 @@ fn all_invalid_numbers_are_listed() {
     );
 }
 
+/// A field that a sender leaves out of a message is 0: the refusal tells how to leave it open.
+#[test]
+fn a_height_of_0_is_rejected_with_a_hint_at_nan() {
+    let good = event("a", START);
+    let hint = "NaN (in YAML: .nan) takes the value of the parameter";
+    let mut of_height = good.clone();
+    of_height.impact.height = Some(0.0);
+    let reason = refusal_of(of_height);
+    assert!(
+        reason.starts_with("height = 0: is out of range") && reason.ends_with(hint),
+        "{reason}"
+    );
+    let mut of_gap = good.clone();
+    of_gap.impact.gap = Some(-1.0);
+    let reason = refusal_of(of_gap);
+    assert!(reason.ends_with(hint), "{reason}");
+}
+
+/// f64::MAX has 309 digits.
+#[test]
+fn a_number_of_300_digits_is_shortened() {
+    let impact = event("a", START).impact;
+    for (impact, expected) in [
+        (
+            ImpactSpecification {
+                mass: 1e300,
+                ..impact
+            },
+            "mass = 1e300: is out of range",
+        ),
+        (
+            ImpactSpecification {
+                velocity: f64::MAX,
+                ..impact
+            },
+            "velocity = 1.7976931348623157e308: is",
+        ),
+        (
+            ImpactSpecification {
+                height: Some(-1e299),
+                ..impact
+            },
+            "height = -1e299: is out of range",
+        ),
+        (
+            ImpactSpecification {
+                gap: Some(1e200),
+                ..impact
+            },
+            "gap = 1e200: is out of range",
+        ),
+    ] {
+        let reason = refusal_of(ImpactCommand {
+            impact,
+            ..event("a", START)
+        });
+        assert!(reason.starts_with(expected), "{reason}");
+        assert!(!reason.contains("0000000000"), "{reason}");
+    }
+    let light = ImpactCommand {
+        vehicle: "mid_car".to_owned(),
+        impact: ImpactSpecification {
+            mass: -1e300,
+            ..impact
+        },
+        ..event("a", START)
+    };
+    let reason = refusal_of(light);
+    assert!(reason.contains("-1e300 kg"), "{reason}");
+}
+
 #[test]
 fn invalid_identifiers_are_rejected() {
     let good = event("a", START);
@@ -186,7 +257,7 @@ fn invalid_identifiers_are_rejected() {
     });
     assert_eq!(
         other,
-        "column_id is \"other?[31m\", but this is the twin of column \"column\""
+        "column_id is \"other\\u{1b}[31m\", but this is the twin of column \"column\""
     );
     let empty = refusal_of(ImpactCommand {
         event_id: String::new(),

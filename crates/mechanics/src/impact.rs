@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::vehicle::{Vehicle, VehicleError};
+use super::vehicle::{Readable, Vehicle, VehicleError};
 
 /// The specification of an impact, as an event, a command line or a what-if gives it.
 ///
@@ -92,7 +92,7 @@ const MASS_TOLERANCE: f64 = 1e-12;
 
 /// Why an impact is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("the impact's {name} is {found}; expected {expected}")]
+#[error("the impact's {name} is {}; expected {expected}", Readable(*.found))]
 pub struct ImpactError {
     /// Which number.
     pub name: &'static str,

@@ -2,6 +2,8 @@
 //!
 //! Spring 1 lies between a massless contact face and the front mass, spring `i >= 2` between mass `i - 1` and mass `i`.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -58,6 +60,20 @@ pub struct Vehicle {
     masses: [f64; MAX_MASSES],
     springs: [CrushSpring; MAX_MASSES],
     count: usize,
+}
+
+/// A number that may be anything, in an error: one of 300 digits with an exponent instead.
+pub(crate) struct Readable(pub f64);
+
+impl fmt::Display for Readable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        if number == 0.0 || (1e-6..1e12).contains(&number.abs()) {
+            write!(f, "{number}")
+        } else {
+            write!(f, "{number:e}")
+        }
+    }
 }
 
 /// Why some numbers do not make a vehicle.
@@ -146,8 +162,9 @@ pub enum VehicleError {
     },
     /// A total mass that leaves nothing for the rearmost mass.
     #[error(
-        "the vehicle weighs {total} kg in total, but its front masses alone weigh {front} kg; \
-         expected a total above that"
+        "the vehicle weighs {} kg in total, but its front masses alone weigh {front} kg; \
+         expected a total above that",
+        Readable(*.total)
     )]
     LighterThanFront {
         /// The total \[kg\].

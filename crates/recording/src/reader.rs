@@ -8,28 +8,25 @@ use std::sync::Arc;
 use mcap::Attachment;
 use mcap::records::{Channel, Header, MessageHeader, Metadata, Record, SchemaHeader};
 
-use crate::bag_metadata::{METADATA_FILE, read_file_names};
 use crate::chain::{Hash, TopicTexts};
 use crate::compression::ChunkCompression;
+use crate::described::QOS_KEY;
 use crate::error::RecordingError;
+use crate::files::files_of;
 use crate::predecessor::{self, Predecessor};
 use crate::records::{FileEnd, RecordReader};
 use crate::reordering::{Blocks, MAX_OUT_OF_ORDER, Reordering};
-use crate::retention::mcap_files;
 use crate::seal::SEAL;
 use crate::seal_check::{Seal, SealCheck};
-use crate::storage::is_being_written;
 use crate::topic::OfferedQos;
-use crate::writer::{LOSSES, QOS_KEY, REPAIR, START};
+use crate::wholeness::Wholeness;
+use crate::writer::{LOSSES, REPAIR, REPEATED_CHECKPOINT, START};
 
 /// Maximum number of topics of a recording; MCAP numbers them with 16 bits.
 const MAX_TOPICS: usize = 65_536;
 
 /// Maximum size of all schemas and metadata together \[bytes\].
 const MAX_TEXT: usize = 64 << 20;
-
-/// Maximum number of faults that are described; all are counted.
-const MAX_FAULTS: usize = 20;
 
 /// A message of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,44 +66,6 @@ pub struct RecordedTopic {
     pub messages: u64,
 }
 
-/// Whether everything that was written to a recording can be read.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Wholeness {
-    /// Files without the end of an MCAP file: name, and how they end.
-    pub cut_off: Vec<String>,
-    /// Whether one of them ends in the middle of a record.
-    pub ends_in_record: bool,
-    /// Number of damaged records and chunks, which are left out.
-    pub damaged: u64,
-    /// Descriptions of the first of them.
-    pub faults: Vec<String>,
-}
-
-impl Wholeness {
-    /// Whether nothing is missing.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.cut_off.is_empty() && self.damaged == 0
-    }
-}
-
-impl fmt::Display for Wholeness {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_whole() {
-            return f.write_str("whole");
-        }
-        f.write_str("not whole")?;
-        for line in &self.cut_off {
-            write!(f, "; {line}")?;
-        }
-        match (self.damaged, self.faults.first()) {
-            (0, _) | (_, None) => Ok(()),
-            (1, Some(fault)) => write!(f, "; {fault}"),
-            (more, Some(first)) => write!(f, "; {more} records are damaged, the first: {first}"),
-        }
-    }
-}
-
 /// What a pass over all files finds.
 #[derive(Debug, Default)]
 struct Contents {
@@ -117,6 +76,9 @@ struct Contents {
     text: usize,
     messages: u64,
     span: Option<(u64, u64)>,
+    /// Log time of the last message.
+    last: u64,
+    out_of_order: u64,
     bytes: u64,
     compression: Option<ChunkCompression>,
     wholeness: Wholeness,
@@ -170,7 +132,9 @@ impl Reader {
                         check.attachment(&attachment.data)
                     }
                     Ok(None) => break,
-                    Err(fault @ RecordingError::Damaged { .. }) => contents.note_damage(&fault),
+                    Err(fault @ RecordingError::Damaged { .. }) => {
+                        contents.wholeness.note_damage(&fault)
+                    }
                     Err(other) => return Err(other),
                 }
             }
@@ -179,7 +143,7 @@ impl Reader {
                 .any(|(name, _)| name.ends_with(REPAIR));
             let end = pass.records.end();
             seals.push(check.finish(end == Some(FileEnd::Whole) && !is_repaired));
-            contents.note_end(file, end);
+            contents.wholeness.note_end(file, end);
             contents.compression = pass.records.compression().or(contents.compression);
         }
         Ok(Self {
@@ -227,6 +191,30 @@ impl Reader {
         self.contents
             .span
             .map(|(first, last)| (nanos(first), nanos(last)))
+    }
+
+    /// Number of messages that are recorded after one with a later log time.
+    #[must_use]
+    pub fn out_of_order(&self) -> u64 {
+        self.contents.out_of_order
+    }
+
+    /// Whether the recording could not wait for a checkpoint: it begins with a copy of the last one, and an earlier recording
+    /// has the messages that followed it.
+    #[must_use]
+    pub fn repeats_checkpoint(&self) -> bool {
+        self.start_notes()
+            .is_some_and(|notes| notes.contains_key(REPEATED_CHECKPOINT))
+    }
+
+    /// Number of damaged records that are left out here, or were left out when the recording was repaired.
+    #[must_use]
+    pub fn damaged_records(&self) -> u64 {
+        let repaired = self.repair_notes();
+        let left_out = repaired.and_then(|notes| notes.get("damaged_records")?.parse().ok());
+        self.wholeness()
+            .damaged
+            .saturating_add(left_out.unwrap_or(0))
     }
 
     /// Profile of the first file; `ros2` for ROS 2.
@@ -352,48 +340,6 @@ impl Reader {
         }
         Ok(())
     }
-}
-
-/// The files of the recording at `path`.
-fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    if !path.exists() {
-        return Err(RecordingError::Missing {
-            path: path.to_path_buf(),
-        });
-    }
-    if !path.is_dir() {
-        return Ok(vec![path.to_path_buf()]);
-    }
-    let metadata = path.join(METADATA_FILE);
-    if !metadata.exists() {
-        return Err(no_metadata(path)?);
-    }
-    let names = read_file_names(&metadata)?;
-    names
-        .into_iter()
-        .map(|name| {
-            let file = path.join(&name);
-            match file.is_file() {
-                true => Ok(file),
-                false => Err(RecordingError::MissingFile {
-                    path: metadata.clone(),
-                    name,
-                }),
-            }
-        })
-        .collect()
-}
-
-fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
-    let files = mcap_files(path).map_err(|source| RecordingError::io("read", path, source))?;
-    let path = path.to_path_buf();
-    if files.iter().any(|file| is_being_written(file)) {
-        return Ok(RecordingError::BeingWritten { path });
-    }
-    Ok(match files.into_iter().next() {
-        Some(file) => RecordingError::NoMetadata { path, file },
-        None => RecordingError::NoRecording { path },
-    })
 }
 
 /// One pass over one file.
@@ -580,45 +526,14 @@ impl Contents {
 
     fn count(&mut self, topic: usize, time: u64) {
         self.messages += 1;
+        self.out_of_order += u64::from(time < self.last);
+        self.last = time;
         if let Some(topic) = self.topics.get_mut(topic) {
             topic.messages += 1;
         }
         self.span = Some(self.span.map_or((time, time), |(first, last)| {
             (first.min(time), last.max(time))
         }));
-    }
-
-    fn note_damage(&mut self, fault: &RecordingError) {
-        self.wholeness.damaged += 1;
-        if self.wholeness.faults.len() < MAX_FAULTS
-            && let RecordingError::Damaged { offset, reason, .. } = fault
-        {
-            self.wholeness
-                .faults
-                .push(format!("at byte {offset}: {reason}"));
-        }
-    }
-
-    fn note_end(&mut self, file: &Path, end: Option<FileEnd>) {
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        match end {
-            Some(FileEnd::Whole) => {}
-            Some(FileEnd::InRecord(at)) => {
-                self.wholeness.ends_in_record = true;
-                self.wholeness.cut_off.push(format!(
-                    "{name} is cut off in the record that begins at byte {at}"
-                ));
-            }
-            Some(FileEnd::CutOff(at)) => {
-                self.wholeness.cut_off.push(format!(
-                    "{name} has no end, its last whole record ends at byte {at}"
-                ));
-            }
-            None => self
-                .wholeness
-                .cut_off
-                .push(format!("{name} was not read to its end")),
-        }
     }
 }
 

@@ -7,15 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use mcap::records::Metadata;
 
+use crate::described::Described;
 use crate::error::RecordingError;
-use crate::reader::{Item, Reader, RecordedTopic};
+use crate::reader::{Item, Reader};
 use crate::retention::mcap_files;
 use crate::seal::{BEGIN, SEAL};
 use crate::seal_check::Seal;
 use crate::storage::is_being_written;
-use crate::writer::{
-    APPLICATION, Described, EndReason, REPAIR, Writer, WriterOptions, record, record_name,
-};
+use crate::writer::{APPLICATION, EndReason, REPAIR, Writer, WriterOptions, record, record_name};
 
 /// End of the name of a repaired recording.
 const SUFFIX: &str = "_repaired";
@@ -263,17 +262,4 @@ fn repair_record(reader: &Reader, fault: &str) -> Metadata {
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ],
     )
-}
-
-impl From<&RecordedTopic> for Described {
-    fn from(topic: &RecordedTopic) -> Self {
-        Self {
-            name: topic.name.to_string(),
-            type_name: topic.type_name.to_string(),
-            schema_encoding: topic.schema_encoding.clone(),
-            schema: topic.schema.to_vec(),
-            message_encoding: topic.encoding.clone(),
-            metadata: topic.metadata.clone(),
-        }
-    }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::repair::Repaired;
-use crate::seal_key::SealKey;
+use crate::seal_key::PublicKey;
 use crate::writer::Finished;
 
 /// How important a report is.
@@ -23,8 +23,10 @@ pub enum ReportLevel {
 pub enum RecorderReport {
     /// Recordings are sealed.
     Sealing {
-        /// With this key.
-        key: SealKey,
+        /// The public part of the key.
+        key: PublicKey,
+        /// The file of the private part; `None` if the key was made for this run.
+        path: Option<PathBuf>,
     },
     /// The key of the seals is not protected.
     ExposedKey {
@@ -92,9 +94,9 @@ impl RecorderReport {
 impl fmt::Display for RecorderReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Sealing { key } => {
-                write!(f, "recordings are sealed with the key {}", key.public_key())?;
-                match key.path() {
+            Self::Sealing { key, path } => {
+                write!(f, "recordings are sealed with the key {key}")?;
+                match path {
                     Some(path) => write!(f, " (private part: {})", path.display()),
                     None => f.write_str(
                         ", made for this run only; keep this line apart from the recordings to recognise their seals",

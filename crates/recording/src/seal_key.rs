@@ -239,7 +239,7 @@ fn label(text: &str) -> Option<&str> {
 #[cfg(unix)]
 fn exposure(path: &Path) -> Option<String> {
     use std::os::unix::fs::PermissionsExt as _;
-    const READABLE_BY_OTHERS: u32 = 0o044;
+    const READABLE_BY_OTHERS: u32 = 0o004;
     let mode = fs::metadata(path).ok()?.permissions().mode();
     (mode & READABLE_BY_OTHERS != 0).then(|| {
         format!(

@@ -19,7 +19,9 @@ use crate::seal::{Beginning, PreviousRecording};
 use crate::seal_key::SealKey;
 use crate::syncing::Syncing;
 use crate::topic::TopicInfo;
-use crate::writer::{APPLICATION, EndReason, Entry, Unsaved, Writer, WriterOptions};
+use crate::writer::{
+    APPLICATION, EndReason, Entry, REPEATED_CHECKPOINT, Unsaved, Writer, WriterOptions,
+};
 
 /// How long messages stay in memory. Together with the recorder's nap and the time of a write it is shorter than
 /// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).
@@ -239,10 +241,11 @@ impl Session {
         } else {
             0
         };
-        match self.create(now, room) {
+        let point = self.checkpoint.clone().filter(|_| !first.checkpoint);
+        match self.create(now, room, point.is_some()) {
             Ok(writer) => {
                 self.begun(writer, now);
-                if let Some(point) = self.checkpoint.clone().filter(|_| !first.checkpoint) {
+                if let Some(point) = point {
                     self.write(&point, now);
                 }
                 self.writer.is_some()
@@ -277,11 +280,23 @@ impl Session {
         self.delete_old(&directory, now);
     }
 
-    fn create(&self, now: Duration, room: u64) -> Result<Writer, RecordingError> {
+    fn create(
+        &self,
+        now: Duration,
+        room: u64,
+        repeats_checkpoint: bool,
+    ) -> Result<Writer, RecordingError> {
         let directory = self.claim_directory(now)?;
+        let mut options = self.options.writer_options();
+        if repeats_checkpoint {
+            let note = "an earlier recording has the messages that followed the first checkpoint";
+            options
+                .notes
+                .insert(REPEATED_CHECKPOINT.to_owned(), note.to_owned());
+        }
         let created = Writer::create_with_room(
             &directory,
-            &self.options.writer_options(),
+            &options,
             &self.topics,
             self.beginning.clone(),
             room,

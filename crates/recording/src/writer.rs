@@ -11,8 +11,9 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions, Writer as McapWriter};
 
 use crate::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
-use crate::chain::{Hash, TopicTexts};
+use crate::chain::Hash;
 use crate::compression::ChunkCompression;
+use crate::described::{Described, QOS_KEY, TYPE_HASH_KEY, check_topics};
 use crate::error::RecordingError;
 use crate::seal::{Beginning, SEAL_AT_END, SEAL_LENGTH, Sealer};
 use crate::seal_key::SealKey;
@@ -24,6 +25,9 @@ pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 
 /// Name of the recording program if none is given.
 pub(crate) const APPLICATION: &str = "recording";
+
+/// Note of a recording that could not wait for a checkpoint and begins with a copy of the last one.
+pub(crate) const REPEATED_CHECKPOINT: &str = "repeated_checkpoint";
 
 /// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
 pub(crate) const START: &str = "_start";
@@ -39,12 +43,6 @@ pub(crate) const REPAIR: &str = "_repair";
 pub(crate) fn record_name(application: &str, kind: &str) -> String {
     format!("{application}{kind}")
 }
-
-/// Key of the offered quality of service in the metadata of a channel.
-pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
-
-/// Key of the type hash in the metadata of a channel.
-const TYPE_HASH_KEY: &str = "topic_type_hash";
 
 /// Size at which a chunk ends, before compression \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
@@ -192,80 +190,6 @@ struct Topic {
     hash: Hash,
     channel: u16,
     messages: u64,
-}
-
-/// A topic with all its texts in the file.
-pub(crate) struct Described {
-    pub name: String,
-    pub type_name: String,
-    pub schema_encoding: String,
-    pub schema: Vec<u8>,
-    pub message_encoding: String,
-    pub metadata: BTreeMap<String, String>,
-}
-
-impl Described {
-    fn new(topic: &TopicInfo) -> Result<Self, RecordingError> {
-        let qos = topic
-            .qos
-            .to_yaml()
-            .map_err(|error| RecordingError::WriteMetadata {
-                path: PathBuf::from(&topic.name),
-                reason: error.to_string(),
-            })?;
-        let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, topic.type_hash.clone())];
-        Ok(Self {
-            name: topic.name.clone(),
-            type_name: topic.type_name.clone(),
-            schema_encoding: "ros2msg".to_owned(),
-            schema: topic.schema.clone().into_bytes(),
-            message_encoding: "cdr".to_owned(),
-            metadata: metadata.map(|(key, value)| (key.to_owned(), value)).into(),
-        })
-    }
-
-    fn hash(&self) -> Hash {
-        // A topic without a schema has no name of a type in the file.
-        let type_name = if self.has_schema() {
-            &self.type_name
-        } else {
-            ""
-        };
-        let texts = TopicTexts {
-            name: &self.name,
-            type_name,
-            schema_encoding: &self.schema_encoding,
-            schema: &self.schema,
-            message_encoding: &self.message_encoding,
-            metadata: &self.metadata,
-        };
-        texts.hash()
-    }
-
-    fn has_schema(&self) -> bool {
-        !self.schema_encoding.is_empty() || !self.schema.is_empty()
-    }
-
-    fn length(&self) -> u64 {
-        let metadata: usize = self
-            .metadata
-            .iter()
-            .map(|(key, value)| key.len() + value.len())
-            .sum();
-        (self.schema.len() + self.name.len() + self.type_name.len() + metadata) as u64
-    }
-}
-
-/// Checks that all names differ.
-pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
-    for (index, topic) in topics.iter().enumerate() {
-        if topics[..index].iter().any(|other| other.name == topic.name) {
-            return Err(RecordingError::DuplicateTopic {
-                topic: topic.name.clone(),
-            });
-        }
-    }
-    Ok(())
 }
 
 impl Writer {

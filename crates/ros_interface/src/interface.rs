@@ -116,6 +116,24 @@ impl Interface {
         }
     }
 
+    /// Which part of its file defines the type.
+    #[must_use]
+    pub fn part(&self) -> Part {
+        self.part
+    }
+
+    /// ROS name of what the file defines: the type itself, or the service of which it is a half (`std_srvs/srv/Trigger`).
+    #[must_use]
+    pub fn source_name(&self) -> String {
+        format!("{}/{}/{}", self.package, self.folder(), self.name)
+    }
+
+    /// The text of the whole file.
+    #[must_use]
+    pub fn source_text(&self) -> &'static str {
+        self.file
+    }
+
     fn folder(&self) -> &'static str {
         match self.part {
             Part::Message => "msg",

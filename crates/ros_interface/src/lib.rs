@@ -32,6 +32,7 @@ mod bounded_sequence;
 pub mod cdr;
 pub mod idl;
 pub mod interface;
+pub mod type_description;
 pub mod type_hash;
 
 pub use bounded_sequence::BoundedSequence;

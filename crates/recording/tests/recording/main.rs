@@ -11,6 +11,7 @@ mod layout;
 mod mutations;
 mod random_damage;
 mod recorder;
+mod resealing;
 mod sample;
 mod seal;
 mod seal_keys;

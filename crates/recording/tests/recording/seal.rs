@@ -302,7 +302,7 @@ fn a_replaced_key_is_named() {
     let sealed = Sealed::new();
     let mut parts = sealed.parts();
     let other = SigningKey::from_bytes(&[7; 32]);
-    let public = super::forging::hex(&other.verifying_key().to_bytes());
+    let public = super::resealing::hex(&other.verifying_key().to_bytes());
     parts.message(70).1[10] ^= 1;
     for record in &mut parts.records {
         if let Kept::Metadata(it) = record

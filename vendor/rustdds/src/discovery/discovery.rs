@@ -1032,6 +1032,8 @@ impl Discovery {
           // No security configured, always allowed
           NormalDiscoveryPermission::Allow
         };
+        #[cfg(feature = "security")]
+        self.report_authentication_outcomes();
 
         if permission == NormalDiscoveryPermission::Allow {
           match ds.value {
@@ -1151,6 +1153,10 @@ impl Discovery {
     });
     #[cfg(feature = "security")]
     self.spdp_quick_response_sent.remove(&participant_guidp);
+    #[cfg(feature = "security")]
+    if let Some(security) = self.security_opt.as_mut() {
+      security.forget_participant(participant_guidp);
+    }
   }
 
   fn send_endpoint_dispose_message(&self, endpoint_guid: GUID) {
@@ -1638,6 +1644,7 @@ impl Discovery {
         }
       };
     }
+    self.report_authentication_outcomes();
   }
 
   #[cfg(feature = "security")]
@@ -1812,9 +1819,10 @@ impl Discovery {
       // Note: the resend timer is rescheduled by the shared-timer dispatch loop
       // after this method returns, so we must not reschedule it here.
     }
+    self.report_authentication_outcomes();
   }
 
-  pub fn participant_cleanup(&self) {
+  pub fn participant_cleanup(&mut self) {
     let lost = {
       let mut db = discovery_db_write(&self.discovery_db);
       let mut lost = db.participant_cleanup();
@@ -1824,9 +1832,13 @@ impl Discovery {
     self.on_participants_lost(lost);
   }
 
-  fn on_participants_lost(&self, lost: Vec<(GuidPrefix, LostReason)>) {
+  fn on_participants_lost(&mut self, lost: Vec<(GuidPrefix, LostReason)>) {
     for (guid_prefix, reason) in lost {
       debug!("participant {guid_prefix:?} lost: {reason:?}");
+      #[cfg(feature = "security")]
+      if let Some(security) = self.security_opt.as_mut() {
+        security.forget_participant(guid_prefix);
+      }
       self.send_discovery_notification(DiscoveryNotificationType::ParticipantLost { guid_prefix });
       self.send_participant_status(DomainParticipantStatusEvent::ParticipantLost {
         id: guid_prefix,
@@ -2198,6 +2210,20 @@ impl Discovery {
     match self.discovery_updated_sender.send(dntype) {
       Ok(_) => (),
       Err(e) => error!("Failed to send DiscoveryNotification {e:?}"),
+    }
+  }
+
+  #[cfg(feature = "security")]
+  fn report_authentication_outcomes(&mut self) {
+    let outcomes = self
+      .security_opt
+      .as_mut()
+      .map(|security| security.take_authentication_outcomes());
+    for (participant, outcome) in outcomes.into_iter().flatten() {
+      self.send_participant_status(DomainParticipantStatusEvent::AuthenticationOutcome {
+        participant,
+        outcome,
+      });
     }
   }
 

@@ -46,6 +46,10 @@ const DEFAULT_PARTICIPANT_LEASE_DURATION: Duration = Duration::from_secs(60);
 // How much longer to wait than lease duration before pronouncing lost.
 const PARTICIPANT_LEASE_DURATION_TOLERANCE: Duration = Duration::from_secs(0);
 
+// With this many, the rejected ones are forgotten.
+#[cfg(feature = "security")]
+const MAX_AUTHENTICATION_STATUSES: usize = 10_000;
+
 // A participant that has been heard again after this time is not given up to make
 // room for others before its lease is over.
 const PARTICIPANT_CONFIRMED_AFTER: std::time::Duration = std::time::Duration::from_secs(1);
@@ -924,6 +928,13 @@ impl DiscoveryDB {
     guid_prefix: GuidPrefix,
     status: AuthenticationStatus,
   ) {
+    // A rejected participant has no proxy, so nothing else forgets it. One that is
+    // forgotten is rejected again when it announces itself again.
+    if self.authentication_statuses.len() >= MAX_AUTHENTICATION_STATUSES {
+      self
+        .authentication_statuses
+        .retain(|_, status| *status != AuthenticationStatus::Rejected);
+    }
     self.authentication_statuses.insert(guid_prefix, status);
   }
 }

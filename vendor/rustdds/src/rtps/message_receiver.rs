@@ -7,7 +7,9 @@ use std::{
 
 use enumflags2::BitFlags;
 #[allow(unused_imports)]
-use log::{debug, error, info, trace, warn};
+use log::{debug, info, trace};
+#[cfg(not(feature = "security"))]
+use log::{error, warn};
 use bytes::Bytes;
 
 use crate::{
@@ -22,6 +24,9 @@ use crate::{
     time::Timestamp,
   },
 };
+// Most of them are caused by what peers send: with a limit
+#[cfg(feature = "security")]
+use crate::{security_error as error, security_warn as warn};
 #[cfg(feature = "security")]
 use crate::security::{
   cryptographic::{DecodeOutcome, DecodedSubmessage},
