@@ -1,8 +1,9 @@
-//! What recording costs: throughput of our writer against the bare mcap crate, and what a sender waits for the recorder.
+//! What recording costs: throughput of our writer, with and without a seal, against the bare mcap crate, what one seal costs, and
+//! what a sender waits for the recorder.
 //!
 //!     cargo bench --bench recording [-- --seconds 60]
 //!
-//! Ratios are of one run, the two writers in turn, so that what else the machine does falls on both.
+//! Ratios are of one run, the writers in turn, so that what else the machine does falls on both.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -13,8 +14,8 @@ use column_twin::live::{RealTime, request_for_publisher};
 use column_twin::messages::column_twin::ColumnState;
 use column_twin::messages::{INTERFACES, Message, cdr};
 use column_twin::recording::{
-    self, ChunkCompression, Entry, OfferedQos, Recorder, RecorderOptions, TopicInfo, Writer,
-    WriterOptions,
+    self, ChunkCompression, Entry, OfferedQos, Recorder, RecorderOptions, SealKey, TopicInfo,
+    Writer, WriterOptions,
 };
 
 /// Messages of one measurement of the throughput.
@@ -70,6 +71,7 @@ fn main() {
     };
     let folder = tempfile::tempdir().expect("a directory");
     throughput(folder.path());
+    one_seal(folder.path());
     long_run(folder.path(), seconds);
 }
 
@@ -80,40 +82,84 @@ fn throughput(folder: &Path) {
         entries[0].data.len()
     );
     println!(
-        "{:<6} {:>16} {:>16} {:>8} {:>14}",
-        "", "ours [1/s]", "mcap [1/s]", "ratio", "ours [MB/s]"
+        "{:<6} {:>16} {:>16} {:>8} {:>16} {:>14} {:>14}",
+        "", "ours [1/s]", "mcap [1/s]", "ratio", "sealed [1/s]", "sealed/ours", "ours [MB/s]"
     );
     for compression in [
         ChunkCompression::None,
         ChunkCompression::Lz4,
         ChunkCompression::Zstd,
     ] {
-        let mut rates: Vec<(f64, f64)> = (0..ROUNDS)
+        let key = SealKey::fresh().expect("random numbers");
+        let mut rates: Vec<(f64, f64, f64)> = (0..ROUNDS)
             .map(|round| {
                 let directory = folder.join(format!("{compression:?}{round}"));
                 let rate = |time: Duration| MESSAGES as f64 / time.as_secs_f64();
-                let ours = rate(ours(&directory, compression, &entries));
-                std::fs::remove_dir_all(&directory).expect("it was made");
+                let [ours, sealed] = [None, Some(key.clone())].map(|seal| {
+                    let rate = rate(ours(&directory, compression, seal, &entries));
+                    std::fs::remove_dir_all(&directory).expect("it was made");
+                    rate
+                });
                 let file = folder.join("bare.mcap");
                 let bare = rate(bare(&file, compression, &entries));
                 std::fs::remove_file(file).expect("it was made");
-                (ours, bare)
+                (ours, bare, sealed)
             })
             .collect();
         rates.sort_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
-        let (ours, bare) = rates[ROUNDS / 2];
+        let (ours, bare, _) = rates[ROUNDS / 2];
+        rates.sort_by(|a, b| (a.2 / a.0).total_cmp(&(b.2 / b.0)));
+        let (unsealed, _, sealed) = rates[ROUNDS / 2];
         let name = format!("{compression:?}").to_lowercase();
         let megabytes = ours * entries[0].data.len() as f64 * 1e-6;
         println!(
-            "{name:<6} {ours:>16.0} {bare:>16.0} {:>8.2} {megabytes:>14.0}",
-            ours / bare
+            "{name:<6} {ours:>16.0} {bare:>16.0} {:>8.2} {sealed:>16.0} {:>14.2} {megabytes:>14.0}",
+            ours / bare,
+            sealed / unsealed
         );
     }
 }
 
-fn ours(directory: &Path, compression: ChunkCompression, entries: &[Entry]) -> Duration {
+/// The time of one flush with and without a seal; a recorder flushes at most 40 times per second.
+fn one_seal(folder: &Path) {
+    const FLUSHES: u32 = 2000;
+    let entry = entry(1);
+    let time = |seal: Option<SealKey>| {
+        let directory = folder.join("flushes");
+        let options = WriterOptions {
+            sync: false,
+            seal,
+            ..WriterOptions::default()
+        };
+        let mut writer = Writer::create(&directory, &options, &[topic()]).expect("a recording");
+        let begin = Instant::now();
+        for _ in 0..FLUSHES {
+            writer.write(&entry).expect("room");
+            writer.flush().expect("room");
+        }
+        let each = begin.elapsed() / FLUSHES;
+        let bytes = writer.finish().expect("room").bytes / u64::from(FLUSHES);
+        std::fs::remove_dir_all(&directory).expect("it was made");
+        (each, bytes)
+    };
+    let ((plain, plain_bytes), (sealed, sealed_bytes)) = (
+        time(None),
+        time(Some(SealKey::fresh().expect("random numbers"))),
+    );
+    println!(
+        "\na flush with one message: {plain:?} and {plain_bytes} bytes, with a seal {sealed:?} and {sealed_bytes} bytes"
+    );
+}
+
+fn ours(
+    directory: &Path,
+    compression: ChunkCompression,
+    seal: Option<SealKey>,
+    entries: &[Entry],
+) -> Duration {
     let options = WriterOptions {
         compression,
+        seal,
         sync: false,
         ..WriterOptions::default()
     };
@@ -162,11 +208,14 @@ fn bare(path: &Path, compression: ChunkCompression, entries: &[Entry]) -> Durati
 }
 
 fn long_run(folder: &Path, seconds: u32) {
-    println!("\n{RATE} messages/s for {seconds} s, synchronised to the disk");
+    println!("\n{RATE} messages/s for {seconds} s, synchronised to the disk and sealed");
     // As the node's publishing thread, which is the sender: else what is measured is who else wants the processor.
     request_for_publisher(&RealTime::default());
     let recorder = Recorder::start(
-        RecorderOptions::new(folder, SystemTime::now()),
+        RecorderOptions {
+            seal: Some(SealKey::fresh().expect("random numbers")),
+            ..RecorderOptions::new(folder, SystemTime::now())
+        },
         vec![topic()],
     )
     .expect("a recorder");

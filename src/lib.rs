@@ -23,6 +23,10 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+#[cfg(any(feature = "ros", feature = "record"))]
+pub mod incoming;
+#[cfg(feature = "security")]
+pub mod keystore;
 pub mod live;
 pub mod messages;
 pub mod outgoing;

@@ -8,8 +8,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use column_twin::live::{
-    Clock, Grant, Live, LiveHandle, LiveOptions, OutputQueue, RealTime, Receiver, SOLVER_THREAD,
-    SimClock, SystemClock, WhenFull,
+    Clock, Grant, Live, LiveHandle, LiveOptions, MAX_CLOCK_STEP_BACK, OutputQueue, RealTime,
+    Receiver, SOLVER_THREAD, SimClock, SystemClock, WhenFull,
 };
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::state_file::{self, Loaded};
@@ -321,6 +321,92 @@ fn a_flood_of_events_is_bounded_and_counted() {
         source: "test".into(),
     };
     assert_eq!(live.execute(reset), Ok(Accepted::Applied));
+    live.stop().expect("no panic");
+}
+
+/// A looped bag does that: the twin once stood still, without a word, until the clock had come back to where it had been.
+#[test]
+fn a_clock_that_jumps_back_during_a_response_is_noticed_and_the_twin_goes_on() {
+    let clock = Arc::new(SimClock::new(START));
+    let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("there");
+    let first = event("first", START);
+    live.submit(Command::Impact(first.clone())).expect("room");
+    let mut received = receive(&mut receiver, |it| matches!(it, Output::State(_)));
+    clock.set(START + 10 * MS);
+    received.extend(receive(
+        &mut receiver,
+        |it| matches!(it, Output::State(state) if state.stamp == START + 10 * MS),
+    ));
+    let next_round = START - 30_000 * MS;
+    clock.set(next_round);
+    // It waits until the response is complete, and is not out of order.
+    let second = event("second", next_round);
+    live.submit(Command::Impact(second)).expect("room");
+    received.extend(receive(&mut receiver, is_report));
+    check_stream(&received, &first);
+    let is_told = |it: &Output| matches!(it, Output::Notice(notice) if notice.text.contains("jumped back by 30.01 s"));
+    assert!(received.iter().any(is_told));
+    let begins = |it: &Output| matches!(it, Output::State(state) if &*state.event_id == "second");
+    received.extend(receive(&mut receiver, begins));
+    assert!(!received.iter().any(|it| matches!(it, Output::Refused(_))));
+    live.stop().expect("no panic");
+}
+
+/// The clocks of several computers differ a little: the response waits.
+#[test]
+fn a_small_step_back_of_the_clock_is_waited_for() {
+    let clock = Arc::new(SimClock::new(START));
+    let live = Live::start(twin(START), Arc::clone(&clock), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("there");
+    live.submit(Command::Impact(event("a", START)))
+        .expect("room");
+    clock.set(START + 5 * MS);
+    receive(
+        &mut receiver,
+        |it| matches!(it, Output::State(state) if state.stamp == START + 5 * MS),
+    );
+    clock.set(START - MAX_CLOCK_STEP_BACK / 2);
+    assert!(live.snapshot().is_ok());
+    clock.set(START + 6 * MS);
+    let received = receive(
+        &mut receiver,
+        |it| matches!(it, Output::State(state) if state.stamp == START + 6 * MS),
+    );
+    assert_eq!(states(&received).len(), 1);
+    live.stop().expect("no panic");
+}
+
+/// Two events back to back once gave 59 forecasts for 80 accepted events.
+#[test]
+fn every_event_of_a_live_twin_has_a_forecast_or_a_word_why_not() {
+    let clock = Arc::new(SystemClock::new());
+    let now = clock.now();
+    let light = |id: String, stamp| ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 10.0,
+            velocity: 0.5,
+            ..event(&id, stamp).impact
+        },
+        ..event(&id, stamp)
+    };
+    let live = Live::start(twin(now), Arc::clone(&clock), options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("there");
+    let mut told = std::collections::BTreeSet::new();
+    for pair in 0..40 {
+        for number in ["first", "second"] {
+            let event = light(format!("{pair} {number}"), clock.now());
+            live.submit(Command::Impact(event)).expect("room");
+        }
+        for output in receive(&mut receiver, is_report) {
+            match output {
+                Output::Forecast(it) => told.insert(it.event_id.to_string()),
+                Output::Withdrawn(it) => told.insert(it.impact.event_id.to_string()),
+                _ => false,
+            };
+        }
+    }
+    assert_eq!(told.len(), 80);
     live.stop().expect("no panic");
 }
 

@@ -7,6 +7,7 @@
 //! | `idle` | processor time of the node at rest |
 //! | `stop` | time from SIGTERM during a response to the end of the program |
 //! | `viewer` | processor time of the viewer's scene, and its effect on the delay of publication |
+//! | `soak` | 1 kHz for as long as `--seconds` says: losses, memory of the node over time; with DDS security if `ROS_SECURITY_KEYSTORE` names a keystore with the enclaves `/column_twin` and `/operator` |
 //! | `load` | lateness of the solver while other programs use all processors |
 //!
 //! Without PARTS all of them run. The node is `column-twin run`; the peers are separate processes. Everything runs on loopback in
@@ -20,9 +21,11 @@ mod idle;
 mod load;
 mod peers;
 mod processor;
+mod soak;
 mod stop;
 mod stream;
 mod table;
+#[cfg(feature = "viewer")]
 mod viewer;
 
 #[path = "../../tests/ros/domain.rs"]
@@ -31,6 +34,7 @@ mod domain;
 #[path = "../../tests/ros/program.rs"]
 mod program;
 #[allow(dead_code)] // the tests of the viewer use more of it
+#[cfg(feature = "viewer")]
 #[path = "../../tests/viewer/wheel.rs"]
 mod wheel;
 
@@ -45,13 +49,15 @@ struct Arguments {
 /// A part of the benchmark, which takes the duration of its measurement.
 type Part = (&'static str, fn(Duration));
 
-const PARTS: [Part; 6] = [
+const PARTS: &[Part] = &[
     ("stream", stream::run),
     ("forecast", forecast::run),
     ("idle", idle::run),
     ("stop", stop::run),
+    #[cfg(feature = "viewer")]
     ("viewer", viewer::run),
     ("load", load::run),
+    ("soak", soak::run),
 ];
 
 fn arguments() -> Result<Arguments, String> {
@@ -73,7 +79,8 @@ fn arguments() -> Result<Arguments, String> {
                 wishes.parts.push(part.to_owned());
             }
             other => {
-                let names = PARTS.map(|(name, _)| name).join(", ");
+                let names: Vec<_> = PARTS.iter().map(|(name, _)| *name).collect();
+                let names = names.join(", ");
                 return Err(format!("{other}: expected --seconds S, or some of {names}"));
             }
         }
@@ -102,7 +109,7 @@ fn main() {
         std::process::exit(2);
     });
     for (name, run) in PARTS {
-        if wishes.parts.is_empty() || wishes.parts.iter().any(|it| it == name) {
+        if wishes.parts.is_empty() || wishes.parts.iter().any(|it| *it == *name) {
             println!("\n== {name}");
             print_load();
             run(Duration::from_secs(wishes.seconds));

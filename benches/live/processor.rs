@@ -1,4 +1,4 @@
-//! Processor time of another process.
+//! Processor time and memory of another process.
 
 use std::time::{Duration, Instant};
 
@@ -27,4 +27,13 @@ pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
 /// The share of a processor that a process uses during a sleep.
 pub fn share(id: u32, span: Duration) -> f64 {
     share_during(id, || std::thread::sleep(span))
+}
+
+/// The resident memory of a process \[MiB\], from `VmRSS` in `/proc/PID/status`.
+pub fn resident_mebibytes(id: u32) -> f64 {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).expect("it runs");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kibibytes = line.and_then(|line| line.trim().strip_suffix("kB"));
+    let kibibytes: Option<f64> = kibibytes.and_then(|it| it.trim().parse().ok());
+    kibibytes.expect("a number") / 1024.0
 }

@@ -12,13 +12,15 @@ use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::failure::{Exit, Failure, LinePrinter};
+use super::run::environment;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::evidence;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, RIGID, Value};
 use column_twin::ros::{
-    Environment, FreshDomain, ImpactOptions, Seen, StopSignals, follow_impact, severity_word,
+    Environment, FreshDomain, ImpactOptions, RosArguments, Seen, StopSignals, follow_impact,
+    severity_word,
 };
 use column_twin::shape::HINGE_PLACES;
 
@@ -95,7 +97,11 @@ fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &LinePrinter<'_>) -> Re
             "every DDS domain from 1 to 101 is in use on 127.0.0.1; stop other demonstrations and tests first",
         )
     })?;
-    let environment = &domain.environment;
+    // Node and client belong to the same enclave, if the environment names one.
+    let environment = &Environment {
+        security: environment(&RosArguments::default())?.security,
+        ..domain.environment.clone()
+    };
     let column = folder.join("column.yaml");
     fs::write(&column, COLUMN).map_err(|error| cannot("write", &column, &error))?;
     out.print(format_args!(
@@ -334,6 +340,17 @@ impl<'a, 'b> Narration<'a, 'b> {
 
     fn take(&mut self, seen: &Seen, since: Duration) {
         match seen {
+            Seen::Forecast(report)
+                if matches!(
+                    report.kind,
+                    ImpactReport::WITHDRAWN | ImpactReport::NO_FORECAST
+                ) =>
+            {
+                self.out.print(format_args!(
+                    "  no result will follow: {}\n",
+                    report.severity_reason
+                ));
+            }
             // The forecast is published again with the error of its time step.
             Seen::Forecast(report) if self.forecast.is_some() => {
                 self.out.print(format_args!(

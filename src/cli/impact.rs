@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
-use super::run::environment;
+use super::run::client_environment;
 use column_twin::ros::{
     ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
 };
@@ -57,17 +57,26 @@ pub fn run(
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
-    let outcome =
-        send_impact(&environment()?, &ros.remap_rules, &options, &mut say).map_err(|error| {
-            let exit = match error {
-                ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
-                _ => Exit::Failed,
-            };
-            Failure::plain(exit, error)
-        })?;
+    let outcome = send_impact(
+        &client_environment(ros)?,
+        &ros.remap_rules,
+        &options,
+        &mut say,
+    )
+    .map_err(|error| {
+        let exit = match error {
+            ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
+            _ => Exit::Failed,
+        };
+        Failure::plain(exit, error)
+    })?;
     match outcome {
         ImpactOutcome::Forecast(report) => {
             lines.print(report_line("forecast", &report));
+            lines.end()
+        }
+        ImpactOutcome::NoForecast(reason) => {
+            lines.print(format_args!("accepted, without a forecast: {reason}"));
             lines.end()
         }
         ImpactOutcome::Refused(reason) => Err(Failure::plain(

@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 use super::failure::{Exit, Failure, printed};
 use column_twin::printable::PrintableWriter;
 use column_twin::recording::{
-    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, instant,
+    self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, SealFinding, instant,
 };
 
 /// Arguments of `column-twin info`.
@@ -29,7 +29,7 @@ Example: list the impacts of a recording and their outcomes
   column-twin info recordings/column_twin_2026_11_21-07_40_00
 
 Reads recordings of this program and any other MCAP file; impacts are listed if the file contains
-messages of column_twin.
+messages of column_twin. The seal is checked, the messages are not: column-twin verify does both.
 Exit codes: 0 the recording is complete, 1 failed, 2 bad input, or the recording is not complete.";
 
 /// Prints the summary of the recording.
@@ -151,7 +151,11 @@ fn print_head(reader: &Reader, out: &mut impl Write) -> io::Result<()> {
             ),
         )?;
     }
-    line("Lost", losses(reader))
+    line("Lost", losses(reader))?;
+    for (index, text) in SealFinding::of(reader).texts().iter().enumerate() {
+        line(if index == 0 { "Seal" } else { "" }, text.clone())?;
+    }
+    Ok(())
 }
 
 fn writer(reader: &Reader) -> String {
@@ -240,6 +244,7 @@ fn as_json(reader: &Reader, events: &EventSummaries) -> Json {
         "not_whole_because": (!reader.wholeness().is_whole()).then(|| reader.wholeness().to_string()),
         "lost": reader.lost_messages(),
         "ended": reader.ended(),
+        "seals": SealFinding::of(reader).json(),
         "topics": topics.collect::<Vec<_>>(),
         "impacts": events.as_ref().map(|it| &it.0).ok(),
     })

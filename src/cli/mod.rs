@@ -16,6 +16,8 @@ mod impact;
 mod impact_args;
 #[cfg(feature = "record")]
 mod info;
+#[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
+mod keystore;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -92,6 +94,8 @@ enum CliCommand {
     /// Print the topics and messages of the node as OMG IDL, for DDS programs without ROS
     #[cfg(feature = "ros")]
     Idl(idl::IdlArgs),
+    /// Make and maintain keys, certificates and permissions for DDS security
+    Keystore(keystore::KeystoreArgs),
     /// Summarise a recording: topics, impacts with their outcomes, losses
     #[cfg(feature = "record")]
     Info(info::InfoArgs),
@@ -153,6 +157,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Watch(arguments) => watch::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Idl(arguments) => idl::run(arguments, &mut io::stdout().lock()),
+        #[cfg(feature = "security")]
+        CliCommand::Keystore(arguments) => keystore::run(arguments, &ros, &mut io::stdout().lock()),
+        #[cfg(not(feature = "security"))]
+        CliCommand::Keystore(arguments) => keystore::run(arguments),
         #[cfg(feature = "record")]
         CliCommand::Info(arguments) => info::run(arguments, &mut io::stdout().lock()),
         #[cfg(feature = "record")]

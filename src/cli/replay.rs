@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 #[cfg(feature = "viewer")]
 use super::failure::printed;
 use super::failure::{Exit, Failure, LinePrinter};
-use super::run::environment;
+use super::run::client_environment;
 use column_twin::ros::RosArguments;
 use column_twin::ros::replay::{
     RATES, ReplayCommand, ReplayControls, ReplayError, ReplayOptions, ReplayProgress, replay,
@@ -112,7 +112,7 @@ pub fn run(
         clock: arguments.clock,
         wait_for_readers: Duration::from_secs(u64::from(arguments.wait_for_readers)),
     };
-    let environment = environment()?;
+    let environment = client_environment(ros)?;
     let mut terminal = Terminal::new();
     let replayed = replay(&environment, &ros.remap_rules, &options, &mut terminal);
     drop(terminal); // restores the terminal before anything is printed

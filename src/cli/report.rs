@@ -32,7 +32,7 @@ Example: record a simulated impact, and report about it
   column-twin simulate --record impact && column-twin report impact -o impact.html
 
 Exit codes: 0 done, and everything that could be checked is equal to the recomputation, 1 failed, or the recording
-differs from its recomputation (the report says where), 2 bad input or usage, 3 done, but the recording could not be
+differs from its recomputation or its seal does not hold (the report says where), 2 bad input or usage, 3 done, but the recording could not be
 verified or is not complete.";
 
 /// Writes the report and prints where it is.
@@ -71,6 +71,13 @@ pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> 
         (Ok(found), _) if found.is_unchecked() => (
             Exit::Lossy,
             format!("nothing in {bag} could be verified; the report names the reasons"),
+        ),
+        (Ok(_), _) if recorded.seal.fault().is_some() => (
+            Exit::Failed,
+            format!(
+                "{bag}: {}; the report contains what is left",
+                recorded.seal.fault().unwrap_or_default()
+            ),
         ),
         (Ok(_), Some(why)) => (
             Exit::Lossy,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure};
+use column_twin::ros::security::protection;
 use column_twin::ros::{self, Environment, RosArguments, RunError, RunOptions};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
@@ -23,20 +24,23 @@ Example: the column of a parameter file, in a namespace, on this machine only
 
 The arguments after --ros-args are those of every ROS 2 node: -r, -p, --params-file, --log-level.
 With -p record.mode:=always the node records everything that it receives and sends, in the directory
-given by -p record.directory:=DIR.
+given by -p record.directory:=DIR. Recordings are sealed with the key of -p record.seal_key:=FILE, or
+with a fresh one, whose public part the log shows.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 messages are missing
 in a recording.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
     let options = RunOptions {
+        environment: environment(&ros)?,
         ros,
-        environment: environment()?,
         parameter_files: arguments.config.clone(),
     };
     let end = ros::run(&options).map_err(|error| match error {
         RunError::Parameters(faults) => faults.into(),
+        error @ RunError::SealKey(_) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
+        RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
     })?;
     if end.has_panicked {
@@ -56,7 +60,24 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
     }
 }
 
-/// The settings in the environment variables of ROS 2.
-pub(super) fn environment() -> Result<Environment, Failure> {
-    Environment::of_process().map_err(|error| Failure::plain(Exit::BadInput, error))
+/// The settings in the environment variables of ROS 2, with the enclave of `--enclave`.
+pub(super) fn environment(ros: &RosArguments) -> Result<Environment, Failure> {
+    let environment = Environment::of_process();
+    let environment = environment.map_err(|error| Failure::plain(Exit::BadInput, error))?;
+    Ok(Environment {
+        security: environment.security.with_enclave(ros.enclave.as_deref()),
+        ..environment
+    })
+}
+
+/// As [`environment`], for a client, which has no log: refuses an enclave that cannot be used, and warns on the terminal if
+/// the client runs unprotected.
+pub(super) fn client_environment(ros: &RosArguments) -> Result<Environment, Failure> {
+    let environment = environment(ros)?;
+    let protection = protection(&environment.security, environment.domain_id)
+        .map_err(|error| Failure::plain(Exit::BadInput, error))?;
+    if let Some(warning) = protection.warning() {
+        eprintln!("warning: {warning}");
+    }
+    Ok(environment)
 }

@@ -27,7 +27,7 @@ use column_twin::parameters::{
     Fault, NodeName, ParameterFaults, Parameters, Source, parse_override,
 };
 #[cfg(feature = "record")]
-use column_twin::recording::RecordingError;
+use column_twin::recording::{RecordingError, SealKey, WriterOptions};
 use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
@@ -126,7 +126,9 @@ impl From<SimulateError> for Failure {
             #[cfg(feature = "record")]
             SimulateError::Recording(
                 SimulatedRecordingError::Origin(_)
-                | SimulatedRecordingError::Recording(RecordingError::Exists { .. }),
+                | SimulatedRecordingError::Recording(
+                    RecordingError::Exists { .. } | RecordingError::BadKey { .. },
+                ),
             ) => Exit::BadInput,
             _ => Exit::Failed,
         };
@@ -170,8 +172,16 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     }
     #[cfg(feature = "record")]
     if let Some(directory) = &arguments.record {
-        case.record(directory, arguments.record_stamp)?;
+        let key = case.record(directory, arguments.record_stamp)?;
         files += &format!("Recording  {}\n", directory.display());
+        if let Some(key) = key {
+            let line = sealed_by(&key);
+            files += &line;
+            // A fresh key is worth nothing to those who do not know its public part.
+            if arguments.json && key.is_fresh() {
+                eprint!("{line}");
+            }
+        }
     }
     if let Some(folder) = &arguments.plots {
         let count = case.draw(folder)?.len();
@@ -207,6 +217,20 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
         .write_all(text.as_bytes())
         .and_then(|()| output.flush());
     Ok(unless_closed(written).map_err(SimulateError::Output)?)
+}
+
+/// The line about the seal of a recording.
+#[cfg(feature = "record")]
+fn sealed_by(key: &SealKey) -> String {
+    let public = key.public_key();
+    match (key.path(), key.warning()) {
+        (None, _) => format!("Sealed by  {public}, a key made for this run only\n"),
+        (Some(path), None) => format!("Sealed by  {public}, the key of {}\n", path.display()),
+        (Some(path), Some(warning)) => format!(
+            "Sealed by  {public}, the key of {}\n           warning: {warning}\n",
+            path.display()
+        ),
+    }
 }
 
 impl Case {
@@ -264,16 +288,21 @@ impl Case {
         }
     }
 
-    /// Writes a recording in which the event happens at `stamp` \[s\].
+    /// Writes a recording in which the event happens at `stamp` \[s\]; returns the key with which it is sealed.
     #[cfg(feature = "record")]
-    fn record(&self, directory: &Path, stamp: f64) -> Result<(), SimulateError> {
-        let compression = self.parameters.settings().record.compression;
-        let options = column_twin::recording::writer_options(compression);
+    fn record(&self, directory: &Path, stamp: f64) -> Result<Option<SealKey>, SimulateError> {
+        let record = &self.parameters.settings().record;
+        let key = column_twin::recording::seal_key(record)
+            .map_err(|error| SimulateError::Recording(error.into()))?;
+        let options = WriterOptions {
+            seal: key.clone(),
+            ..column_twin::recording::writer_options(record.compression)
+        };
         // `as` saturates; a time out of range is rejected below.
         let origin = (stamp * 1e9).round() as i64;
         column_twin::evidence::record_impact(&self.parameters, origin, directory, &options)
-            .map(drop)
-            .map_err(SimulateError::Recording)
+            .map_err(SimulateError::Recording)?;
+        Ok(key)
     }
 
     /// Writes a file for the viewer, in which the impact happens now.

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
 use column_twin::evidence;
+use column_twin::recording::{self, Reader, SealFinding};
 
 /// Arguments of `column-twin verify`.
 #[derive(Debug, Args)]
@@ -15,37 +16,78 @@ pub struct VerifyArgs {
     /// Directory of the recording, or its MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
+    /// Public key by which the recording must be sealed, may be repeated: a file in PEM, or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE|KEY")]
+    trusted_key: Vec<String>,
+    /// Fail if the recording is not sealed, or if the seal does not cover every message
+    #[arg(long)]
+    require_seal: bool,
 }
 
 const EXAMPLE: &str = "\
-Runs the twin again from the recorded state, parameters and inputs, and compares every value of
-column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and markers
-with the recording. The same build computes the same bits. Computing times and counts of other
-threads cannot be recomputed and are not compared.
+Runs the twin again from the recorded state, parameters and commands, and compares every message
+of column_state, hinge_forces, impact_forecast, impact_report, twin_status, joint_states and
+markers with the recording: its values, its place, and whether it is there. impact_event and
+column_parameters are compared with the commands in the journal. The journal counts the messages
+on all other topics. Log and publish times are compared with those in the journal.
+
+A message may be missing only if the recording declares the loss: in twin_status, by its recorder,
+by a damaged file, or by a crash that cut off its end. The output lists what cannot be recomputed.
+
+The seal of a recording is checked, too. It proves that nothing was changed since it was recorded.
+Who has recorded follows only from a key that you trust: --trusted-key. A recording of version 0.1,
+or one with -p record.seal:=false, is not sealed, which is an error only with --require-seal or
+--trusted-key.
 
 Example: record a simulated impact, and verify the recording
   column-twin simulate --record impact && column-twin verify impact
+Example: make a key, seal recordings with it, and demand that a recording is sealed by it
+  openssl genpkey -algorithm ed25519 -out seal_key.pem
+  openssl pkey -in seal_key.pem -pubout -out seal_key_public.pem
+  column-twin simulate --record impact -p record.seal_key:=seal_key.pem
+  column-twin verify impact --trusted-key seal_key_public.pem
 
-Exit codes: 0 everything that could be checked is equal, 1 the recording differs, messages are
-missing although no loss is declared, or nothing could be checked, 2 the recording cannot be read
-or has no journal.";
+Exit codes: 0 everything that could be checked is equal, and the seal holds, 1 the recording differs,
+more messages are missing than it declares as lost, nothing could be checked, or the seal does not
+hold or is not as demanded, 2 the recording cannot be read or has no journal of this version, or a
+key cannot be read.";
 
 /// Verifies the recording and prints the result.
 pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let found =
-        evidence::verify(&arguments.bag).map_err(|error| Failure::plain(Exit::BadInput, error))?;
-    printed(write!(out, "{found}"))?;
+    let bad_input = |error: &dyn std::fmt::Display| Failure::plain(Exit::BadInput, error);
+    let trusted = arguments
+        .trusted_key
+        .iter()
+        .map(|text| recording::public_key(text))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| bad_input(&error))?;
+    let reader = Reader::open(&arguments.bag).map_err(|error| bad_input(&error))?;
+    let mut seal = SealFinding::of(&reader).with_predecessor(&reader);
+    if arguments.require_seal || !trusted.is_empty() {
+        seal = seal.required(trusted);
+    }
+    let found = match evidence::verify_reader(&reader) {
+        Ok(found) => found,
+        Err(error) => {
+            // What the seal proves holds for a recording that this program cannot recompute, too.
+            printed(write!(out, "{seal}"))?;
+            return Err(bad_input(&error));
+        }
+    };
+    printed(write!(out, "{found}{seal}"))?;
+    let bag = arguments.bag.display();
+    if let Some(fault) = seal.fault().filter(|_| found.is_equal()) {
+        return Err(Failure::plain(Exit::Failed, format!("{bag}: {fault}")));
+    }
     if found.is_equal() {
         return Ok(());
     }
-    let bag = arguments.bag.display();
     Err(Failure::plain(
         Exit::Failed,
         match found.is_contradicted() {
             true => format!(
-                "{bag} differs from the recomputation: {} differences, {} messages missing",
-                found.differences,
-                found.missing()
+                "{bag} differs from the recomputation: {} differences, {} messages missing without a declared loss",
+                found.differences, found.undeclared
             ),
             false => format!(
                 "nothing in {bag} could be checked, for the reasons above; verify the previous or the next recording"

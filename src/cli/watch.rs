@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use clap::Args;
 
 use super::failure::{Exit, Failure, printed};
-use super::run::environment;
+use super::run::client_environment;
 use column_twin::ros::{RosArguments, watch};
 
 /// Arguments of `column-twin watch`, besides the ROS arguments.
@@ -23,7 +23,7 @@ Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 /// Prints until SIGINT or SIGTERM, or until the reader closes the pipe (`| head`).
 pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<(), Failure> {
     let mut written = Ok(());
-    watch(&environment()?, &ros.remap_rules, &mut |line| {
+    watch(&client_environment(ros)?, &ros.remap_rules, &mut |line| {
         written = writeln!(out, "{line}");
         match written {
             Ok(()) => ControlFlow::Continue(()),

@@ -18,16 +18,19 @@ pub struct About {
     pub build: String,
     /// Resolved topic names by their names in the table of endpoints.
     pub topics: BTreeMap<String, String>,
+    /// Whether status and diagnostics were left out while nothing happened.
+    pub events_only: bool,
 }
 
 impl About {
-    /// This program with these topics.
+    /// This program with these topics; `events_only` if it leaves out status and diagnostics while nothing happens.
     #[must_use]
-    pub fn this_program(topics: BTreeMap<String, String>) -> Self {
+    pub fn this_program(topics: BTreeMap<String, String>, events_only: bool) -> Self {
         Self {
             program: format!("column_twin {}", env!("CARGO_PKG_VERSION")),
             build: build().to_owned(),
             topics,
+            events_only,
         }
     }
 }
@@ -71,6 +74,14 @@ pub fn sha256_of_file(path: &Path) -> io::Result<String> {
             read => hash.update(&buffer[..read]),
         }
     }
-    let hex = |byte: &u8| format!("{byte:02x}");
-    Ok(hash.finalize().iter().map(hex).collect())
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+/// The SHA-256 of some bytes, in hexadecimal digits.
+pub(super) fn sha256_of(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,24 +1,29 @@
-//! Encodes messages and journal entries as entries of a recording.
+//! Encodes messages and journal entries as entries of a recording, and accounts for them in the lines of the journal.
 
 use std::sync::Arc;
 
-use super::about::About;
-use super::journal_line::{JournalEntry, JournalError, JournalLine};
-use super::topics::Topics;
+use super::about::{About, sha256_of};
+use super::journal_line::{Counting, JournalEntry, JournalError, JournalLine};
+use super::topics::{Topics, is_recomputed};
 use crate::endpoints::{self, Endpoint};
 use crate::recording::Entry;
 use crate::twin::Journal;
 
-/// Encodes messages and journal entries for a recording.
+/// Encodes messages and journal entries for a recording. What it is told to have been recorded appears in the next line of
+/// the journal.
 #[derive(Debug)]
 pub(super) struct EntryEncoder {
     about: About,
+    next_number: u64,
+    since: Counting,
 }
 
 impl EntryEncoder {
-    pub fn new(topics: &Topics) -> Self {
+    pub fn new(topics: &Topics, events_only: bool) -> Self {
         Self {
-            about: About::this_program(topics.by_endpoint()),
+            about: About::this_program(topics.by_endpoint(), events_only),
+            next_number: 0,
+            since: Counting::default(),
         }
     }
 
@@ -38,21 +43,39 @@ impl EntryEncoder {
         })
     }
 
-    /// An entry of the twin's journal.
-    pub fn journal(&self, entry: &Journal, time: i64) -> Result<Option<Entry>, JournalError> {
-        let about = matches!(entry, Journal::Checkpoint(_)).then(|| self.about.clone());
-        let line = JournalLine::new(JournalEntry::Twin(entry.clone()), about);
-        Self::line(&line, time)
+    /// Takes note of a message that was recorded.
+    pub fn recorded_message(&mut self, endpoint: &Endpoint, log_time: i64) {
+        if let Some(name) = self.about.topics.get(endpoint.name) {
+            self.since.add(name, log_time, is_recomputed(endpoint.name));
+        }
     }
 
-    /// A line of the journal.
-    pub fn line(line: &JournalLine, time: i64) -> Result<Option<Entry>, JournalError> {
+    /// The entry about a received message.
+    pub fn received(endpoint: &Endpoint, bytes: &[u8], published: i64) -> JournalEntry {
+        JournalEntry::Received {
+            topic: endpoint.name.to_owned(),
+            published,
+            sha256: sha256_of(bytes),
+        }
+    }
+
+    /// The next line of the journal.
+    pub fn line(&self, entry: JournalEntry, time: i64) -> Result<Option<Entry>, JournalError> {
+        let is_checkpoint = matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_)));
+        let about = is_checkpoint.then(|| self.about.clone());
+        let line = JournalLine::new(entry, about, self.next_number, time, self.since.tally());
         let data = line.encode()?.into();
         Ok(
             Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
-                checkpoint: line.is_checkpoint(),
+                checkpoint: is_checkpoint,
                 ..entry
             }),
         )
+    }
+
+    /// Takes note that the next line was recorded.
+    pub fn recorded_line(&mut self) {
+        self.next_number += 1;
+        self.since = Counting::default();
     }
 }

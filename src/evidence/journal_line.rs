@@ -1,8 +1,9 @@
 //! The recorded form of a journal entry: one line of JSON, with numbers that read back bit for bit.
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
-use super::about::About;
+use super::about::{About, hexadecimal};
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
 use crate::twin::{Journal, Nanos, RefusalCode};
@@ -11,7 +12,7 @@ use crate::twin::{Journal, Nanos, RefusalCode};
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// The format version that this program writes, and the only one that it reads.
-pub const JOURNAL_VERSION: u32 = 3;
+pub const JOURNAL_VERSION: u32 = 4;
 
 /// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,11 +20,64 @@ pub const JOURNAL_VERSION: u32 = 3;
 pub struct JournalLine {
     format: String,
     version: u32,
+    /// Consecutive number of the line since the start of the recorder: a gap is a loss.
+    pub number: u64,
+    /// When the line was recorded \[ns since 1970\]: the log time of its message.
+    pub recorded: Nanos,
+    /// The messages that were recorded since the previous line.
+    pub since: Tally,
     /// The recording program. Present with every checkpoint, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
     /// The entry.
     pub entry: JournalEntry,
+}
+
+/// The messages that a recorder took between two lines of the journal.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tally {
+    /// Number of messages on all topics.
+    pub messages: u64,
+    /// Number of those that cannot be recomputed.
+    pub others: u64,
+    /// Digest of their topics and log times, in their order; empty without messages.
+    pub times: String,
+}
+
+/// Counts messages between two lines of the journal.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Counting {
+    messages: u64,
+    others: u64,
+    times: Sha256,
+}
+
+impl Counting {
+    /// Adds a message on the topic with this recorded name.
+    pub fn add(&mut self, topic: &str, log_time: Nanos, is_recomputed: bool) {
+        self.messages += 1;
+        self.others += u64::from(!is_recomputed);
+        // The zero byte ends the name.
+        self.times.update(topic.as_bytes());
+        self.times.update([0]);
+        self.times.update(log_time.to_le_bytes());
+    }
+
+    /// The messages so far.
+    pub fn tally(&self) -> Tally {
+        const DIGITS: usize = 32;
+        let mut times = String::new();
+        if self.messages > 0 {
+            times = hexadecimal(&self.times.clone().finalize());
+            times.truncate(DIGITS);
+        }
+        Tally {
+            messages: self.messages,
+            others: self.others,
+            times,
+        }
+    }
 }
 
 /// An entry of a recorded journal.
@@ -45,6 +99,17 @@ pub enum JournalEntry {
         /// The reason, for people.
         reason: String,
     },
+    /// The node received a message, which is recorded immediately before.
+    Received {
+        /// Topic name in the table of endpoints.
+        topic: String,
+        /// Its publish time in the recording \[ns since 1970\].
+        published: Nanos,
+        /// The SHA-256 of its bytes in hexadecimal digits.
+        sha256: String,
+    },
+    /// The recorder was stopped; nothing follows.
+    End {},
 }
 
 /// Why a message cannot be read or written as a line of the journal.
@@ -83,12 +148,21 @@ struct Header {
 }
 
 impl JournalLine {
-    /// A line with an entry; a checkpoint also has `about`.
+    /// A line with an entry, recorded at this time; a checkpoint also has `about`.
     #[must_use]
-    pub fn new(entry: JournalEntry, about: Option<About>) -> Self {
+    pub fn new(
+        entry: JournalEntry,
+        about: Option<About>,
+        number: u64,
+        recorded: Nanos,
+        since: Tally,
+    ) -> Self {
         Self {
             format: JOURNAL_FORMAT.to_owned(),
             version: JOURNAL_VERSION,
+            number,
+            recorded,
+            since,
             about,
             entry,
         }

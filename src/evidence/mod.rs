@@ -11,7 +11,11 @@
 mod about;
 mod comparison;
 mod entry_encoder;
+mod forecasts;
+mod inputs;
 mod journal_line;
+mod lines;
+mod losses;
 mod node_recording;
 mod replayer;
 mod simulated;
@@ -21,9 +25,14 @@ mod verify;
 
 pub use about::{About, build, sha256_of_file};
 pub use comparison::Difference;
-pub use journal_line::{JOURNAL_FORMAT, JOURNAL_VERSION, JournalEntry, JournalError, JournalLine};
+pub use inputs::MAX_WAIT;
+pub use journal_line::{
+    JOURNAL_FORMAT, JOURNAL_VERSION, JournalEntry, JournalError, JournalLine, Tally,
+};
+pub use lines::{MAX_DELAY, MAX_LEAD};
+pub use losses::LOSS_SHOWS_WITHIN;
 pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, Topics};
-pub use verification::{TopicCheck, Verification};
-pub use verify::{Observed, VerifyError, verify, verify_observed};
+pub use verification::{NOT_RECOMPUTED, TopicCheck, Verification};
+pub use verify::{Observed, VerifyError, verify, verify_observed, verify_reader};

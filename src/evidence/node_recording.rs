@@ -1,11 +1,11 @@
 //! The recording of a running node.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entry_encoder::EntryEncoder;
-use super::journal_line::{JournalEntry, JournalError, JournalLine};
+use super::journal_line::JournalEntry;
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
 use crate::live::{QueueStats, WhenFull};
@@ -24,18 +24,47 @@ use crate::twin::{Journal, RefusalCode};
 /// The mode `events` leaves out the periodic messages while the column is at rest: status, and diagnostics without a
 /// change of level. Both modes record every command, all its consequences, and every checkpoint.
 pub struct NodeRecording {
-    /// `None` after the stop.
-    recorder: RwLock<Option<RecorderHandle>>,
-    encoder: EntryEncoder,
+    /// Held while a message gets its time and is queued, so that messages are recorded in the order of their times.
+    open: Mutex<Open>,
     events_only: bool,
     /// A command has been executed since the last status at rest.
     is_active: AtomicBool,
     /// The levels of the latest diagnostics.
     levels: Mutex<Option<Vec<u8>>>,
-    /// The last recorded time \[ns\]: recorded times never decrease, even if the system clock is set back.
-    last_time: AtomicI64,
     /// Journal entries that could not be encoded.
     unencoded: AtomicU64,
+}
+
+/// The recorder, and what the next message of the recording needs.
+struct Open {
+    /// `None` after the stop.
+    recorder: Option<RecorderHandle>,
+    encoder: EntryEncoder,
+    /// The last recorded time \[ns\]: recorded times never decrease, even if the system clock is set back.
+    last_time: i64,
+}
+
+impl Open {
+    fn now(&mut self) -> i64 {
+        let since = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let now = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
+        self.last_time = self.last_time.max(now);
+        self.last_time
+    }
+
+    /// Records a message; `false` if the recorder has dropped it, which it counts.
+    fn record(&mut self, entry: Option<Entry>) -> bool {
+        let recorder = self.recorder.as_ref();
+        entry.is_some_and(|entry| recorder.is_some_and(|recorder| recorder.record(entry)))
+    }
+
+    fn message(&mut self, endpoint: &Endpoint, bytes: Arc<[u8]>, now: i64, published: i64) {
+        if self.record(EntryEncoder::message(endpoint, bytes, now, published)) {
+            self.encoder.recorded_message(endpoint, now);
+        }
+    }
 }
 
 impl NodeRecording {
@@ -54,52 +83,48 @@ impl NodeRecording {
             RecordMode::Events => true,
             RecordMode::Always => false,
         };
-        let options = options(recording::recorder_options(record, SystemTime::now()));
+        let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
-            recorder: RwLock::new(Some(recorder)),
-            encoder: EntryEncoder::new(topics),
+            open: Mutex::new(Open {
+                recorder: Some(recorder),
+                encoder: EntryEncoder::new(topics, events_only),
+                last_time: 0,
+            }),
             events_only,
             is_active: AtomicBool::new(true),
             levels: Mutex::default(),
-            last_time: AtomicI64::new(0),
             unencoded: AtomicU64::new(0),
         })))
     }
 
     /// Writes what is queued and ends the recording; `None` if it has ended already.
     pub fn stop(&self) -> Option<RecorderStatistics> {
-        let recorder = self
-            .recorder
-            .write()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
+        let mut open = self.open();
+        let now = open.now();
+        self.line(&mut open, JournalEntry::End {}, now);
+        let recorder = open.recorder.take();
+        drop(open);
         let mut statistics = recorder.map(RecorderHandle::stop)?;
         statistics.lost += self.unencoded.load(Ordering::Relaxed);
         Some(statistics)
     }
 
-    fn now(&self) -> i64 {
-        let since = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default();
-        let now = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
-        self.last_time.fetch_max(now, Ordering::Relaxed).max(now)
+    fn open(&self) -> MutexGuard<'_, Open> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn offer(&self, entry: Option<Entry>) {
-        let recorder = self.recorder.read().unwrap_or_else(PoisonError::into_inner);
-        if let (Some(recorder), Some(entry)) = (&*recorder, entry) {
-            recorder.record(entry); // the recorder counts what it drops
+    /// Records a line of the journal.
+    fn line(&self, open: &mut Open, entry: JournalEntry, now: i64) {
+        if open.recorder.is_none() {
+            return;
         }
-    }
-
-    fn offer_line(&self, line: Result<Option<Entry>, JournalError>) {
-        match line {
-            Ok(entry) => self.offer(entry),
-            Err(_) => {
-                self.unencoded.fetch_add(1, Ordering::Relaxed);
-            }
+        let Ok(line) = open.encoder.line(entry, now) else {
+            self.unencoded.fetch_add(1, Ordering::Relaxed);
+            return;
+        };
+        if open.record(line) {
+            open.encoder.recorded_line();
         }
     }
 
@@ -148,24 +173,24 @@ fn is_at_rest(status: &[u8]) -> bool {
 impl RecordingTap for NodeRecording {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
         if self.is_recorded(endpoint, bytes) {
-            let now = self.now();
-            self.offer(EntryEncoder::message(endpoint, Arc::clone(bytes), now, now));
+            let mut open = self.open();
+            let now = open.now();
+            open.message(endpoint, Arc::clone(bytes), now, now);
         }
     }
 
     fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>) {
-        let now = self.now();
+        let mut open = self.open();
+        let now = open.now();
         let published = source_stamp.filter(|stamp| *stamp >= 0).unwrap_or(now);
-        self.offer(EntryEncoder::message(
-            endpoint,
-            bytes.into(),
-            now,
-            published,
-        ));
+        let line = EntryEncoder::received(endpoint, &bytes, published);
+        open.message(endpoint, bytes.into(), now, published);
+        self.line(&mut open, line, now);
     }
 
     fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str) {
-        let stamp = self.now();
+        let mut open = self.open();
+        let stamp = open.now();
         let entry = JournalEntry::RefusedByNode {
             stamp,
             topic: endpoint.name.to_owned(),
@@ -173,7 +198,7 @@ impl RecordingTap for NodeRecording {
             code,
             reason: reason.to_owned(),
         };
-        self.offer_line(EntryEncoder::line(&JournalLine::new(entry, None), stamp));
+        self.line(&mut open, entry, stamp);
     }
 
     fn journal(&self, entry: &Journal) {
@@ -185,12 +210,14 @@ impl RecordingTap for NodeRecording {
             }
             Journal::Checkpoint(_) | Journal::Status(_) => {}
         }
-        self.offer_line(self.encoder.journal(entry, self.now()));
+        let mut open = self.open();
+        let now = open.now();
+        self.line(&mut open, JournalEntry::Twin(entry.clone()), now);
     }
 
     fn health(&self) -> RecordingHealth {
-        let recorder = self.recorder.read().unwrap_or_else(PoisonError::into_inner);
-        let Some(recorder) = &*recorder else {
+        let open = self.open();
+        let Some(recorder) = &open.recorder else {
             return health_after_stop();
         };
         let RecorderStatistics {

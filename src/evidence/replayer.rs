@@ -4,12 +4,16 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::comparison::{Difference, Place, seconds};
-use super::journal_line::JournalEntry;
+use super::forecasts::{Forecasts, FoundForecast};
+use super::lines::Gap;
 use super::verification::Verification;
 use crate::column::ModelError;
 use crate::live::monotonic_nanos;
+use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusRecord, Twin};
+use crate::twin::{
+    Checkpoint, CommandRecord, Journal, Output, Position, StateOutput, StatusRecord, Twin,
+};
 
 /// A recorded message of the twin.
 pub(super) struct RecordedBytes<'a> {
@@ -20,57 +24,100 @@ pub(super) struct RecordedBytes<'a> {
 }
 
 /// Takes the journal and the messages of a recording in their order.
+///
+/// The node sends the outputs of the twin in one order, so that the recording has states, reports and status exactly in the
+/// order of the recomputation, and an entry of the journal follows everything that the twin gave out before it. Only the place
+/// of a forecast depends on the machine.
 #[derive(Default)]
 pub(super) struct Replayer {
     /// `None` while the position of the recorded twin is unknown.
     replayed: Option<ReplayedTwin>,
     /// Expected number of the next checkpoint or command; `None` before the first.
     next_number: Option<u64>,
-    /// No numbered entry has followed the first checkpoint yet.
-    is_beginning: bool,
+    /// Lines of the journal that are missing since the last checkpoint or command.
+    missing_lines: u64,
     /// Whether the outputs of the twin are kept for [`take_outputs`](Self::take_outputs).
     keeps_outputs: bool,
     /// Kept outputs of twins whose replay has ended.
     outputs: Vec<Output>,
-    verification: Verification,
+    /// The last recorded status: its counters must not decrease.
+    last_status: Option<TwinStatus>,
+    /// The recording declares losses, or is damaged: a message that is not expected may belong to what is missing.
+    declares_losses: bool,
 }
 
 /// A twin that follows the recorded one.
 struct ReplayedTwin {
     twin: Twin,
     outgoing: Outgoing,
-    /// Computed messages for which no recorded message has been found yet.
-    computed: [VecDeque<Computed>; Topic::COUNT],
+    /// Outputs for which no recorded message has been found yet, in their order.
+    due: VecDeque<Due>,
+    /// Those that recorded messages have passed since the last entry of the journal.
+    passed: Vec<Due>,
+    forecasts: Forecasts,
     /// Outputs kept for an observer; `None` if there is no observer.
     outputs: Option<Vec<Output>>,
-    /// Number of computed messages.
-    count: u64,
-    /// Number of the newest computed message for which a recorded one was found.
-    newest_found: u64,
-    unexpected: Unexpected,
+    /// Recorded messages that the twin did not compute, since the journal was last known to be complete.
+    ///
+    /// If the journal is complete they are differences; otherwise they may belong to what is missing there. A recording that
+    /// had to begin in the middle of a response, because a full disk ended the previous one, begins with the last checkpoint
+    /// and lacks the commands since then.
+    unexpected: Vec<(Topic, Difference)>,
+    /// A response has ended and no status followed yet.
+    has_ended: bool,
+    /// The next entry must be a status.
+    must_report: bool,
 }
 
-/// Recorded messages that the twin did not compute, since the journal was last known to be complete.
-///
-/// If the journal is complete they are differences; otherwise they may belong to what is missing there. A recording that
-/// had to begin in the middle of a response, because a full disk ended the previous one, begins with the last checkpoint
-/// and lacks the commands since then.
-#[derive(Default)]
-struct Unexpected {
-    count: [u64; Topic::COUNT],
-    first: Option<Difference>,
+/// What has to be recorded next.
+#[derive(Debug, Clone)]
+enum Due {
+    /// A state. It is converted when one of its messages is found, because the node thins out only those states that reach it.
+    State(Box<StateOutput>),
+    Message(Box<Message>),
 }
 
-struct Computed {
-    number: u64,
-    message: Message,
+impl Due {
+    fn is_of(&self, recorded: &Message) -> bool {
+        match self {
+            Self::Message(it) => {
+                it.topic() == recorded.topic()
+                    && it.stamp() == recorded.stamp()
+                    && it.event_id() == recorded.event_id()
+            }
+            Self::State(it) => {
+                is_of_state(recorded.topic())
+                    && recorded.stamp() == Some(it.stamp)
+                    && recorded.event_id().is_none_or(|id| *id == *it.event_id)
+            }
+        }
+    }
+}
+
+fn is_of_state(topic: Topic) -> bool {
+    use Topic::{ColumnState, HingeForces, JointStates, Markers};
+    matches!(topic, ColumnState | HingeForces | JointStates | Markers)
+}
+
+/// Whether a state is the last one of its response.
+fn is_last(state: &ColumnState) -> bool {
+    ![TwinStatus::APPROACH, TwinStatus::CONTACT, TwinStatus::FREE].contains(&state.phase)
+}
+
+/// What corresponds to a recorded message.
+struct Found {
+    computed: Message,
+    /// The recorded message follows one that should be after it.
+    is_misplaced: bool,
 }
 
 impl Replayer {
-    /// A replayer that keeps the recomputed states and reports.
-    pub fn keeping_outputs() -> Self {
+    /// A replayer of a recording that declares losses or is damaged, or not; it keeps the recomputed states and reports for an
+    /// observer, if there is one.
+    pub fn new(keeps_outputs: bool, declares_losses: bool) -> Self {
         Self {
-            keeps_outputs: true,
+            keeps_outputs,
+            declares_losses,
             ..Self::default()
         }
     }
@@ -85,81 +132,116 @@ impl Replayer {
         outputs
     }
 
-    /// Takes an entry of the journal on the topic `name`.
-    pub fn journal(&mut self, entry: &JournalEntry, name: &str, log_time: i64) {
-        let place = Place {
-            topic: name,
-            log_time,
-            ..Place::default()
-        };
-        match entry {
-            JournalEntry::Twin(Journal::Checkpoint(checkpoint)) => {
-                self.checkpoint(checkpoint, &place);
+    /// Takes what the number of a line tells about the lines before it. Without the missing lines the position of the twin may
+    /// be unknown.
+    pub fn gap(&mut self, gap: Gap, place: &Place<'_>, found: &mut Verification) {
+        let lost = match gap {
+            Gap::None => return,
+            Gap::Earlier(lost) => lost,
+            Gap::Missing(lost) => {
+                found.missing_entries = found.missing_entries.saturating_add(lost);
+                let own = format!("{lost} lines");
+                found.note_missing(
+                    lost,
+                    place.difference("the lines before this one", "absent", own),
+                );
+                lost
             }
-            JournalEntry::Twin(Journal::Command(record)) => self.command(record, &place),
-            JournalEntry::Twin(Journal::Status(record)) => self.status(*record, &place),
-            JournalEntry::RefusedByNode { .. } => self.verification.refused_by_node += 1,
+        };
+        self.missing_lines = self.missing_lines.saturating_add(lost);
+        if let Some(replayed) = &mut self.replayed {
+            replayed.must_report = false;
+            // The entries of these status may be the missing lines.
+            let mut excused = lost;
+            replayed.unexpected.retain(|(topic, _)| {
+                let is_excused = *topic == Topic::TwinStatus && excused > 0;
+                if is_excused {
+                    excused -= 1;
+                    found.topics[topic.index()].unchecked += 1;
+                }
+                !is_excused
+            });
         }
     }
 
-    fn checkpoint(&mut self, checkpoint: &Checkpoint, place: &Place<'_>) {
-        self.verification.checkpoints += 1;
-        self.check_number(checkpoint.number, place);
+    /// Takes an entry of the twin's journal.
+    pub fn journal(&mut self, entry: &Journal, place: &Place<'_>, found: &mut Verification) {
+        match entry {
+            Journal::Checkpoint(checkpoint) => self.checkpoint(checkpoint, place, found),
+            Journal::Command(record) => self.command(record, place, found),
+            Journal::Status(record) => self.status(*record, place, found),
+        }
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
+        found.checkpoints += 1;
+        self.check_number(checkpoint.number, place, found);
         self.next_number = Some(checkpoint.number.saturating_add(1));
-        self.is_beginning = self.verification.checkpoints == 1;
         let position = Position {
             response: checkpoint.response,
             step: None,
         };
-        self.advance(position, place);
+        self.advance(position, place, found);
+        self.expect_no_status(place, found);
         let Some(replayed) = &mut self.replayed else {
-            return self.start_from(checkpoint, place);
+            return self.start_from(checkpoint, place, found);
         };
+        replayed.must_report = std::mem::take(&mut replayed.has_ended);
         let Some(mut computed) = replayed.twin.checkpoint(checkpoint.stamp) else {
             return;
         };
         computed.number = checkpoint.number;
-        self.verification.states_at_rest += 1;
+        found.states_at_rest += 1;
         let place = Place {
             stamp: Some(checkpoint.stamp),
             event_id: &checkpoint.life.last_event_id,
             ..*place
         };
+        for message in replayed.forecasts.take_all() {
+            note_missing(&message, &place, found);
+        }
         match place.first_difference(checkpoint, &computed) {
             // Resets the conversion to messages, as the recorded node did at this checkpoint.
-            None => replayed.convert(&Output::Journal(Journal::Checkpoint(Arc::new(computed)))),
+            None => {
+                let entry = Output::Journal(Journal::Checkpoint(Arc::new(computed)));
+                replayed.outgoing.convert(&entry, |_| ());
+            }
             Some(difference) => {
-                self.verification.note_difference(difference);
-                self.start_from(checkpoint, &place);
+                found.note_difference(difference);
+                self.start_from(checkpoint, &place, found);
             }
         }
     }
 
     /// Starts a new twin at a checkpoint.
-    fn start_from(&mut self, checkpoint: &Checkpoint, place: &Place<'_>) {
-        self.end_replay();
+    fn start_from(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
+        self.end_replay(false, found);
         match ReplayedTwin::new(checkpoint) {
             Ok(mut replayed) => {
                 replayed.outputs = self.keeps_outputs.then(Vec::new);
                 self.replayed = Some(replayed);
             }
-            Err(error) => self.verification.note_unchecked(format!(
+            Err(error) => found.note_unchecked(format!(
                 "the checkpoint at {} s describes an impossible column: {error}",
                 seconds(place.log_time)
             )),
         }
     }
 
-    fn command(&mut self, record: &CommandRecord, place: &Place<'_>) {
-        self.verification.inputs += 1;
-        self.check_number(record.number, place);
+    fn command(&mut self, record: &CommandRecord, place: &Place<'_>, found: &mut Verification) {
+        found.inputs += 1;
+        self.check_number(record.number, place, found);
         self.next_number = Some(record.number.saturating_add(1));
-        self.advance(record.position, place);
+        self.advance(record.position, place, found);
+        self.expect_no_status(place, found);
         let Some(replayed) = &mut self.replayed else {
             return;
         };
         if record.taken_back && !replayed.twin.knows_last_response() {
-            return self.stop_checking("a late impact belongs to a response before the recording");
+            return self.stop_checking(
+                "a late impact belongs to a response before the recording",
+                found,
+            );
         }
         let place = Place {
             stamp: Some(record.now),
@@ -170,69 +252,92 @@ impl Replayer {
             return;
         };
         if let Some(difference) = place.first_difference(&outcome(record), &outcome(&own)) {
-            self.verification.note_difference(Difference {
+            found.note_difference(Difference {
                 field: "outcome of a command".to_owned(),
                 ..difference
             });
         } else if let Some(difference) = place.first_difference(&record.impact, &own.impact) {
             let field = format!("impact.{}", difference.field);
-            self.verification.note_difference(Difference {
+            found.note_difference(Difference {
                 field,
                 ..difference
             });
             self.stop_checking(
                 "the parameters and the catalogue of vehicles of this program give another impact",
+                found,
             );
         }
     }
 
-    fn status(&mut self, record: StatusRecord, place: &Place<'_>) {
-        self.check_number(record.next_number, place);
-        self.advance(record.position, place);
+    fn status(&mut self, record: StatusRecord, place: &Place<'_>, found: &mut Verification) {
+        self.check_number(record.next_number, place, found);
+        self.advance(record.position, place, found);
         if let Some(replayed) = &mut self.replayed {
+            replayed.must_report = false;
+            replayed.has_ended = false;
             let status = replayed.twin.status(record.stamp);
             replayed.convert(&Output::Status(status));
         }
     }
 
-    /// Compares the number of an entry with the expected one. If no entry is missing, messages that were unexpected so
-    /// far are differences.
-    fn check_number(&mut self, number: u64, place: &Place<'_>) {
-        let is_beginning = std::mem::take(&mut self.is_beginning);
+    /// A status follows the end of every response, before any other entry but its checkpoint.
+    fn expect_no_status(&mut self, place: &Place<'_>, found: &mut Verification) {
+        let Some(replayed) = &mut self.replayed else {
+            return;
+        };
+        if std::mem::take(&mut replayed.must_report) {
+            found.topics[Topic::TwinStatus.index()].missing += 1;
+            found.note_missing(
+                1,
+                place.difference(
+                    "twin_status before this entry",
+                    "absent",
+                    "the status at the end of the response",
+                ),
+            );
+        }
+    }
+
+    /// Compares the number of an entry with the expected one. If no entry is missing, messages that were unexpected so far are
+    /// differences.
+    fn check_number(&mut self, number: u64, place: &Place<'_>, found: &mut Verification) {
         let expected = self.next_number.replace(number).unwrap_or(number);
+        let missing_lines = std::mem::take(&mut self.missing_lines);
         if number < expected {
-            self.verification.note_difference(place.difference(
+            found.note_difference(place.difference(
                 "number of the entry",
                 number.to_string(),
                 expected.to_string(),
             ));
-            return self.stop_checking("the numbers of the journal decrease");
+            return self.stop_checking("the numbers of the journal decrease", found);
         }
         let lost = number - expected;
         if lost > 0 {
-            // Entries between the first checkpoint and the next one are in the previous recording if this one had to begin
-            // in the middle of a response. Anywhere else every number must be there.
-            if !is_beginning {
-                let missing = &mut self.verification.missing_entries;
-                *missing = missing.saturating_add(lost);
+            // The queue to the node may have dropped entries, which are then in no line.
+            let more = lost.saturating_sub(missing_lines);
+            if self.replayed.is_some() && more > 0 {
+                found.missing_entries = found.missing_entries.saturating_add(more);
+                found.note_missing(
+                    more,
+                    place.difference(
+                        "the entries before this one",
+                        "absent",
+                        format!("{lost} entries"),
+                    ),
+                );
             }
-            return self.stop_checking(&format!("{lost} entries of the journal are missing"));
+            return self
+                .stop_checking(&format!("{lost} entries of the journal are missing"), found);
         }
-        let Some(replayed) = &mut self.replayed else {
-            return;
-        };
-        let Unexpected { count, first } = std::mem::take(&mut replayed.unexpected);
-        for (check, count) in self.verification.topics.iter_mut().zip(count) {
-            check.unexpected += count;
-            self.verification.differences += count;
-        }
-        if self.verification.first_difference.is_none() {
-            self.verification.first_difference = first;
+        if let Some(replayed) = &mut self.replayed {
+            for (topic, difference) in std::mem::take(&mut replayed.unexpected) {
+                unexpected(topic, difference, found);
+            }
         }
     }
 
     /// Takes a recorded message of the twin.
-    pub fn message(&mut self, recorded: &RecordedBytes<'_>) {
+    pub fn message(&mut self, recorded: &RecordedBytes<'_>, found: &mut Verification) {
         let RecordedBytes {
             topic,
             name,
@@ -244,10 +349,12 @@ impl Replayer {
             log_time,
             ..Place::default()
         };
+        found.topics[topic.index()].recorded += 1;
         let message = match Message::decode(topic, bytes) {
             Ok(message) => message,
             Err(error) => {
-                return self.verification.note_difference(place.difference(
+                found.topics[topic.index()].unexpected += 1;
+                return found.note_difference(place.difference(
                     "the message",
                     format!("not readable ({error})"),
                     "a message of this type",
@@ -259,29 +366,73 @@ impl Replayer {
             event_id: message.event_id().unwrap_or_default(),
             ..place
         };
-        self.verification.note_losses(&message);
-        let check = &mut self.verification.topics[topic.index()];
-        check.recorded += 1;
+        found.note_losses(&message, log_time);
+        self.check_counters(&message, &place, found);
         let Some(replayed) = &mut self.replayed else {
-            check.unchecked += 1;
+            found.topics[topic.index()].unchecked += 1;
             return;
         };
-        let Some(computed) = replayed.find(topic, &message) else {
-            replayed.unexpected.count[topic.index()] += 1;
-            let difference = || place.difference("the message", "present", "absent");
-            replayed.unexpected.first.get_or_insert_with(difference);
+        let own = match topic {
+            Topic::ImpactForecast => replayed.take_forecast(&message, &place, bytes, found),
+            _ => replayed.take(&message, &place, found),
+        };
+        let check = &mut found.topics[topic.index()];
+        let Some(Found {
+            computed,
+            is_misplaced,
+        }) = own
+        else {
+            let difference = place.difference("the message", "present", "absent");
+            replayed.unexpected.push((topic, difference));
             return;
         };
         check.compared += 1;
-        check.missing += replayed.take_missing(topic);
+        if is_misplaced {
+            check.misplaced += 1;
+            found.note_difference(place.difference(
+                "place of the message",
+                "after messages that follow it",
+                "before them",
+            ));
+        }
         if let Some(difference) = compare(&place, &message, computed, bytes) {
-            check.differing += 1;
-            self.verification.note_difference(difference);
+            found.topics[topic.index()].differing += 1;
+            found.note_difference(difference);
         }
     }
 
-    /// Advances the twin to the position of the recorded one.
-    fn advance(&mut self, wanted: Position, place: &Place<'_>) {
+    /// Checks what cannot be recomputed in a message: counters that never decrease, and a compute time that is one.
+    fn check_counters(&mut self, message: &Message, place: &Place<'_>, found: &mut Verification) {
+        match message {
+            Message::ImpactForecast(report) | Message::ImpactReport(report) => {
+                let time = report.compute_time;
+                if !time.is_finite() || time < 0.0 {
+                    let own = "a time that is not negative";
+                    found.note_difference(place.difference("compute_time", time.to_string(), own));
+                }
+            }
+            Message::TwinStatus(status) => {
+                if let Some(last) = self.last_status.replace(status.clone()) {
+                    for (field, before, now) in counters(&last, status) {
+                        if before.is_some_and(|before| now.is_none_or(|now| now < before)) {
+                            let text = |it: Option<f64>| {
+                                it.map_or_else(|| "NaN".to_owned(), |it| it.to_string())
+                            };
+                            found.note_difference(place.difference(
+                                field,
+                                text(now),
+                                format!("at least {}, as in the status before", text(before)),
+                            ));
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Advances the twin to the position of the recorded one. Everything that it has given out by then is recorded before.
+    fn advance(&mut self, wanted: Position, place: &Place<'_>, found: &mut Verification) {
         let Some(replayed) = &mut self.replayed else {
             return;
         };
@@ -293,46 +444,97 @@ impl Replayer {
                 Some(step) => format!("step {step} of response {}", position.response),
                 None => format!("at rest after response {}", position.response),
             };
-            self.verification.note_difference(place.difference(
+            found.note_difference(place.difference(
                 "position of the twin",
                 text(not_reached.wanted),
                 text(not_reached.found),
             ));
-            self.stop_checking("the recomputation does not reach the recorded position");
+            return self.stop_checking(
+                "the recomputation does not reach the recorded position",
+                found,
+            );
         }
+        replayed.pass(replayed.due.len(), place, found);
+        replayed.note_passed(place, found);
     }
 
-    fn stop_checking(&mut self, reason: &str) {
-        self.end_replay();
-        self.verification
-            .note_unchecked(format!("{reason}; not checked until the next checkpoint"));
+    fn stop_checking(&mut self, reason: &str, found: &mut Verification) {
+        self.end_replay(false, found);
+        found.note_unchecked(format!("{reason}; not checked until the next checkpoint"));
     }
 
-    /// Counts what was computed and should have been recorded by now.
-    fn end_replay(&mut self) {
+    /// Ends the replay. `is_complete` if no entry of the journal is missing before this.
+    fn end_replay(&mut self, is_complete: bool, found: &mut Verification) {
         let Some(mut replayed) = self.replayed.take() else {
             return;
         };
         self.outputs
             .extend(replayed.outputs.take().into_iter().flatten());
-        for topic in Topic::ALL {
-            let check = &mut self.verification.topics[topic.index()];
-            check.missing += replayed.take_missing(topic);
-            check.unchecked += replayed.unexpected.count[topic.index()];
+        let unexpected_messages = std::mem::take(&mut replayed.unexpected);
+        let count = unexpected_messages.len();
+        for (topic, difference) in unexpected_messages {
+            match is_complete {
+                true => unexpected(topic, difference, found),
+                false => found.topics[topic.index()].unchecked += 1,
+            }
         }
-        let unexpected: u64 = replayed.unexpected.count.iter().sum();
-        if unexpected > 0 {
-            self.verification.note_unchecked(format!(
-                "{unexpected} messages belong to commands before the recording, or to missing entries of the journal"
+        if count > 0 && !is_complete {
+            found.note_unchecked(format!(
+                "{count} messages belong to commands before the recording, or to missing entries of the journal"
             ));
         }
     }
 
-    /// Ends the recording.
-    pub fn finish(mut self) -> Verification {
-        self.end_replay();
-        self.verification
+    /// Ends the recording at this place. `is_stopped` if its journal has an end: everything is recorded then.
+    pub fn finish(mut self, is_stopped: bool, place: &Place<'_>, found: &mut Verification) {
+        if let Some(replayed) = &mut self.replayed {
+            if is_stopped {
+                replayed.pass(replayed.due.len(), place, found);
+            }
+            replayed.note_passed(place, found);
+        }
+        self.end_replay(!self.declares_losses, found);
     }
+}
+
+/// Notes a recorded message that the recomputation does not have. The entry of a status may be lost while the status is not.
+fn unexpected(topic: Topic, difference: Difference, found: &mut Verification) {
+    if topic == Topic::TwinStatus {
+        let check = &mut found.topics[topic.index()];
+        check.unchecked += 1;
+        found.missing_entries += 1;
+        let field = "the entry of the journal before the message".to_owned();
+        return found.note_missing(
+            1,
+            Difference {
+                field,
+                recorded: "absent".to_owned(),
+                computed: "present".to_owned(),
+                ..difference
+            },
+        );
+    }
+    found.topics[topic.index()].unexpected += 1;
+    found.note_difference(difference);
+}
+
+/// The counters of two status that must not decrease.
+fn counters(last: &TwinStatus, now: &TwinStatus) -> [(&'static str, Option<f64>, Option<f64>); 6] {
+    let both =
+        |name, of: fn(&TwinStatus) -> u64| (name, Some(of(last) as f64), Some(of(now) as f64));
+    let number = |it: f64| (!it.is_nan()).then_some(it);
+    [
+        both("overruns", |it| it.overruns),
+        both("dropped_inputs", |it| it.dropped_inputs),
+        both("dropped_states", |it| it.dropped_states),
+        both("dropped_recording", |it| it.dropped_recording),
+        both("dropped_viewer", |it| it.dropped_viewer),
+        (
+            "worst_lateness",
+            number(last.worst_lateness),
+            number(now.worst_lateness),
+        ),
+    ]
 }
 
 impl ReplayedTwin {
@@ -340,11 +542,13 @@ impl ReplayedTwin {
         Ok(Self {
             twin: Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos))?,
             outgoing: Outgoing::new(&checkpoint.parameters),
-            computed: Default::default(),
+            due: VecDeque::new(),
+            passed: Vec::new(),
+            forecasts: Forecasts::default(),
             outputs: None,
-            count: 0,
-            newest_found: 0,
-            unexpected: Unexpected::default(),
+            unexpected: Vec::new(),
+            has_ended: false,
+            must_report: false,
         })
     }
 
@@ -363,7 +567,7 @@ impl ReplayedTwin {
         })
     }
 
-    /// Converts the twin's outputs to messages. Its own journal is left out, because entries are taken from the recording.
+    /// Takes the twin's outputs. Its own journal is left out, because entries are taken from the recording.
     fn convert_all(&mut self, outputs: &[Output]) {
         for output in outputs {
             if !matches!(output, Output::Journal(_)) {
@@ -377,43 +581,207 @@ impl ReplayedTwin {
     }
 
     fn convert(&mut self, output: &Output) {
-        self.outgoing.convert(output, |message| {
-            self.count += 1;
-            let number = self.count;
-            self.computed[message.topic().index()].push_back(Computed { number, message });
-        });
+        if let Output::State(state) = output {
+            return self.due.push_back(Due::State(Box::new(state.clone())));
+        }
+        self.has_ended |= matches!(output, Output::Report(_));
+        let (due, forecasts) = (&mut self.due, &mut self.forecasts);
+        self.outgoing
+            .convert(output, |message| match message.topic() {
+                Topic::ImpactForecast => forecasts.add(message),
+                _ => due.push_back(Due::Message(Box::new(message))),
+            });
     }
 
-    /// Takes the computed message that corresponds to a recorded one. Earlier ones stay for
-    /// [`take_missing`](Self::take_missing).
-    fn find(&mut self, topic: Topic, recorded: &Message) -> Option<Message> {
-        let same = |it: &Computed| {
-            it.message.stamp() == recorded.stamp() && it.message.event_id() == recorded.event_id()
+    fn is_due(&self, recorded: &Message) -> bool {
+        self.due.iter().any(|it| it.is_of(recorded))
+    }
+
+    /// Follows the twin until everything is given out that may precede a recorded message. A status has its own entry.
+    fn advance_towards(&mut self, recorded: &Message) {
+        let (Some(stamp), true) = (recorded.stamp(), recorded.topic() != Topic::TwinStatus) else {
+            return;
         };
-        let mut index = self.computed[topic.index()].iter().position(same);
-        if index.is_none() && topic != Topic::TwinStatus {
-            let stamp = recorded.stamp()?;
-            let mut out = Vec::new();
-            self.twin.advance_to_instant(stamp, &mut out);
-            self.convert_all(&out);
-            index = self.computed[topic.index()].iter().position(same);
+        let mut out = Vec::new();
+        // Another impact, which may be the next one to come, has ended the response.
+        let instant = match is_withdrawn(recorded) {
+            true => self.twin.next_impact().unwrap_or(stamp),
+            false => stamp,
+        };
+        if !is_stopped(recorded) {
+            self.twin.advance_to_instant(instant, &mut out);
         }
-        let found = self.computed[topic.index()].remove(index?)?;
-        self.newest_found = self.newest_found.max(found.number);
-        Some(found.message)
+        match recorded {
+            // What was still to come when the twin was stopped never happened.
+            _ if is_stopped(recorded) => self.twin.abandon_forecasts(&mut out),
+            // The last state has the stamp of the step before the one that cannot be computed.
+            Message::ColumnState(state) if is_last(state) && out.is_empty() => {
+                self.twin.try_next_step(&mut out);
+            }
+            // Its stamp is that of the impact, and the states before it may be lost.
+            Message::ImpactReport(report)
+                if *self.twin.status(stamp).event_id == *report.event_id =>
+            {
+                self.twin.advance_to_end(&mut out);
+            }
+            _ => {}
+        }
+        self.convert_all(&out);
     }
 
-    /// Removes and counts the messages that were computed before the newest one found, and are not in the recording. A
-    /// forecast does not count: if another impact ended its response, it may never have been complete.
-    fn take_missing(&mut self, topic: Topic) -> u64 {
-        if topic == Topic::ImpactForecast {
-            return 0;
+    /// Takes the computed message that corresponds to a recorded one, and passes those before it.
+    fn take(
+        &mut self,
+        recorded: &Message,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) -> Option<Found> {
+        if !self.is_due(recorded) && !self.passed.iter().any(|it| it.is_of(recorded)) {
+            self.advance_towards(recorded);
         }
-        let queue = &mut self.computed[topic.index()];
-        let before = queue.len();
-        queue.retain(|it| it.number >= self.newest_found);
-        (before - queue.len()) as u64
+        let index = self.due.iter().position(|it| it.is_of(recorded));
+        let (due, is_misplaced) = match index {
+            Some(index) => {
+                self.pass(index, place, found);
+                (self.due.pop_front()?, false)
+            }
+            None => {
+                let index = self.passed.iter().position(|it| it.is_of(recorded))?;
+                (self.passed.remove(index), true)
+            }
+        };
+        let computed = match due {
+            Due::Message(computed) => *computed,
+            Due::State(state) => self.take_of_state(*state, recorded, is_misplaced)?,
+        };
+        if let Message::ImpactReport(_) = &computed {
+            self.note_missing_forecasts(&computed, place, found);
+        }
+        Some(Found {
+            computed,
+            is_misplaced,
+        })
     }
+
+    /// Converts a state and takes the message of it that corresponds to a recorded one.
+    fn take_of_state(
+        &mut self,
+        state: StateOutput,
+        recorded: &Message,
+        is_misplaced: bool,
+    ) -> Option<Message> {
+        let mut messages = Vec::new();
+        self.outgoing
+            .convert(&Output::State(state), |message| messages.push(message));
+        let index = messages
+            .iter()
+            .position(|it| it.topic() == recorded.topic());
+        let mut rest = messages
+            .split_off(index.map_or(0, |index| index + 1))
+            .into_iter()
+            .map(|it| Due::Message(Box::new(it)));
+        let found = index.and_then(|_| messages.pop());
+        let before = messages.into_iter().map(|it| Due::Message(Box::new(it)));
+        self.passed.extend(before);
+        match is_misplaced {
+            true => self.passed.extend(rest),
+            false => {
+                while let Some(last) = rest.next_back() {
+                    self.due.push_front(last);
+                }
+            }
+        }
+        found
+    }
+
+    /// Passes the next outputs, for which there is no recorded message in its place.
+    fn pass(&mut self, count: usize, place: &Place<'_>, found: &mut Verification) {
+        for due in self.due.drain(..count).collect::<Vec<_>>() {
+            if let Due::Message(message) = &due
+                && message.topic() == Topic::ImpactReport
+            {
+                self.note_missing_forecasts(message, place, found);
+            }
+            self.passed.push(due);
+        }
+    }
+
+    /// Notes what was passed as missing.
+    fn note_passed(&mut self, place: &Place<'_>, found: &mut Verification) {
+        for due in std::mem::take(&mut self.passed) {
+            match due {
+                Due::Message(message) => note_missing(&message, place, found),
+                Due::State(state) => {
+                    // The joint states and markers of a state that is not recorded are not known.
+                    let mut outgoing = self.outgoing.clone();
+                    outgoing.convert(&Output::State(*state), |message| {
+                        if matches!(message.topic(), Topic::ColumnState | Topic::HingeForces) {
+                            note_missing(&message, place, found);
+                        }
+                    });
+                }
+            }
+        }
+    }
+
+    /// Takes the forecast that corresponds to a recorded one.
+    fn take_forecast(
+        &mut self,
+        recorded: &Message,
+        place: &Place<'_>,
+        bytes: &[u8],
+        found: &mut Verification,
+    ) -> Option<Found> {
+        if !self.forecasts.expect(recorded) {
+            self.advance_towards(recorded);
+        }
+        let is_equal = |it: &Message| compare(place, recorded, it.clone(), bytes).is_none();
+        let FoundForecast { forecast, passed } = self.forecasts.take(recorded, is_equal)?;
+        for message in passed {
+            note_missing(&message, place, found);
+        }
+        Some(Found {
+            computed: forecast,
+            is_misplaced: false,
+        })
+    }
+
+    /// The forecasts of an impact precede its report.
+    fn note_missing_forecasts(
+        &mut self,
+        report: &Message,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) {
+        for message in self.forecasts.take_reported(report) {
+            note_missing(&message, place, found);
+        }
+    }
+}
+
+/// Whether a message tells that the forecast of an impact no longer holds, or that there is none.
+fn is_withdrawn(recorded: &Message) -> bool {
+    let kinds = [ImpactReport::WITHDRAWN, ImpactReport::NO_FORECAST];
+    matches!(recorded, Message::ImpactForecast(it) if kinds.contains(&it.kind))
+}
+
+/// Whether it tells so because the twin was stopped.
+fn is_stopped(recorded: &Message) -> bool {
+    is_withdrawn(recorded)
+        && matches!(recorded, Message::ImpactForecast(it) if it.end == ImpactReport::END_STOPPED)
+}
+
+/// Notes a computed message that is not recorded, which shows at this place.
+fn note_missing(message: &Message, place: &Place<'_>, found: &mut Verification) {
+    let topic = message.topic();
+    found.topics[topic.index()].missing += 1;
+    let place = Place {
+        topic: topic.endpoint().name,
+        stamp: message.stamp(),
+        event_id: message.event_id().unwrap_or_default(),
+        ..*place
+    };
+    found.note_missing(1, place.difference("the message", "absent", "present"));
 }
 
 /// Compares everything in a message that the model determines.
@@ -437,6 +805,10 @@ fn copy_machine_dependent_fields(recorded: &Message, computed: &mut Message) {
         (Message::ImpactForecast(recorded), Message::ImpactForecast(computed))
         | (Message::ImpactReport(recorded), Message::ImpactReport(computed)) => {
             computed.compute_time = recorded.compute_time;
+            // A forecast may have been withdrawn before its error was estimated.
+            if recorded.kind == ImpactReport::WITHDRAWN && recorded.error_estimate.is_nan() {
+                computed.error_estimate = f64::NAN;
+            }
         }
         (Message::TwinStatus(recorded), Message::TwinStatus(computed)) => {
             computed.overruns = recorded.overruns;

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::entry_encoder::EntryEncoder;
-use super::journal_line::JournalError;
+use super::journal_line::{JournalEntry, JournalError};
 use super::topics::Topics;
 use crate::column::{ImpactSpecification, ModelError, Report};
-use crate::endpoints;
+use crate::endpoints::{self, Endpoint};
 use crate::live::monotonic_nanos;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
@@ -15,7 +15,7 @@ use crate::messages::column_twin::ImpactEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::Outgoing;
 use crate::parameters::Parameters;
-use crate::recording::{Entry, Finished, RecordingError, Writer, WriterOptions};
+use crate::recording::{Finished, RecordingError, Writer, WriterOptions};
 use crate::twin::{Command, ImpactCommand, Nanos, Output, Refusal, Twin};
 
 /// Identifier of the event.
@@ -91,11 +91,13 @@ pub fn record_impact(
     let topics = Topics::of_default_node();
     let mut recorder = ImpactRecorder {
         writer: Writer::create(directory, options, &topics.declared()?)?,
-        encoder: EntryEncoder::new(&topics),
+        encoder: EntryEncoder::new(&topics, false),
         outgoing: Outgoing::new(parameters),
         report: None,
     };
-    let written = recorder.simulate(&mut twin, command, &message, origin);
+    let written = recorder
+        .simulate(&mut twin, command, &message, origin)
+        .and_then(|end| recorder.line(JournalEntry::End {}, end));
     let finished = recorder.writer.finish();
     written?;
     Ok(RecordedImpact {
@@ -113,23 +115,21 @@ struct ImpactRecorder {
 }
 
 impl ImpactRecorder {
+    /// The time at the end of the response.
     fn simulate(
         &mut self,
         twin: &mut Twin,
         command: ImpactCommand,
         message: &ImpactEvent,
         origin: Nanos,
-    ) -> Result<(), SimulatedRecordingError> {
+    ) -> Result<Nanos, SimulatedRecordingError> {
         let mut out = Vec::new();
         twin.advance_to(origin, &mut out);
         self.write(&mut out, origin)?;
-        let bytes = cdr::encode(message)?.into();
-        self.put(EntryEncoder::message(
-            &endpoints::IMPACT_EVENT,
-            bytes,
-            origin,
-            origin,
-        ))?;
+        let bytes: Arc<[u8]> = cdr::encode(message)?.into();
+        let received = EntryEncoder::received(&endpoints::IMPACT_EVENT, &bytes, origin);
+        self.message(&endpoints::IMPACT_EVENT, bytes, origin)?;
+        self.line(received, origin)?;
         let accepted = twin.handle(Command::Impact(command), origin, &mut out);
         twin.run_ahead(u64::MAX, origin, &mut out);
         let mut now = origin;
@@ -138,7 +138,7 @@ impl ImpactRecorder {
             self.write(&mut out, now)?;
             if !twin.is_responding() {
                 accepted?;
-                return Ok(());
+                return Ok(now);
             }
             now = twin.next_deadline(now).max(now);
         }
@@ -151,14 +151,10 @@ impl ImpactRecorder {
                 .convert(&output, |message| messages.push(message));
             for message in messages {
                 let endpoint = message.topic().endpoint();
-                let bytes = Arc::from(message.encode()?);
-                self.put(EntryEncoder::message(endpoint, bytes, now, now))?;
+                self.message(endpoint, message.encode()?.into(), now)?;
             }
             match output {
-                Output::Journal(entry) => {
-                    let entry = self.encoder.journal(&entry, now)?;
-                    self.put(entry)?;
-                }
+                Output::Journal(entry) => self.line(JournalEntry::Twin(entry), now)?,
                 Output::Report(report) => self.report = Some(report.report),
                 _ => {}
             }
@@ -166,7 +162,58 @@ impl ImpactRecorder {
         Ok(())
     }
 
-    fn put(&mut self, entry: Option<Entry>) -> Result<(), RecordingError> {
-        entry.map_or(Ok(()), |entry| self.writer.write(&entry))
+    fn message(
+        &mut self,
+        endpoint: &Endpoint,
+        bytes: Arc<[u8]>,
+        now: Nanos,
+    ) -> Result<(), RecordingError> {
+        if let Some(entry) = EntryEncoder::message(endpoint, bytes, now, now) {
+            self.writer.write(&entry)?;
+            self.encoder.recorded_message(endpoint, now);
+        }
+        Ok(())
+    }
+
+    fn line(&mut self, entry: JournalEntry, now: Nanos) -> Result<(), SimulatedRecordingError> {
+        if let Some(entry) = self.encoder.line(entry, now)? {
+            self.writer.write(&entry)?;
+            self.encoder.recorded_line();
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::End;
+    use crate::evidence::verify;
+    use crate::twin::failing_step;
+
+    /// The last state of such a response is given out when its next step was tried, and has the stamp of the one before.
+    #[test]
+    fn a_response_that_ended_in_a_solver_error_verifies() {
+        let parameters = Parameters::from_values([("solver.dt", 1e-4.into())]).expect("admissible");
+        let directory = tempfile::TempDir::new().expect("a directory");
+        for step in [0, 1, 30, 37, 222] {
+            let path = directory.path().join(step.to_string());
+            failing_step::set(Some(step));
+            let recorded = record_impact(
+                &parameters,
+                1_800_000_000_000_000_000,
+                &path,
+                &WriterOptions::default(),
+            );
+            let end = recorded.expect("recorded").report.map(|it| it.end);
+            assert_eq!(end, Some(End::NotConverged));
+            let found = verify(&path).expect("readable");
+            assert!(found.is_equal() && found.unchecked.is_empty(), "{found}");
+            assert_eq!((found.missing(), found.unchecked_messages()), (0, 0));
+            // A program that can compute the step does not confirm the recording.
+            failing_step::set(None);
+            let found = verify(&path).expect("readable");
+            assert!(found.is_contradicted(), "{found}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::endpoints::{self, Endpoint};
+use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The endpoints that are recorded.
@@ -80,6 +81,15 @@ impl Topics {
     pub fn index_of(endpoint: &Endpoint) -> Option<usize> {
         RECORDED.iter().position(|it| it.name == endpoint.name)
     }
+}
+
+/// Whether every message of an endpoint follows from the journal: the twin's own topics, the received messages, of which the
+/// journal has a digest, and the journal itself.
+pub(super) fn is_recomputed(endpoint: &str) -> bool {
+    let received = [endpoints::IMPACT_EVENT, endpoints::COLUMN_PARAMETERS];
+    endpoint == endpoints::JOURNAL.name
+        || received.iter().any(|it| it.name == endpoint)
+        || Topic::ALL.iter().any(|it| it.endpoint().name == endpoint)
 }
 
 #[cfg(test)]

@@ -4,10 +4,44 @@ use std::fmt;
 
 use super::about::{About, build};
 use super::comparison::Difference;
+use super::inputs::INPUTS;
+use super::losses::Losses;
+use crate::endpoints;
 use crate::outgoing::{Message, Topic};
 
 /// Maximum number of reasons kept for what was not checked; all are counted.
 const MAX_REASONS: usize = 20;
+
+/// Maximum number of differences and missing messages that are kept as examples; all are counted.
+const MAX_EXAMPLES: usize = 5;
+
+/// Fields that depend on the machine or on other threads, by topic, and what was done with them instead.
+pub const NOT_RECOMPUTED: [(&str, &str); 6] = [
+    (
+        "impact_forecast, impact_report",
+        "compute_time; the time at which a forecast was complete",
+    ),
+    (
+        "twin_status",
+        "overruns, worst_lateness and the dropped_ counts, which must not decrease",
+    ),
+    (
+        "rosout, diagnostics, parameter_events",
+        "their contents; their number, order and log times are compared with the counts in the journal",
+    ),
+    (
+        "impact_event, column_parameters",
+        "whether sender and publish time are genuine; bytes and times are compared with the journal",
+    ),
+    (
+        "journal",
+        "the sender of a command that came by a service, and the last digits of times that change no result",
+    ),
+    (
+        "all",
+        "whether messages, journal, counts and times were computed afresh by a forger: only a seal shows that",
+    ),
+];
 
 /// What the recomputation of a recording has shown.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -37,6 +71,23 @@ pub struct Verification {
     pub first_difference: Option<Difference>,
     /// Number of differences in messages, states at rest and commands.
     pub differences: u64,
+    /// The first differences, in the order of the recording.
+    pub examples: Vec<Difference>,
+    /// The topics whose messages became commands, in the order `impact_event`, `column_parameters`.
+    pub inputs_of: [TopicCheck; INPUTS.len()],
+    /// Missing messages on topics that cannot be recomputed, or where nothing could be recomputed.
+    pub missing_others: u64,
+    /// Missing messages and entries whose loss the recording does not declare.
+    pub undeclared: u64,
+    /// The first missing messages, in the order in which their absence shows.
+    pub missing_examples: Vec<Difference>,
+    /// Numbers of the first and the last line of the journal.
+    pub lines: Option<(u64, u64)>,
+    /// How the recording ends, for people.
+    pub ending: String,
+    pub(super) losses: Losses,
+    /// All missing messages and entries so far.
+    pub(super) noted_missing: u64,
 }
 
 /// The result for one topic.
@@ -48,6 +99,8 @@ pub struct TopicCheck {
     pub compared: u64,
     /// Compared messages that differ.
     pub differing: u64,
+    /// Recorded messages that are at another place than the recomputation has them.
+    pub misplaced: u64,
     /// Recorded messages that the recomputation does not produce.
     pub unexpected: u64,
     /// Messages that the recomputation produces and the recording lacks.
@@ -67,7 +120,7 @@ impl Verification {
     /// Whether the recording differs from the recomputation, or lacks more than it declares as lost.
     #[must_use]
     pub fn is_contradicted(&self) -> bool {
-        self.differences > 0 || self.missing() > self.declared_losses
+        self.differences > 0 || self.undeclared > 0
     }
 
     /// Whether there are messages to compare, but none could be compared.
@@ -76,11 +129,14 @@ impl Verification {
         self.compared() == 0 && self.topics.iter().any(|it| it.recorded > 0)
     }
 
-    /// Missing messages and missing entries of the journal.
+    /// Missing messages and missing entries of the journal, whether their loss is declared or not.
     #[must_use]
     pub fn missing(&self) -> u64 {
-        let messages: u64 = self.topics.iter().map(|it| it.missing).sum();
-        messages.saturating_add(self.missing_entries)
+        let checks = self.topics.iter().chain(&self.inputs_of);
+        checks
+            .map(|it| it.missing)
+            .fold(self.missing_entries, u64::saturating_add)
+            .saturating_add(self.missing_others)
     }
 
     /// Messages that were compared.
@@ -92,12 +148,31 @@ impl Verification {
     /// Messages that were not compared.
     #[must_use]
     pub fn unchecked_messages(&self) -> u64 {
-        self.topics.iter().map(|it| it.unchecked).sum()
+        let checks = self.topics.iter().chain(&self.inputs_of);
+        checks.map(|it| it.unchecked).sum()
     }
 
     pub(super) fn note_difference(&mut self, difference: Difference) {
-        self.differences += 1;
-        self.first_difference.get_or_insert(difference);
+        self.note_differences(1, difference);
+    }
+
+    /// Notes several differences of which this one is an example.
+    pub(super) fn note_differences(&mut self, count: u64, example: Difference) {
+        self.differences = self.differences.saturating_add(count);
+        if self.examples.len() < MAX_EXAMPLES {
+            self.examples.push(example.clone());
+        }
+        self.first_difference.get_or_insert(example);
+    }
+
+    /// Notes that messages or entries are missing of which this one is an example; its log time is that at which they show to
+    /// be missing.
+    pub(super) fn note_missing(&mut self, count: u64, example: Difference) {
+        self.noted_missing = self.noted_missing.saturating_add(count);
+        self.losses.missing(count, example.log_time);
+        if self.missing_examples.len() < MAX_EXAMPLES {
+            self.missing_examples.push(example);
+        }
     }
 
     pub(super) fn note_unchecked(&mut self, reason: String) {
@@ -108,16 +183,28 @@ impl Verification {
     }
 
     /// Notes the losses that a recorded status declares.
-    pub(super) fn note_losses(&mut self, message: &Message) {
+    pub(super) fn note_losses(&mut self, message: &Message, log_time: i64) {
         if let Message::TwinStatus(status) = message {
-            // `dropped_recording` counts a lost state once, but its hinge forces, joint states and markers are missing too.
-            const FURTHER_MESSAGES_PER_STATE: u64 = 3;
-            let lost = status
-                .dropped_states
-                .saturating_mul(FURTHER_MESSAGES_PER_STATE)
-                .saturating_add(status.dropped_recording);
-            self.declared_losses = self.declared_losses.max(lost);
+            self.losses.status(status, log_time);
         }
+    }
+
+    /// Weighs what is missing against what is declared; the recorder declares `lost` messages, and nothing is known about
+    /// missing ones `if_damaged`.
+    pub(super) fn weigh_losses(&mut self, lost: u64, if_damaged: bool) {
+        let losses = std::mem::take(&mut self.losses);
+        self.declared_losses = losses.declared().max(lost);
+        self.undeclared = match if_damaged {
+            true => 0,
+            false => losses.undeclared(lost),
+        };
+    }
+
+    /// The rows of the table: names in the table of endpoints, and their results.
+    pub fn rows(&self) -> impl Iterator<Item = (&'static str, &TopicCheck)> {
+        let inputs = INPUTS.iter().map(|it| it.name).zip(&self.inputs_of);
+        let twin = Topic::ALL.iter().map(|it| it.endpoint().name);
+        inputs.chain(twin.zip(&self.topics))
     }
 }
 
@@ -146,26 +233,49 @@ impl fmt::Display for Verification {
         )?;
         writeln!(
             f,
-            "  {:<16} {:>9} {:>9} {:>9} {:>9} {:>11}",
+            "  {:<17} {:>9} {:>9} {:>9} {:>9} {:>11}",
             "topic", "recorded", "compared", "differing", "missing", "not checked"
         )?;
-        for (topic, check) in Topic::ALL.iter().zip(&self.topics) {
+        for (name, check) in self.rows() {
             writeln!(
                 f,
-                "  {:<16} {:>9} {:>9} {:>9} {:>9} {:>11}",
-                topic.endpoint().name,
+                "  {name:<17} {:>9} {:>9} {:>9} {:>9} {:>11}",
                 check.recorded,
                 check.compared,
-                check.differing + check.unexpected,
+                check.differing + check.misplaced + check.unexpected,
                 check.missing,
                 check.unchecked
             )?;
         }
+        if let Some((first, last)) = self.lines {
+            writeln!(
+                f,
+                "  {:<17} {:>9} {:>9} {:>9} {:>9}",
+                endpoints::JOURNAL.name.trim_start_matches("~/"),
+                last.saturating_sub(first)
+                    .saturating_add(1)
+                    .saturating_sub(self.missing_entries),
+                "",
+                "",
+                self.missing_entries
+            )?;
+        }
         writeln!(
             f,
-            "  {:<16} {:>9} {:>9}",
+            "  {:<17} {:>9} {:>9}",
             "states at rest", self.checkpoints, self.states_at_rest
         )?;
+        if let Some((first, last)) = self.lines {
+            writeln!(
+                f,
+                "The journal has the lines {first} to {last}; {}",
+                self.ending
+            )?;
+        }
+        writeln!(f, "Not recomputed:")?;
+        for (topics, fields) in NOT_RECOMPUTED {
+            writeln!(f, "  {topics}: {fields}")?;
+        }
         for reason in &self.unchecked {
             writeln!(f, "Not checked: {reason}")?;
         }
@@ -173,17 +283,25 @@ impl fmt::Display for Verification {
         if more > 0 {
             writeln!(f, "Not checked for {more} further reasons")?;
         }
-        if self.missing() > 0 {
+        if self.noted_missing > 0 {
             writeln!(
                 f,
-                "Missing: {} messages, {} of them journal entries; the recording declares the loss of up to {}",
-                self.missing(),
-                self.missing_entries,
-                self.declared_losses
+                "Missing: {} messages, {} of them journal entries; the recording declares the loss of up to {}, which leaves \
+                 {} undeclared. The first:",
+                self.noted_missing, self.missing_entries, self.declared_losses, self.undeclared
             )?;
+            for example in &self.missing_examples {
+                writeln!(f, "  {example}")?;
+            }
         }
         match &self.first_difference {
-            Some(first) => writeln!(f, "{} differences, the first:\n  {first}", self.differences),
+            Some(_) => {
+                writeln!(f, "{} differences, the first:", self.differences)?;
+                for example in &self.examples {
+                    writeln!(f, "  {example}")?;
+                }
+                Ok(())
+            }
             None if self.is_contradicted() => writeln!(
                 f,
                 "More messages are missing than the recording declares as lost"

@@ -30,7 +30,7 @@ pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, request_for_publisher};
-pub use solver::SOLVER_THREAD;
+pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
 pub use state_writer::STATE_WRITER_THREAD;
 
 use crate::column::ImpactSpecification;
@@ -151,6 +151,8 @@ impl Live {
             clock,
             shared,
             sink,
+            latest: None,
+            completing_cycles: 0,
         };
         let (sender, grants) = sync_channel(1);
         let real_time = options.real_time;

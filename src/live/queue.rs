@@ -110,7 +110,7 @@ pub struct OutputQueue {
     pub name: String,
     /// Maximum number of queued states.
     pub states: usize,
-    /// Maximum number of queued forecasts, reports and parameter changes together; of refusals, status and notices
+    /// Maximum number of queued forecasts, their withdrawals, reports and parameter changes together; of refusals, status and notices
     /// together; and of entries of the journal.
     pub others: usize,
     /// Overflow policy of all of them.
@@ -179,7 +179,10 @@ impl OutputQueues {
         let [states, results, messages, journal] = &self.channels;
         let channel = match &output {
             Output::State(_) => states,
-            Output::Forecast(_) | Output::Report(_) | Output::ParametersChanged(_) => results,
+            Output::Forecast(_)
+            | Output::Report(_)
+            | Output::Withdrawn(_)
+            | Output::ParametersChanged(_) => results,
             Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
                 messages
             }

@@ -18,14 +18,22 @@ pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the fi
 const MAX_REQUESTS_PER_CYCLE: usize = 8;
 
 /// Steps of a forecast between two readings of the clock, while the response is on time. The forecast cannot use a
-/// remainder before a deadline that is too short for a slice.
-const SLICE: u64 = 4;
+/// remainder before a deadline that is too short for a slice; shorter slices spend a tenth of the time on reading clocks.
+const SLICE: u64 = 16;
 
 /// Steps of a forecast per cycle while the response catches up, when samples are late anyway.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
 
 /// Maximum number of steps with which a stop completes a forecast: less than a second.
 const MAX_STEPS_AT_STOP: u64 = 200_000;
+
+/// A clock that goes back by at most this much is waited for; a larger jump is that of a looped recording or of a clock that
+/// was set \[ns\].
+pub const MAX_CLOCK_STEP_BACK: Nanos = 100_000_000;
+
+/// Requests wait for at most this many cycles until a response is complete during which the clock has jumped back: less than
+/// a second. Impacts that are handled before have stamps that are out of order.
+const MAX_CYCLES_COMPLETING: u32 = 200;
 
 /// The state that the solver's thread shares with the others.
 #[derive(Debug)]
@@ -68,6 +76,10 @@ pub(super) struct Solver {
     pub clock: Arc<dyn Clock>,
     pub shared: Arc<Shared>,
     pub sink: Sink,
+    /// The time of the clock in the last cycle.
+    pub latest: Option<Nanos>,
+    /// Cycles since the clock jumped back, while the response is completed.
+    pub completing_cycles: u32,
 }
 
 impl Solver {
@@ -75,6 +87,7 @@ impl Solver {
         let mut planned = None;
         while !self.shared.stop.load(Ordering::SeqCst) {
             self.note_lateness(planned);
+            self.note_clock();
             let disturbed = self.handle_requests();
             self.twin.advance_to(self.clock.now(), &mut self.sink);
             self.sink.notify();
@@ -82,7 +95,8 @@ impl Solver {
             self.publish_statistics();
             planned = self.plan(planned, disturbed);
             // A thread with an incomplete forecast does not sleep: less than a slice is left before the deadline.
-            if self.shared.inbox.is_empty() && !self.twin.is_looking_ahead() {
+            let is_busy = self.twin.is_looking_ahead() || self.twin.is_completing();
+            if self.shared.inbox.is_empty() && !is_busy {
                 let deadline = self.twin.next_deadline(self.clock.now());
                 self.clock
                     .wait_until(deadline, self.shared.inbox.notifier());
@@ -91,10 +105,28 @@ impl Solver {
         self.finish();
     }
 
+    /// Passes a jump of the clock to the twin.
+    fn note_clock(&mut self) {
+        let now = self.clock.now();
+        let back = self.latest.replace(now).unwrap_or(now).saturating_sub(now);
+        if back > MAX_CLOCK_STEP_BACK {
+            let by = back.unsigned_abs();
+            let command = Command::ClockJumpedBack { by };
+            // The twin takes it in every state.
+            let _ = self.twin.handle(command, now, &mut self.sink);
+        }
+    }
+
     /// `true` if there was a request, so that the planned deadline no longer measures lateness.
     fn handle_requests(&mut self) -> bool {
         if !self.twin.is_responding() {
             self.clock.resynchronise();
+        }
+        if !self.twin.is_completing() {
+            self.completing_cycles = 0;
+        } else if self.completing_cycles < MAX_CYCLES_COMPLETING {
+            self.completing_cycles += 1;
+            return false;
         }
         let mut any = false;
         for _ in 0..MAX_REQUESTS_PER_CYCLE {
@@ -126,6 +158,8 @@ impl Solver {
             && before.saturating_add(slice_nanos) < self.twin.next_deadline(before)
         {
             self.twin.run_ahead(SLICE, before, &mut self.sink);
+            // At once, because a reader of the forecast would otherwise wait for the deadline.
+            self.sink.notify();
             let now = self.clock.now();
             slice_nanos = now.saturating_sub(before).max(0);
             before = now;
@@ -134,7 +168,6 @@ impl Solver {
                 break;
             }
         }
-        self.sink.notify();
     }
 
     /// Whether a request or a stop is pending.
@@ -145,7 +178,7 @@ impl Solver {
     /// A deadline in the past counts only if the response was on time before: while it catches up with a late event, the
     /// solver is not to blame for the delay.
     fn plan(&self, before: Option<PlannedCycle>, disturbed: bool) -> Option<PlannedCycle> {
-        if !self.twin.is_responding() {
+        if !self.twin.is_responding() || self.twin.is_completing() {
             return None;
         }
         let now = self.clock.now();
@@ -187,6 +220,7 @@ impl Solver {
     fn finish(mut self) {
         let now = self.clock.now();
         self.twin.run_ahead(MAX_STEPS_AT_STOP, now, &mut self.sink);
+        self.twin.abandon_forecasts(&mut self.sink);
         if !self.twin.is_responding() {
             let saved = self.twin.saved_state(now);
             self.sink.put(Output::Save(Arc::new(saved)));
@@ -313,6 +347,8 @@ mod tests {
                 parameters: Arc::default(),
                 unnotified: false,
             },
+            latest: None,
+            completing_cycles: 0,
         };
         solver.run();
         let mut receiver = Receiver::new(queues);

@@ -8,6 +8,7 @@ mod assessment;
 mod joint_states;
 mod markers;
 mod tap;
+mod withdrawn;
 
 use serde::Serialize;
 
@@ -23,6 +24,7 @@ use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
     Journal, Lengths, Output, RefusalCode, ReportOutput, StateOutput, Status, TwinPhase,
+    WithdrawnForecast,
 };
 use joint_states::JointStates;
 use markers::markers;
@@ -223,6 +225,9 @@ impl Outgoing {
                     self.report(report, ImpactReport::RESULT),
                 ));
             }
+            Output::Withdrawn(withdrawn) => {
+                put(Message::ImpactForecast(self.withdrawn(withdrawn)));
+            }
             Output::Status(status) => put(Message::TwinStatus(self.status(status))),
             Output::Journal(Journal::Checkpoint(_)) => {
                 self.joints = JointStates::default();
@@ -285,6 +290,16 @@ impl Outgoing {
             event_id: output.event_id.to_string(),
             kind,
             ..ImpactReport::from(output)
+        }
+    }
+
+    fn withdrawn(&self, withdrawn: &WithdrawnForecast) -> ImpactReport {
+        let impact = &withdrawn.impact;
+        ImpactReport {
+            header: self.header(impact.stamp),
+            column_id: self.column_id.clone(),
+            event_id: impact.event_id.to_string(),
+            ..ImpactReport::from(withdrawn)
         }
     }
 

@@ -126,6 +126,8 @@ groups! {
         max_age: f64,
         compression: Compression,
         sync: bool,
+        seal: bool,
+        seal_key: String,
     }
     /// Pictures.
     ViewerSettings {

@@ -98,6 +98,10 @@ const DIRECTORY: Admissible = Admissible::Text {
     min_chars: 1,
     max_chars: 4096,
 };
+const OPTIONAL_PATH: Admissible = Admissible::Text {
+    min_chars: 0,
+    max_chars: 4096,
+};
 const IDENTIFIER: Admissible = Admissible::Text {
     min_chars: 1,
     max_chars: 255,
@@ -154,8 +158,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 10_000.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "rate at which state and hinge forces are published during a response; at most once per step, with the \
-                  period rounded to whole steps",
+        meaning: "rate at which state and hinge forces are published during a response; at most once per step, with the period rounded to whole steps",
     },
     Parameter {
         name: "use_sim_time",
@@ -615,8 +618,7 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 3600.0,
         },
         applies: Applies::AtOnce,
-        meaning: "maximum age of the stamp of an impact event; an older event is rejected, and the response to a younger one \
-                  catches up",
+        meaning: "maximum age of the stamp of an impact event; an older event is rejected, and the response to a younger one catches up",
     },
     Parameter {
         name: "event.max_ahead",
@@ -767,7 +769,8 @@ pub const PARAMETERS: &[Parameter] = &[
             max: 600.0,
         },
         applies: Applies::AfterResponse,
-        meaning: "maximum duration of a computed response, which ends earlier if the column comes to rest",
+        meaning: "maximum duration of a computed response from the end of the approach, and of the approach; a response ends earlier if \
+                  the column comes to rest",
     },
     Parameter {
         name: "capacity.imperfection",
@@ -809,10 +812,7 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "state.directory",
         unit: "",
         default: DefaultValue::Text("state"),
-        admissible: Admissible::Text {
-            min_chars: 0,
-            max_chars: 4096,
-        },
+        admissible: OPTIONAL_PATH,
         applies: Applies::Restart,
         meaning: "directory of the state file, which is named after the column and preserves the damage across restarts; \
                   empty: the damage is lost when the program ends",
@@ -932,13 +932,28 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "write recorded data to the disk within 50 ms, so that they survive a power failure and not only a crash of the program",
     },
     Parameter {
+        name: "record.seal",
+        unit: "",
+        default: DefaultValue::Bool(true),
+        admissible: Admissible::Switch,
+        applies: Applies::Restart,
+        meaning: "seal recordings: sign a hash chain over all messages, so that every later change is detected",
+    },
+    Parameter {
+        name: "record.seal_key",
+        unit: "",
+        default: DefaultValue::Text(""),
+        admissible: OPTIONAL_PATH,
+        applies: Applies::Restart,
+        meaning: "file of the private key of the seals, as `openssl genpkey -algorithm ed25519` writes it; empty: a fresh key for each run, which proves that nothing was changed but not who recorded",
+    },
+    Parameter {
         name: "viewer.mode",
         unit: "",
         default: DefaultValue::Text("off"),
         admissible: Admissible::Choice(&["off", "save", "serve", "connect", "spawn"]),
         applies: Applies::Restart,
-        meaning: "off: no pictures; save: write a file; serve: viewers connect to this program; connect: connect to a running \
-                  viewer; spawn: start a viewer",
+        meaning: "off: no pictures; save: write a file; serve: viewers connect to this program; connect: connect to a running viewer; spawn: start a viewer",
     },
     Parameter {
         name: "viewer.address",

@@ -2,7 +2,9 @@
 
 mod event_summary;
 mod instant;
+mod seal_finding;
 
+use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 pub use rosbag2_mcap::*;
@@ -12,6 +14,7 @@ use crate::messages::{self, INTERFACES, type_hash::TypeHash};
 use crate::parameters::{Compression, RecordSettings};
 pub use event_summary::{EventSummary, summarise_events};
 pub use instant::instant;
+pub use seal_finding::{SealFinding, public_key};
 
 /// The names of recordings of this program, and of the metadata records in them, begin with this.
 pub const APPLICATION: &str = "column_twin";
@@ -83,17 +86,35 @@ pub fn writer_options(compression: Compression) -> WriterOptions {
     }
 }
 
+/// The key with which the parameters `record.seal` and `record.seal_key` ask to seal recordings.
+///
+/// # Errors
+/// The file of the key cannot be used, or the system provides no random numbers for a fresh key.
+pub fn seal_key(record: &RecordSettings) -> Result<Option<SealKey>, RecordingError> {
+    let key = || match record.seal_key.as_str() {
+        "" => SealKey::fresh(),
+        path => SealKey::read(Path::new(path)),
+    };
+    record.seal.then(key).transpose()
+}
+
 /// The options that the parameters `record.*` ask for; `started` is the current time.
-#[must_use]
-pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> RecorderOptions {
+///
+/// # Errors
+/// As [`seal_key`].
+pub fn recorder_options(
+    record: &RecordSettings,
+    started: SystemTime,
+) -> Result<RecorderOptions, RecordingError> {
     let seconds = |value: f64| (value > 0.0).then(|| Duration::from_secs_f64(value));
     let number = |value: u64| (value > 0).then_some(value);
     let WriterOptions {
         application, notes, ..
     } = writer_options(record.compression);
-    RecorderOptions {
+    Ok(RecorderOptions {
         application,
         notes,
+        seal: seal_key(record)?,
         compression: record.compression.into(),
         sync: record.sync,
         max_file_size: record.max_file_size,
@@ -102,7 +123,7 @@ pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> Recorde
         max_total_size: number(record.max_total_size),
         max_age: seconds(record.max_age),
         ..RecorderOptions::new(&record.directory, started)
-    }
+    })
 }
 
 /// The text of an error, with the parameter that can be changed to avoid it.
@@ -110,6 +131,7 @@ pub fn recorder_options(record: &RecordSettings, started: SystemTime) -> Recorde
 pub fn with_parameter(error: &RecordingError) -> String {
     match error {
         RecordingError::Directory { .. } => format!("{error} with the parameter record.directory"),
+        RecordingError::BadKey { .. } => format!("{error}; the parameter record.seal_key names it"),
         other => other.to_string(),
     }
 }
@@ -144,7 +166,8 @@ mod tests {
     #[test]
     fn default_parameters_become_recorder_options() {
         let parameters = Parameters::default();
-        let options = recorder_options(&parameters.settings().record, SystemTime::UNIX_EPOCH);
+        let record = &parameters.settings().record;
+        let options = recorder_options(record, SystemTime::UNIX_EPOCH).expect("a fresh key");
         assert_eq!(options.directory, Path::new("recordings"));
         assert_eq!(
             (options.max_file_size, options.max_files),
@@ -155,5 +178,6 @@ mod tests {
             (Some(Duration::from_secs(3600)), None)
         );
         assert_eq!((options.max_total_size, options.sync), (None, true));
+        assert!(options.seal.is_some_and(|key| key.is_fresh()));
     }
 }

@@ -14,7 +14,7 @@ use crate::evidence::{self, JournalEntry, Observed, Verification, VerifyError, s
 use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
 use crate::parameters::Parameters;
-use crate::recording::{self, EventSummary, Reader, RecordingError};
+use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
 use crate::twin::{
     ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
     ReportOutput, StateOutput, Twin,
@@ -38,6 +38,8 @@ pub struct ReportedRecording {
     pub incomplete: Option<String>,
     /// Messages that the recorder declares as lost; `None`: unknown.
     pub lost: Option<u64>,
+    /// What its seal proves.
+    pub seal: SealFinding,
     /// The result of the verification, or why there is none.
     pub verification: Result<Verification, String>,
     /// Every impact in the messages of the recording.
@@ -120,6 +122,7 @@ impl ReportDocument {
             span: reader.span(),
             incomplete: (!whole.is_whole()).then(|| whole.to_string()),
             lost: reader.lost_messages(),
+            seal: SealFinding::of(&reader).with_predecessor(&reader),
             verification: verification.map_err(|error: VerifyError| error.to_string()),
             events,
             without_section: gathered.without_section + reports - impacts.len(),

@@ -10,7 +10,6 @@ use super::verdict::Verdict;
 use super::words::short;
 use crate::evidence::{About, Verification, build};
 use crate::figures::units::Unit;
-use crate::outgoing::Topic;
 use crate::recording::{EventSummary, instant};
 
 /// Maximum number of events in the overview; of more events, the last ones are listed.
@@ -97,6 +96,12 @@ fn faults(recorded: &ReportedRecording) -> Option<(String, String)> {
             "Nothing in this recording could be verified".to_owned(),
             "The reasons are listed under \"Verification\".".to_owned(),
         )),
+        Ok(_) if recorded.seal.fault().is_some() => recorded.seal.fault().map(|fault| {
+            (
+                "The seal shows that this recording was changed, or that one is missing".to_owned(),
+                format!("In detail: {fault}. What is left of it is equal to its recomputation."),
+            )
+        }),
         Ok(_) => recorded.incomplete.as_ref().map(|why| {
             (
                 "This recording is not complete".to_owned(),
@@ -186,6 +191,9 @@ pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
         })))
         (fact("Complete", recorded.incomplete.as_deref().unwrap_or("yes")))
         (fact("Declared losses", recorded.lost.map_or("unknown".to_owned(), |lost| format!("{lost} messages"))))
+        @for (index, text) in recorded.seal.texts().iter().enumerate() {
+            (fact(if index == 0 { "Seal" } else { "" }, text))
+        }
         @for RecordedFile { name, fingerprint } in &recorded.files {
             tr {
                 th scope="row" { "SHA-256 of " (name) }
@@ -237,12 +245,12 @@ fn result(found: &Verification) -> Markup {
                 }
             }
             tbody {
-                @for (topic, check) in Topic::ALL.iter().zip(&found.topics) {
+                @for (topic, check) in found.rows() {
                     tr {
-                        th scope="row" { (topic.endpoint().name) }
+                        th scope="row" { (topic) }
                         td.number { (check.recorded) }
                         td.number { (check.compared) }
-                        td.number { (check.differing + check.unexpected) }
+                        td.number { (check.differing + check.misplaced + check.unexpected) }
                         td.number { (check.missing) }
                         td.number { (check.unchecked) }
                     }

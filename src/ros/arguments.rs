@@ -8,6 +8,7 @@ use std::ffi::OsString;
 use crate::parameters::{Source, parse_override};
 
 use super::names::{RemapRule, RemapTarget};
+use super::security::{EnclaveNameError, enclave_name};
 
 /// Begins a section of ROS arguments.
 const BEGIN: &str = "--ros-args";
@@ -30,6 +31,8 @@ pub struct RosArguments {
     pub rosout: Option<bool>,
     /// Whether log messages are shown on the terminal; `None`: the default, which is yes.
     pub stdout: Option<bool>,
+    /// `-e`, `--enclave`; the last one applies.
+    pub enclave: Option<String>,
     /// ROS arguments that have no effect on this node, to be logged at the start.
     pub without_effect: Vec<String>,
 }
@@ -69,6 +72,9 @@ pub enum ArgumentError {
     /// The level is invalid.
     #[error("--log-level {0}: expected debug, info, warn, error or fatal, or logger:=level")]
     LogLevel(String),
+    /// The enclave is invalid.
+    #[error(transparent)]
+    Enclave(#[from] EnclaveNameError),
     /// The argument is not text.
     #[error("{0:?} is not UTF-8 text")]
     NotText(OsString),
@@ -146,7 +152,8 @@ impl RosArguments {
             "--disable-rosout-logs" => self.rosout = Some(false),
             "--enable-stdout-logs" => self.stdout = Some(true),
             "--disable-stdout-logs" => self.stdout = Some(false),
-            "-e" | "--enclave" | "--log-config-file" | "--log-file-name" => {
+            "-e" | "--enclave" => self.enclave = Some(enclave_name("--enclave", &value()?)?),
+            "--log-config-file" | "--log-file-name" => {
                 let value = value()?;
                 self.without_effect.push(format!("{argument} {value}"));
             }
@@ -343,9 +350,22 @@ mod tests {
 
     #[test]
     fn arguments_without_effect_are_kept() {
-        let (_, ros) = split("--ros-args -e /enclave --disable-rosout-logs --log-file-name x")
-            .expect("correct");
-        assert_eq!(ros.without_effect, ["-e /enclave", "--log-file-name x"]);
+        let (_, ros) =
+            split("--ros-args --disable-rosout-logs --log-file-name x").expect("correct");
+        assert_eq!(ros.without_effect, ["--log-file-name x"]);
         assert_eq!(ros.rosout, Some(false));
+    }
+
+    #[test]
+    fn the_last_enclave_applies_and_must_be_a_full_name() {
+        let (_, ros) = split("--ros-args -e /one --enclave /garage/two").expect("correct");
+        assert_eq!(ros.enclave.as_deref(), Some("/garage/two"));
+        let faults = split("--ros-args -e twin").expect_err("relative");
+        assert!(
+            faults[0]
+                .to_string()
+                .starts_with("--enclave: expected the full name"),
+            "{faults:?}"
+        );
     }
 }

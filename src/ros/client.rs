@@ -57,6 +57,8 @@ pub struct ImpactOptions {
 pub enum ImpactOutcome {
     /// It was accepted, and this is the forecast.
     Forecast(Box<ImpactReport>),
+    /// It was accepted, but there is no forecast for this reason.
+    NoForecast(String),
     /// It was rejected for this reason.
     Refused(String),
 }
@@ -202,10 +204,12 @@ pub fn watch(
     })?;
     let mut lines = WatchLines::default();
     while !signals.asked() && shown.is_continue() {
-        if let Some(seen) = next(&seen, Instant::now() + CHECK_INTERVAL)
-            && let Some(line) = lines.line(&seen, Instant::now())
-        {
+        let seen = next(&seen, Instant::now() + CHECK_INTERVAL);
+        for line in lines.lines(seen, Instant::now()) {
             shown = show(&line);
+            if shown.is_break() {
+                break;
+            }
         }
     }
     task.stop();
@@ -483,9 +487,12 @@ fn event(options: &ImpactOptions, column_id: String) -> ImpactEvent {
 /// The outcome of the event in a message, if any; `before` is the number of rejections before the event was sent.
 fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutcome> {
     match seen {
-        Seen::Forecast(report) if report.event_id == event_id => {
-            Some(ImpactOutcome::Forecast(Box::new(report.clone())))
-        }
+        Seen::Forecast(report) if report.event_id == event_id => Some(match report.kind {
+            ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
+                ImpactOutcome::NoForecast(report.severity_reason.clone())
+            }
+            _ => ImpactOutcome::Forecast(Box::new(report.clone())),
+        }),
         Seen::Status(status)
             if status.last_refusal_event_id == event_id
                 && before.is_none_or(|before| status.events_refused > before) =>
@@ -522,6 +529,16 @@ mod tests {
             answer(&forecast, "a", None),
             Some(ImpactOutcome::Forecast(_))
         ));
+        let none = Seen::Forecast(ImpactReport {
+            event_id: "a".to_owned(),
+            kind: ImpactReport::NO_FORECAST,
+            severity_reason: "superseded".to_owned(),
+            ..ImpactReport::default()
+        });
+        assert_eq!(
+            answer(&none, "a", None),
+            Some(ImpactOutcome::NoForecast("superseded".to_owned()))
+        );
         assert!(answer(&refused("a", 3), "a", Some(3)).is_none());
         assert_eq!(
             answer(&refused("a", 4), "a", Some(3)),

@@ -1,6 +1,7 @@
 //! `/diagnostics`: the twin, its solver, its queues, its recording and the node, for people and aggregators.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use crate::live::QueueStats;
 use crate::messages::column_twin::TwinStatus;
@@ -8,8 +9,10 @@ use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyVal
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingHealth;
 
+use super::clock_watch::ClockWatch;
 use super::lines::severity_word;
 use super::live_twin::Health;
+use super::security::SecurityHealth;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]
@@ -22,6 +25,8 @@ pub(super) struct NodeCounters {
     pub unpublished: AtomicU64,
     /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
+    /// The simulated clock; `None` with the system's.
+    pub clock: Option<ClockWatch>,
 }
 
 impl NodeCounters {
@@ -37,6 +42,7 @@ pub(super) fn diagnostics(
     twin: &TwinStatus,
     health: &Health,
     recording: Option<&RecordingHealth>,
+    security: Option<SecurityHealth>,
     waiting: &[&str],
     counters: &NodeCounters,
 ) -> DiagnosticArray {
@@ -47,6 +53,8 @@ pub(super) fn diagnostics(
         node_status(counters),
     ];
     status.extend(recording.map(recording_status));
+    status.extend(security.map(security_status));
+    status.extend(counters.clock.as_ref().map(clock_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
         one.hardware_id.clone_from(&twin.column_id);
@@ -215,6 +223,15 @@ fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     entry("recording", level, message, values)
 }
 
+fn security_status(security: SecurityHealth) -> DiagnosticStatus {
+    entry(
+        "security",
+        security.level,
+        security.message,
+        security.values,
+    )
+}
+
 fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let values = [
         ("unreadable messages", &counters.unreadable),
@@ -230,6 +247,16 @@ fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     };
     let values = values.map(|(key, count)| (key.to_owned(), count.to_string()));
     entry("ros", level, message.to_owned(), values)
+}
+
+fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+    let count = ("messages on /clock".to_owned(), clock.count().to_string());
+    let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
+        (Some(problem), _) => (DiagnosticStatus::WARN, problem),
+        (None, 0) => (DiagnosticStatus::OK, "waiting for /clock".to_owned()),
+        (None, _) => (DiagnosticStatus::OK, "simulated time".to_owned()),
+    };
+    entry("clock", level, message, [count])
 }
 
 fn phase_name(phase: u8) -> &'static str {
@@ -266,6 +293,9 @@ fn entry(
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use super::super::clock_watch::CLOCK_TIMEOUT;
     use super::*;
 
     fn levels(twin: &TwinStatus, health: &Health, counters: &NodeCounters) -> Vec<u8> {
@@ -274,6 +304,7 @@ mod tests {
             "column_twin",
             twin,
             health,
+            None,
             None,
             &[],
             counters,
@@ -289,6 +320,18 @@ mod tests {
             NodeCounters::default(),
         );
         assert_eq!(levels(&all.0, &all.1, &all.2), [0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_missing_clock_is_a_warning() {
+        let of = |waited: Duration| {
+            let started = Instant::now()
+                .checked_sub(waited)
+                .expect("later than the boot");
+            clock_status(&ClockWatch::new(started)).level
+        };
+        assert_eq!(of(Duration::ZERO), DiagnosticStatus::OK);
+        assert_eq!(of(CLOCK_TIMEOUT), DiagnosticStatus::WARN);
     }
 
     #[test]
@@ -391,6 +434,7 @@ mod tests {
                 "n",
                 &twin,
                 &Health::default(),
+                None,
                 None,
                 &[],
                 &counters,

@@ -2,6 +2,8 @@
 
 use std::net::Ipv4Addr;
 
+use super::security::{EnclaveNameError, SecuritySettings};
+
 /// Highest domain with valid port numbers (RTPS 9.6.1.1).
 pub const MAX_DOMAIN_ID: u16 = 232;
 
@@ -23,6 +25,8 @@ pub struct Environment {
     pub discovery_range: DiscoveryRange,
     /// `ROS_NAMESPACE`, with a leading `/`.
     pub namespace: String,
+    /// `ROS_SECURITY_*` and `--enclave`.
+    pub security: SecuritySettings,
     /// Invalid or unsupported settings, to be logged at the start.
     pub warnings: Vec<String>,
 }
@@ -39,12 +43,9 @@ pub enum EnvironmentError {
          discover this one; use LOCALHOST, which restricts discovery to this machine"
     )]
     DiscoveryOff,
-    /// Security is enforced.
-    #[error(
-        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce is not supported: this node has no DDS security; unset \
-         one of the two"
-    )]
-    SecurityEnforced,
+    /// The enclave is invalid.
+    #[error(transparent)]
+    Enclave(#[from] EnclaveNameError),
 }
 
 impl Default for Environment {
@@ -54,6 +55,7 @@ impl Default for Environment {
             domain_id: 0,
             discovery_range: DiscoveryRange::Subnet,
             namespace: "/".to_owned(),
+            security: SecuritySettings::default(),
             warnings: Vec::new(),
         }
     }
@@ -75,7 +77,6 @@ impl Environment {
     pub fn from_variables(get: impl Fn(&str) -> Option<String>) -> Result<Self, EnvironmentError> {
         let get = |name: &str| get(name).filter(|value| !value.is_empty());
         let mut warnings = Vec::new();
-        warnings.extend(security_warning(&get)?);
         let localhost_only = get("ROS_LOCALHOST_ONLY").is_some_and(|value| value == "1");
         let discovery_range = if localhost_only {
             if get("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some() || get("ROS_STATIC_PEERS").is_some() {
@@ -99,6 +100,7 @@ impl Environment {
                 || "/".to_owned(),
                 |namespace| format!("/{}", namespace.trim_matches('/')),
             ),
+            security: SecuritySettings::from_variables(&get)?,
             warnings,
         })
     }
@@ -151,22 +153,6 @@ fn peers_warning(value: Option<&str>) -> Option<String> {
 
 fn is_this_machine(peer: &str) -> bool {
     peer == "localhost" || peer.parse::<Ipv4Addr>().is_ok_and(|ip| ip.is_loopback())
-}
-
-fn security_warning(
-    get: &impl Fn(&str) -> Option<String>,
-) -> Result<Option<String>, EnvironmentError> {
-    if get("ROS_SECURITY_ENABLE").as_deref() != Some("true") {
-        return Ok(None);
-    }
-    if get("ROS_SECURITY_STRATEGY").as_deref() == Some("Enforce") {
-        return Err(EnvironmentError::SecurityEnforced);
-    }
-    Ok(Some(
-        "ROS_SECURITY_ENABLE=true has no effect: this node has no DDS security, and its messages are neither signed nor \
-         encrypted"
-            .to_owned(),
-    ))
 }
 
 #[cfg(test)]
@@ -255,15 +241,18 @@ mod tests {
     }
 
     #[test]
-    fn missing_security_is_reported() {
-        let permissive = with(&[("ROS_SECURITY_ENABLE", "true")]).expect("goes on");
-        assert!(permissive.warnings[0].contains("neither signed nor encrypted"));
-        assert_eq!(
-            with(&[
-                ("ROS_SECURITY_ENABLE", "true"),
-                ("ROS_SECURITY_STRATEGY", "Enforce")
-            ]),
-            Err(EnvironmentError::SecurityEnforced)
-        );
+    fn settings_of_security_are_read() {
+        let environment = with(&[
+            ("ROS_SECURITY_ENABLE", "true"),
+            ("ROS_SECURITY_KEYSTORE", "/keys"),
+            ("ROS_SECURITY_ENCLAVE_OVERRIDE", "/twin"),
+        ]);
+        let directory = environment.expect("goes on").security.enclave_directory();
+        assert_eq!(directory, Some("/keys/enclaves/twin".into()));
+        let wrong = with(&[
+            ("ROS_SECURITY_ENABLE", "true"),
+            ("ROS_SECURITY_ENCLAVE_OVERRIDE", "../twin"),
+        ]);
+        assert!(matches!(wrong, Err(EnvironmentError::Enclave(_))));
     }
 }

@@ -7,18 +7,18 @@ use futures::{StreamExt, join, pin_mut};
 use ros2_client::rcl_interfaces as rcl;
 use ros2_client::{MessageInfo, Server, Subscription};
 
+use crate::incoming::{column_command, impact_command};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::column_twin::{
-    ColumnParameters, ImpactEvent, ImpactReport, ParameterEntry, PredictImpactRequest,
-    PredictImpactResponse,
+    ColumnParameters, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
 use crate::messages::std_srvs::{TriggerRequest, TriggerResponse};
 use crate::outgoing::RecordingTap;
-use crate::parameters::{Parameters, Value};
-use crate::twin::{Accepted, Command, ImpactCommand, Refusal, RefusalCode};
+use crate::parameters::Parameters;
+use crate::twin::{Accepted, Command, Refusal};
 
 use super::diagnostics::NodeCounters;
 use super::live_twin::LiveTwin;
@@ -66,7 +66,7 @@ impl Subscriptions {
             |event: ImpactEvent, info| {
                 record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
                 let event_id = event.event_id.clone();
-                if let Err(refusal) = twin.submit(Command::Impact(impact_command(event))) {
+                if let Err(refusal) = twin.submit(impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
                         recording.rejected(
@@ -86,7 +86,12 @@ impl Subscriptions {
                     &qos::CLOCK,
                     &counters,
                     |message: Clock, _| match message.clock.to_nanos() {
-                        Some(now) => twin.set_clock(now),
+                        Some(now) => {
+                            if let Some(clock) = &counters.clock {
+                                clock.received();
+                            }
+                            twin.set_clock(now);
+                        }
                         None => NodeCounters::count(&counters.unreadable),
                     },
                 )
@@ -340,21 +345,7 @@ fn predicted(twin: &LiveTwin, request: &PredictImpactRequest) -> PredictImpactRe
 
 fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, Refusal> {
     let topic = qos::COLUMN_PARAMETERS.name;
-    let source = topic.into();
-    let (found, own) = (&message.column_id, twin.column_id());
-    let command = if found == own {
-        Command::SetParameters {
-            changes: changes(message),
-            source,
-        }
-    } else {
-        let reason =
-            format!("the message is for column {found:?}, but this is the twin of column {own:?}");
-        Command::RejectedChange {
-            refusal: Refusal::new(RefusalCode::OtherColumn, reason),
-            source,
-        }
-    };
+    let command = column_command(message, twin.column_id());
     let outcome = twin.execute(command);
     match &outcome {
         Ok(Accepted::Waiting) => tracing::info!(
@@ -368,67 +359,4 @@ fn set_column(twin: &LiveTwin, message: &ColumnParameters) -> Result<Accepted, R
         }
     }
     outcome
-}
-
-fn impact_command(event: ImpactEvent) -> ImpactCommand {
-    ImpactCommand {
-        stamp: nanos(event.header.stamp),
-        impact: (&event).into(),
-        vehicle: event.vehicle,
-        event_id: event.event_id,
-        column_id: event.column_id,
-    }
-}
-
-/// Converts invalid stamps too, so that their refusal can state the distance from the current time.
-fn nanos(stamp: Time) -> i64 {
-    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
-}
-
-/// The parameters that the message changes.
-fn changes(message: &ColumnParameters) -> Vec<(String, Value)> {
-    message
-        .entries()
-        .filter(|(_, entry)| !entry.is_unchanged())
-        .map(|(name, entry)| {
-            let value = match entry {
-                ParameterEntry::Number(number) => Value::Double(number),
-                ParameterEntry::Text(text) => Value::from(text),
-            };
-            (name.to_owned(), value)
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unset_parameters_are_left_unchanged() {
-        let message = ColumnParameters {
-            top_load: 2e5,
-            section_name: "HEB300".to_owned(),
-            impact_gap: f64::INFINITY,
-            ..ColumnParameters::default()
-        };
-        let expected = [
-            ("section.name", Value::from("HEB300")),
-            ("top.load", Value::Double(2e5)),
-            ("impact.gap", Value::Double(f64::INFINITY)),
-        ];
-        assert_eq!(
-            changes(&message),
-            expected.map(|(name, value)| (name.to_owned(), value))
-        );
-    }
-
-    #[test]
-    fn an_invalid_stamp_is_converted() {
-        let stamp = Time {
-            sec: 1,
-            nanosec: u32::MAX,
-        };
-        assert_eq!(nanos(stamp), 1_000_000_000 + i64::from(u32::MAX));
-    }
 }

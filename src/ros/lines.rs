@@ -20,19 +20,111 @@ pub enum Seen {
     Status(TwinStatus),
 }
 
+impl Seen {
+    /// Topic, column and stamp \[ns\] of a message that publishers keep for late joiners; `None` for the others.
+    fn kept(&self) -> Option<(u8, &str, Option<i64>)> {
+        let (topic, header, column_id) = match self {
+            Seen::State(_) | Seen::Forces(_) => return None,
+            Seen::Forecast(report) => (0, &report.header, &report.column_id),
+            Seen::Report(report) => (1, &report.header, &report.column_id),
+            Seen::Status(status) => (2, &status.header, &status.column_id),
+        };
+        Some((topic, column_id, header.stamp.to_nanos()))
+    }
+}
+
 /// Minimum time between two lines of state.
 const STATE_LINES: Duration = Duration::from_millis(100);
 
+/// Time from the first message on in which those arrive that publishers keep for late joiners.
+const HISTORY_ARRIVES: Duration = Duration::from_millis(500);
+
+/// The messages that publishers keep for late joiners.
+#[derive(Debug)]
+enum History {
+    /// None has arrived.
+    Awaited,
+    /// The newest one of each topic and column, until all of them have arrived.
+    Arriving { since: Instant, newest: Vec<Seen> },
+    /// Messages are new from now on.
+    Shown,
+}
+
 /// Converts messages to lines, omitting repetitions.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct WatchLines {
+    history: History,
     last_state: Option<(Instant, u8)>,
     last_status: Option<(u8, u64, u64)>,
 }
 
+impl Default for WatchLines {
+    fn default() -> Self {
+        Self {
+            history: History::Awaited,
+            last_state: None,
+            last_status: None,
+        }
+    }
+}
+
 impl WatchLines {
+    /// The lines for a message, or for a time without one.
+    ///
+    /// Of the messages that the twin keeps for late joiners only the newest of each topic is shown, whichever order they
+    /// arrive in: some publishers send everything that they ever published.
+    pub(super) fn lines(&mut self, seen: Option<Seen>, now: Instant) -> Vec<String> {
+        let arrived = match &self.history {
+            History::Arriving { since, .. } => {
+                now.saturating_duration_since(*since) >= HISTORY_ARRIVES
+            }
+            History::Awaited | History::Shown => false,
+        };
+        let mut due = Vec::new();
+        if arrived
+            && let History::Arriving { mut newest, .. } =
+                std::mem::replace(&mut self.history, History::Shown)
+        {
+            newest.sort_by_key(|seen| seen.kept().and_then(|(_, _, stamp)| stamp));
+            due = newest;
+        }
+        due.extend(seen.and_then(|seen| self.not_history(seen, now)));
+        due.iter().filter_map(|seen| self.line(seen, now)).collect()
+    }
+
+    /// Returns the message unless it is, or may be, one that is kept for late joiners.
+    fn not_history(&mut self, seen: Seen, now: Instant) -> Option<Seen> {
+        let Some((topic, column_id, stamp)) = seen.kept() else {
+            return Some(seen);
+        };
+        match &mut self.history {
+            History::Shown => return Some(seen),
+            History::Awaited => {
+                self.history = History::Arriving {
+                    since: now,
+                    newest: vec![seen],
+                };
+            }
+            History::Arriving { newest, .. } => {
+                let other = newest.iter_mut().find(|other| {
+                    other
+                        .kept()
+                        .is_some_and(|(other, of, _)| (other, of) == (topic, column_id))
+                });
+                match other {
+                    None => newest.push(seen),
+                    Some(other) if other.kept().is_some_and(|(_, _, than)| stamp >= than) => {
+                        *other = seen;
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        None
+    }
+
     /// The line for a message; `None` if it says nothing new or follows too soon.
-    pub(super) fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
+    fn line(&mut self, seen: &Seen, now: Instant) -> Option<String> {
         match seen {
             Seen::State(state) => {
                 let last = self.last_state;
@@ -44,6 +136,14 @@ impl WatchLines {
                     state_line(state)
                 })
             }
+            Seen::Forecast(report) if report.kind == ImpactReport::WITHDRAWN => Some(format!(
+                "the forecast of {} no longer holds: {}",
+                report.event_id, report.severity_reason
+            )),
+            Seen::Forecast(report) if report.kind == ImpactReport::NO_FORECAST => Some(format!(
+                "no forecast of {}: {}",
+                report.event_id, report.severity_reason
+            )),
             // It is published again with the error of its time step.
             Seen::Forecast(report) if !report.error_estimate.is_nan() => Some(format!(
                 "forecast of {}: the time step makes an error of about {:.2e} of the largest v1",
@@ -196,6 +296,47 @@ mod tests {
         let steps = [(2, 0), (2, 50), (3, 60), (3, 100), (3, 160)];
         let seen = steps.map(|(phase, millis)| shown(phase, millis));
         assert_eq!(seen, [true, false, true, false, true]);
+    }
+
+    /// A status with so many impacts since the last reset, and its stamp \[s\].
+    fn status(sec: i32, impacts: u32) -> Seen {
+        let mut status = TwinStatus {
+            impacts_since_reset: impacts,
+            ..TwinStatus::default()
+        };
+        status.header.stamp.sec = sec;
+        Seen::Status(status)
+    }
+
+    #[test]
+    fn watch_does_not_show_old_statuses_first() {
+        let mut lines = WatchLines::default();
+        let start = Instant::now();
+        // The newest in the middle, as after a retransmission.
+        for (sec, impacts) in [(1, 1), (3, 3), (2, 2)] {
+            assert_eq!(
+                lines.lines(Some(status(sec, impacts)), start),
+                [String::new(); 0]
+            );
+        }
+        let shown = lines.lines(None, start + HISTORY_ARRIVES);
+        assert_eq!(shown.len(), 1);
+        assert!(shown[0].contains("; 3 impacts"), "{shown:?}");
+        // From now on messages are shown as they come, also when simulated time has jumped back.
+        let rejected = refused("a", 1);
+        assert_eq!(
+            lines.lines(Some(rejected), start + HISTORY_ARRIVES).len(),
+            1
+        );
+    }
+
+    #[test]
+    fn a_state_is_shown_while_kept_messages_arrive() {
+        let mut lines = WatchLines::default();
+        let start = Instant::now();
+        assert!(lines.lines(Some(status(1, 1)), start).is_empty());
+        let state = Seen::State(ColumnState::default());
+        assert_eq!(lines.lines(Some(state), start).len(), 1);
     }
 
     #[test]

@@ -12,18 +12,27 @@ use rustdds::{
     DomainParticipant, DomainParticipantStatusEvent, EndpointDescription, GUID, StatusEvented,
 };
 
+use super::security::Peers;
+
 /// The peers of the participant's endpoints.
 #[derive(Debug, Default)]
 pub struct Matches {
     peers: Mutex<BTreeMap<GUID, BTreeSet<GUID>>>,
     names: Mutex<BTreeMap<GUID, String>>,
     changed: Condvar,
+    security_peers: Arc<Peers>,
 }
 
 impl Matches {
     /// Sets the name of an endpoint for log messages.
     pub(super) fn name(&self, endpoint: GUID, name: &str) {
         locked(&self.names).insert(endpoint, name.to_owned());
+    }
+
+    /// Which participants joined with a valid identity, and how many were rejected.
+    #[must_use]
+    pub fn security_peers(&self) -> Arc<Peers> {
+        Arc::clone(&self.security_peers)
     }
 
     /// Number of peers of an endpoint.
@@ -97,9 +106,26 @@ impl Matches {
                     );
                 }
             }
+            #[cfg(feature = "security")]
+            Event::AuthenticationOutcome {
+                participant,
+                outcome,
+            } => {
+                let (peer, now) = (bytes(participant), Instant::now());
+                match outcome {
+                    Ok(subject) => self.security_peers.take_joined(peer, &subject, now),
+                    Err(reason) => self.security_peers.take_rejected(peer, &reason, now),
+                }
+            }
+            Event::ParticipantLost { id, .. } => self.security_peers.take_lost(&bytes(id)),
             _ => {}
         }
     }
+}
+
+/// The prefix of a GUID, which is the same for all endpoints of a participant.
+fn bytes(prefix: impl AsRef<[u8]>) -> [u8; 12] {
+    prefix.as_ref().try_into().unwrap_or_default()
 }
 
 /// Ignores poisoning: the contents of these mutexes are consistent after every statement.

@@ -9,6 +9,7 @@
 
 mod arguments;
 mod client;
+mod clock_watch;
 mod diagnostics;
 mod duplicates;
 mod environment;
@@ -29,6 +30,7 @@ mod raw;
 pub mod replay;
 mod rosout;
 mod run;
+pub mod security;
 mod signals;
 mod task;
 mod twin_node;

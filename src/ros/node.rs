@@ -19,6 +19,7 @@ use super::matches::Matches;
 use super::names::{NameError, Names};
 use super::qos::{self, Endpoint, package_and_type};
 use super::raw::Raw;
+use super::security::{Peers, Protection, SecurityError, protection};
 
 /// Errors of creating a node or its endpoints.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +38,9 @@ pub enum NodeError {
     /// A name is invalid.
     #[error(transparent)]
     Name(#[from] NameError),
+    /// The enclave is missing or cannot be used.
+    #[error(transparent)]
+    Security(#[from] SecurityError),
     /// The node or an endpoint cannot be created.
     #[error("cannot create {what}: {reason}")]
     Endpoint {
@@ -62,15 +66,18 @@ pub struct Node {
     context: Context,
     names: Names,
     matches: Arc<Matches>,
+    protection: Arc<Protection>,
 }
 
 impl Node {
     /// A node with these names in the environment's domain.
     ///
     /// # Errors
-    /// The participant or the node cannot be created.
+    /// The participant or the node cannot be created, or security is enforced and its enclave cannot be used.
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
-        let context = context(environment)?;
+        let protection = protection(&environment.security, environment.domain_id)?;
+        protection.announce();
+        let context = context(environment, &protection)?;
         let not_created = |reason: String| NodeError::Endpoint {
             what: names.fully_qualified(),
             reason,
@@ -91,6 +98,7 @@ impl Node {
             context,
             names,
             matches: Arc::default(),
+            protection: Arc::new(protection),
         })
     }
 
@@ -104,6 +112,19 @@ impl Node {
     #[must_use]
     pub fn matches(&self) -> Arc<Matches> {
         Arc::clone(&self.matches)
+    }
+
+    /// How the node's participant is protected.
+    #[must_use]
+    pub fn protection(&self) -> Arc<Protection> {
+        Arc::clone(&self.protection)
+    }
+
+    /// Which peers joined with a valid identity, and how many were rejected, as long as
+    /// [`participant_events`](Self::participant_events) runs.
+    #[must_use]
+    pub fn security_peers(&self) -> Arc<Peers> {
+        self.matches.security_peers()
     }
 
     /// Keeps [`matches`](Self::matches) up to date as long as it runs.
@@ -297,12 +318,13 @@ fn not_created(what: &str, reason: &impl ToString) -> NodeError {
 ///
 /// # Errors
 /// Sockets or threads are not available.
-fn context(environment: &Environment) -> Result<Context, NodeError> {
+fn context(environment: &Environment, protection: &Protection) -> Result<Context, NodeError> {
     let builder = DomainParticipantBuilder::new(environment.domain_id);
     let builder = match environment.discovery_range {
         DiscoveryRange::Localhost => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
         DiscoveryRange::Subnet => builder,
     };
+    let builder = protected(builder, protection);
     let participant = builder.build().map_err(|error| NodeError::Participant {
         domain_id: environment.domain_id,
         reason: format!("{error:?}"),
@@ -311,4 +333,23 @@ fn context(environment: &Environment) -> Result<Context, NodeError> {
         domain_id: environment.domain_id,
         reason: error.to_string(),
     })
+}
+
+/// With the files of the enclave, if there is one.
+fn protected(
+    builder: DomainParticipantBuilder,
+    protection: &Protection,
+) -> DomainParticipantBuilder {
+    match protection {
+        #[cfg(feature = "security")]
+        Protection::Enclave(enclave) => {
+            // The key has no password: RustDDS ignores passwords, and the checks of the enclave reject encrypted keys.
+            let files = rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(
+                &enclave.directory,
+                String::new(),
+            );
+            builder.builtin_security(files)
+        }
+        _ => builder,
+    }
 }

@@ -18,6 +18,7 @@ use crate::twin::{
     Accepted, Notice, NoticeLevel, Output, ParametersChanged, Refused, RefusedInput,
 };
 
+use super::clock_watch::SeldomWarning;
 use super::diagnostics::{NodeCounters, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
 use super::matches::Matches;
@@ -25,6 +26,7 @@ use super::node::{Node, NodeError};
 use super::parameter_services;
 use super::qos;
 use super::raw::Raw;
+use super::security::{Peers, Protection};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -46,6 +48,8 @@ pub(super) struct Publishing {
     outgoing: Outgoing,
     twin: Arc<LiveTwin>,
     counters: Arc<NodeCounters>,
+    protection: Arc<Protection>,
+    peers: Arc<Peers>,
     node_name: String,
     fully_qualified: String,
     parameters: Arc<Parameters>,
@@ -55,6 +59,7 @@ pub(super) struct Publishing {
     waiting: Vec<&'static str>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
+    clock_warning: SeldomWarning,
     /// The time to publish is over: the remaining outputs are only recorded.
     is_over: bool,
 }
@@ -100,7 +105,10 @@ impl Publishing {
             waiting: Vec::new(),
             twin,
             counters,
+            protection: node.protection(),
+            peers: node.security_peers(),
             last_diagnostics: None,
+            clock_warning: SeldomWarning::default(),
             is_over: false,
         })
     }
@@ -125,10 +133,23 @@ impl Publishing {
                 None if stop.load(Ordering::Relaxed) => return,
                 None => {}
             }
+            self.warn_of_a_missing_clock();
             let last = self.last_diagnostics.as_ref();
             if !self.is_over && last.is_none_or(|(at, _)| at.elapsed() >= DIAGNOSTICS_PERIOD) {
                 self.diagnose(true);
             }
+        }
+    }
+
+    fn warn_of_a_missing_clock(&mut self) {
+        let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) else {
+            return;
+        };
+        let now = Instant::now();
+        if let Some(problem) = clock.problem(now)
+            && self.clock_warning.is_due(now)
+        {
+            tracing::warn!("{problem}");
         }
     }
 
@@ -164,6 +185,7 @@ impl Publishing {
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
+            | Output::Withdrawn(_)
             | Output::Status(_)
             | Output::Save(_) => {}
         }
@@ -252,6 +274,7 @@ impl Publishing {
             &self.status,
             &health,
             self.recording_health(&health).as_ref(),
+            self.protection.health(&self.peers),
             &self.waiting,
             &self.counters,
         );

@@ -14,6 +14,7 @@ use super::live_twin::{LiveTwin, LiveTwinError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
 use super::rosout::start_logging;
+use super::security::{SecurityError, protection};
 use super::signals::StopSignals;
 use super::twin_node::TwinNode;
 
@@ -46,6 +47,9 @@ pub enum RunError {
     /// Parameters are not valid.
     #[error(transparent)]
     Parameters(#[from] ParameterFaults),
+    /// The enclave is missing or cannot be used.
+    #[error(transparent)]
+    Security(#[from] SecurityError),
     /// The node cannot be created.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -55,6 +59,9 @@ pub enum RunError {
     /// The recording cannot be started.
     #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),
+    /// The key of the seals cannot be used.
+    #[error("the recording cannot start: {0}")]
+    SealKey(String),
     /// Logging or signal handling cannot be set up.
     #[error("{0}; a program can run only one node")]
     Process(Box<dyn std::error::Error + Send + Sync>),
@@ -71,6 +78,8 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     let (parameters, deprecated) = load_parameters(options, &names)?;
+    // Before anything starts or is written.
+    protection(&environment.security, environment.domain_id)?;
     let log =
         start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
     warn_of_ignored_settings(options);
@@ -114,7 +123,7 @@ struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 impl RunRecording {
     fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
-        use crate::recording::{RecorderOptions, RecorderReport, ReportLevel};
+        use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
         let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
         let log = |report: &RecorderReport| match report.level() {
             ReportLevel::Info => tracing::info!("{report}"),
@@ -127,7 +136,12 @@ impl RunRecording {
         };
         NodeRecording::start(&parameters.settings().record, &topics, with_log)
             .map(Self)
-            .map_err(|error| RunError::Recording(crate::recording::with_parameter(&error).into()))
+            .map_err(|error| match crate::recording::with_parameter(&error) {
+                reason if matches!(error, RecordingError::BadKey { .. }) => {
+                    RunError::SealKey(reason)
+                }
+                reason => RunError::Recording(reason.into()),
+            })
     }
 
     fn tap(&self) -> Option<Arc<dyn RecordingTap>> {

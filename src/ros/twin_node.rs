@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
 
@@ -21,6 +21,7 @@ use crate::live::{OutputSource, RealTime, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
+use super::clock_watch::ClockWatch;
 use super::diagnostics::NodeCounters;
 use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
@@ -63,7 +64,11 @@ impl TwinNode {
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
-        let counters = Arc::new(NodeCounters::default());
+        let is_simulated = twin.parameters().settings().use_sim_time;
+        let counters = Arc::new(NodeCounters {
+            clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
+            ..NodeCounters::default()
+        });
         let stop = Arc::new(AtomicBool::new(false));
         let stop_log = Arc::new(AtomicBool::new(false));
         let log = log

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::assessed::Assessed;
+use super::command::Nanos;
+use super::forecast::Forecast;
 use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
-use super::plant::Plant;
 use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
@@ -12,26 +13,24 @@ use super::what_if::Striking;
 use crate::column::Report;
 use crate::parameters::Parameters;
 
-/// The response to an impact.
-#[derive(Debug)]
-pub(super) struct ActiveResponse {
+/// An impact whose response has begun.
+#[derive(Debug, Clone)]
+pub(super) struct BegunImpact {
+    /// Of the event: the instant of step 0.
+    pub stamp: Nanos,
     pub event_id: Arc<str>,
     pub striking: Striking,
     /// Those that held when it began, so that forecast and result are assessed alike.
     pub parameters: Arc<Parameters>,
-    pub timeline: Timeline,
-    /// What the look-ahead has found.
-    pub foreseen: Option<Foreseen>,
+    pub step_nanos: u64,
 }
 
-/// The end of a response, known in advance.
+/// The response to an impact.
 #[derive(Debug)]
-pub(super) struct Foreseen {
-    pub report: Report,
-    /// The column at rest after it.
-    pub at_rest: Plant,
-    pub assessed: Option<Arc<Assessed>>,
-    pub error_estimate: Option<f64>,
+pub(super) struct ActiveResponse {
+    pub impact: BegunImpact,
+    pub timeline: Timeline,
+    pub forecast: Forecast,
 }
 
 /// A response that is over.
@@ -42,18 +41,7 @@ pub(super) struct LastResponse {
     pub resumable: Option<f64>,
 }
 
-impl ActiveResponse {
-    pub fn put_forecast(&self, foreseen: &Foreseen, compute_nanos: u64, out: &mut impl Outputs) {
-        let Foreseen {
-            report,
-            assessed,
-            error_estimate,
-            ..
-        } = foreseen;
-        let output = self.report_output(*report, assessed.clone(), *error_estimate, compute_nanos);
-        out.put(Output::Forecast(output));
-    }
-
+impl BegunImpact {
     pub fn report_output(
         &self,
         report: Report,
@@ -62,17 +50,19 @@ impl ActiveResponse {
         compute_nanos: u64,
     ) -> ReportOutput {
         ReportOutput {
-            stamp: self.timeline.origin(),
+            stamp: self.stamp,
             event_id: Arc::clone(&self.event_id),
             striking: self.striking.clone(),
             report,
             assessed,
             error_estimate,
-            step_nanos: self.timeline.plant().model.properties.step_nanos,
+            step_nanos: self.step_nanos,
             compute_time: seconds(compute_nanos),
         }
     }
+}
 
+impl ActiveResponse {
     pub fn newton_iterations(&self) -> u64 {
         self.timeline.plant().state.newton_iterations
     }
@@ -85,15 +75,18 @@ impl ActiveResponse {
             below: properties.length_below,
             above: properties.length_above,
         };
+        let BegunImpact {
+            event_id, striking, ..
+        } = &self.impact;
         out.put(Output::State(StateOutput {
             stamp: self.timeline.instant_of(self.timeline.step()),
-            event_id: Arc::clone(&self.event_id),
+            event_id: Arc::clone(event_id),
             phase: phase.unwrap_or(sample.phase.into()),
             sample,
             lengths: Some(lengths),
             vehicle: Some(StrikingVehicle {
-                name: Arc::clone(&self.striking.vehicle),
-                mass: self.striking.impact.mass,
+                name: Arc::clone(&striking.vehicle),
+                mass: striking.impact.mass,
             }),
         }));
     }

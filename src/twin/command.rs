@@ -39,6 +39,13 @@ pub enum Command {
         /// The sender, for logs.
         source: Arc<str>,
     },
+    /// The clock that drives the twin has jumped back, as that of a looped recording does. The response under way is carried
+    /// to its end without waiting for the clock, with the stamps that its samples would have had, and no later impact belongs
+    /// into it.
+    ClockJumpedBack {
+        /// How far \[ns\].
+        by: u64,
+    },
 }
 
 /// An impact as its sender describes it. The twin checks every field.

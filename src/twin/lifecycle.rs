@@ -2,18 +2,19 @@
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, Foreseen, LastResponse};
-use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once, assessed};
+use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
+use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
+use super::forecast::{Forecast, Foreseen, SupersededForecasts};
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{NoticeLevel, Output, Outputs, Verdicts};
+use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
 use super::saved_state::SavedState;
 use super::status::{Status, StatusClock, TwinPhase};
-use super::timeline::{Advanced, History, LookAhead, Outlook, Timeline};
+use super::timeline::{Advanced, History, LookAhead, Timeline};
 use super::what_if::ColumnSnapshot;
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
 use crate::assessment::imperfection;
@@ -32,14 +33,18 @@ pub struct Twin {
     /// Its assessment; `None` if it cannot be computed.
     pub(super) assessed: Option<Arc<Assessed>>,
     /// Virgin capacity of the last column that was assessed.
-    virgin: Option<VirginCapacity>,
+    pub(super) virgin: Option<VirginCapacity>,
     pub(super) response: Option<ActiveResponse>,
+    /// The clock has jumped back during the present response, which no longer waits for it.
+    is_completing: bool,
+    /// Forecasts of responses that have ended before their time.
+    pub(super) superseded: SupersededForecasts,
     /// The last response that is over.
     pub(super) last: Option<LastResponse>,
     pub(super) journal: JournalClock,
     pub(super) status: StatusClock,
     pub(super) solver: SolverStatistics,
-    stopwatch: Stopwatch,
+    pub(super) stopwatch: Stopwatch,
 }
 
 /// What the solver has done since the start.
@@ -84,6 +89,8 @@ impl Twin {
             assessed: None,
             virgin: None,
             response: None,
+            is_completing: false,
+            superseded: SupersededForecasts::new(),
             last: None,
             journal: JournalClock::new(now),
             status: StatusClock::new(now),
@@ -132,24 +139,17 @@ impl Twin {
         self.response.is_some()
     }
 
-    /// Whether a forecast is being computed: [`Twin::run_ahead`] carries it on.
-    pub fn is_looking_ahead(&self) -> bool {
-        self.response
-            .as_ref()
-            .is_some_and(|response| response.timeline.is_looking_ahead())
-    }
-
     /// What is lost if the program ends now, in words: damage that is not saved, impacts that have not begun.
     #[must_use]
     pub fn lost_by_a_stop(&self) -> Vec<String> {
         let unsaved = self
             .response
             .as_ref()
-            .filter(|response| !response.timeline.has_forecast())
+            .filter(|response| !response.forecast.is_known())
             .map(|response| {
                 format!(
                     "the damage of impact \"{}\", to which the column is responding and whose forecast is not complete",
-                    response.event_id
+                    response.impact.event_id
                 )
             });
         unsaved
@@ -206,11 +206,16 @@ impl Twin {
                 self.reset(source, now, out);
                 Ok(Accepted::Applied)
             }
+            Command::ClockJumpedBack { by } => {
+                self.clock_jumped_back(*by, now, out);
+                Ok(Accepted::Applied)
+            }
         };
         let refusal = result.as_ref().err().cloned();
         out.put(Output::Journal(
             self.journal.command(command, refusal, position, now),
         ));
+        self.superseded.put_withdrawn(out);
         result
     }
 
@@ -218,7 +223,10 @@ impl Twin {
     /// its [`Twin::next_deadline`] in the past. Samples that are due are given out, then what has changed.
     pub fn advance_to(&mut self, now: Nanos, out: &mut impl Outputs) {
         let started = (self.stopwatch)();
-        self.step_to(now, out);
+        match self.is_completing() {
+            true => self.step_to(Nanos::MAX, now, out),
+            false => self.step_to(now, now, out),
+        }
         if let Some(response) = &mut self.response {
             let taken = (self.stopwatch)().saturating_sub(started);
             response.timeline.add_compute_time(taken);
@@ -227,68 +235,10 @@ impl Twin {
         self.report_status(now, out);
     }
 
-    /// Carries the forecast on by at most `max_steps`: it is given out when the response and the remaining capacity are known,
-    /// and again when the error of the time step is known.
-    pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
-        let mut budget = max_steps;
-        while let Some(response) = &mut self.response {
-            let ahead = response.timeline.look_ahead(&mut budget, &self.stopwatch);
-            let Some((outlook, compute_nanos)) = ahead else {
-                return;
-            };
-            match outlook {
-                Outlook::Running | Outlook::Complete => return,
-                Outlook::Over {
-                    report,
-                    at_rest,
-                    has_residual,
-                    capacities,
-                    virgin,
-                } => {
-                    self.virgin = virgin.or(self.virgin);
-                    let last = LastImpact::new(&response.striking, &report, None);
-                    let foreseen = Foreseen {
-                        report,
-                        at_rest: at_rest.clone(),
-                        assessed: capacities
-                            .map(|it| assessed(&response.parameters, &at_rest, Some(&last), &it)),
-                        error_estimate: None,
-                    };
-                    response.put_forecast(&foreseen, compute_nanos, out);
-                    out.verdict(
-                        "forecast",
-                        &response.event_id,
-                        foreseen.assessed.as_deref(),
-                        now,
-                    );
-                    response.foreseen = Some(foreseen);
-                    // Saved now: if the machine stops before the response is over, the damage is known all the same.
-                    let mut expected = at_rest;
-                    if !has_residual {
-                        // The damage before the response is then the last that can be saved.
-                        expected.state = self.at_rest.state;
-                    }
-                    let mut saved = self.saved_state_of(&expected, now);
-                    saved.plastic_work_since_reset += report.plastic_work;
-                    saved.last_impact = Some(last);
-                    out.put(Output::Save(Arc::new(saved)));
-                }
-                Outlook::Refined(estimate) => {
-                    if let Some(mut foreseen) = response.foreseen.take() {
-                        foreseen.error_estimate = estimate;
-                        if estimate.is_some() {
-                            response.put_forecast(&foreseen, compute_nanos, out);
-                        }
-                        response.foreseen = Some(foreseen);
-                    }
-                }
-                Outlook::Failed(reason) => {
-                    let event_id = &response.event_id;
-                    let text = format!("no forecast of impact \"{event_id}\": {reason}");
-                    out.notice(NoticeLevel::Warning, now, text);
-                }
-            }
-        }
+    /// Whether the present response is carried to its end without waiting for the clock, because that has jumped back. The
+    /// caller calls [`Twin::advance_to`] at once again, and better submits no impact, which would be earlier than the present one.
+    pub fn is_completing(&self) -> bool {
+        self.is_completing && self.response.is_some()
     }
 
     /// When [`Twin::advance_to`] is to be called again: the instant of the next sample or status; not after `now` where
@@ -298,6 +248,9 @@ impl Twin {
         let Some(response) = &self.response else {
             return status;
         };
+        if self.is_completing {
+            return now;
+        }
         let next_impact = self.registry.next_pending().unwrap_or(Nanos::MAX);
         let next_turn = response.timeline.next_deadline(now);
         status.min(next_turn).min(next_impact)
@@ -331,7 +284,7 @@ impl Twin {
         self.saved_state_of(&self.at_rest, now)
     }
 
-    fn saved_state_of(&self, plant: &Plant, now: Nanos) -> SavedState {
+    pub(super) fn saved_state_of(&self, plant: &Plant, now: Nanos) -> SavedState {
         SavedState::new(&self.registry, self.parameters.fingerprint(), plant, now)
     }
 
@@ -458,13 +411,10 @@ impl Twin {
         let since = seconds(pending.stamp.abs_diff(response.timeline.origin()));
         let text = format!(
             "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
-            pending.event_id, response.event_id,
+            pending.event_id, response.impact.event_id,
         );
-        out.notice(NoticeLevel::Info, now, text);
-        self.last = Some(LastResponse {
-            response,
-            resumable: None,
-        });
+        out.notice(NoticeLevel::Info, now, text.clone());
+        self.end_early(response, ForecastEnd::Superseded, text);
         let plant = Plant {
             model,
             state,
@@ -490,6 +440,9 @@ impl Twin {
             Ok(struck) => self.begin(pending, struck, now, out),
             Err(refusal) => {
                 self.registry.withdraw();
+                let reason = refusal.tagged();
+                self.superseded
+                    .take_none((&pending).into(), ForecastEnd::Rejected, &reason);
                 self.refuse_impact(&pending.event_id, refusal, now, out);
             }
         }
@@ -536,20 +489,46 @@ impl Twin {
         let parameters = Arc::clone(self.parameters.current());
         let ahead = LookAhead::new(struck, imperfection(&parameters), self.virgin);
         self.response = Some(ActiveResponse {
-            event_id,
-            striking,
-            parameters,
-            timeline: Timeline::begin(stamp, ahead, struck, steps_per_sample, history),
-            foreseen: None,
+            impact: BegunImpact {
+                stamp,
+                event_id,
+                striking,
+                parameters,
+                step_nanos: struck.model.properties.step_nanos,
+            },
+            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
+            forecast: Forecast::new(ahead),
         });
         self.status.set_changed();
     }
 
     // The response with the clock
 
-    pub(super) fn step_to(&mut self, now: Nanos, out: &mut impl Outputs) {
+    fn clock_jumped_back(&mut self, by: u64, now: Nanos, out: &mut impl Outputs) {
+        let by = seconds(by);
+        let text = match &self.response {
+            None => format!("the clock has jumped back by {by} s"),
+            Some(response) => format!(
+                "the clock has jumped back by {by} s during the response to impact \"{}\", which is carried to its end without \
+                 waiting for the clock",
+                response.impact.event_id
+            ),
+        };
+        out.notice(NoticeLevel::Warning, now, text);
+        self.is_completing = self.response.is_some();
+        self.forbid_resuming();
+        self.status.set_changed();
+    }
+
+    /// Steps the column to an instant, by at most [`MAX_STEPS_PER_CALL`] steps; `now` is the time of the clock.
+    pub(super) fn step_to(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) {
+        self.make_steps_to(instant, now, out);
+        self.superseded.put_withdrawn(out);
+    }
+
+    fn make_steps_to(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) {
         for _ in 0..MAX_STEPS_PER_CALL {
-            let Some(target) = self.arrive(now, out) else {
+            let Some(target) = self.arrive(instant, now, out) else {
                 return;
             };
             let Some(ActiveResponse { timeline, .. }) = &mut self.response else {
@@ -565,16 +544,16 @@ impl Twin {
             }
         }
         // Between two calls everything that belongs to the step that was reached has been done.
-        self.arrive(now, out);
+        self.arrive(instant, now, out);
     }
 
     /// Does what is due where the column is: its sample, and the impacts that meet it here. The step to advance to from
-    /// here; `None` where `now` is not beyond it.
-    fn arrive(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
+    /// here; `None` where `instant` is not beyond it.
+    fn arrive(&mut self, instant: Nanos, now: Nanos, out: &mut impl Outputs) -> Option<u64> {
         loop {
             let next_impact = self.registry.next_pending();
             let response = self.response.as_mut()?;
-            let now_step = response.timeline.step_at(now)?;
+            let now_step = response.timeline.step_at(instant)?;
             let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
             let target = next_impact.unwrap_or(u64::MAX).min(now_step);
             if response.timeline.is_sample_due() {
@@ -593,7 +572,9 @@ impl Twin {
     }
 
     fn end(&mut self, end: End, now: Nanos, out: &mut impl Outputs) {
-        self.run_ahead(u64::MAX, now, out); // a forecast never comes after its report
+        // A forecast never comes after its report.
+        self.carry_present_forecast(&mut u64::MAX.clone(), now, out);
+        self.finish_superseded_forecasts(now, out);
         let Some(mut response) = self.response.take() else {
             return;
         };
@@ -604,28 +585,36 @@ impl Twin {
         response.put_state(Some(condition.final_phase()), out);
         let settled = plant.settled(residual, condition);
         // The look-ahead followed the same response. Without a forecast, because of its length, the assessment is made here.
-        let foreseen = response.foreseen.take().filter(|it| it.report == report);
+        let foreseen: Option<Foreseen> = response
+            .forecast
+            .take_foreseen()
+            .filter(|it| it.report == report);
         let error_estimate = foreseen.as_ref().and_then(|it| it.error_estimate);
-        let last = LastImpact::new(&response.striking, &report, error_estimate);
+        let last = LastImpact::new(&response.impact.striking, &report, error_estimate);
         let assessed = match foreseen {
             Some(foreseen) => foreseen.assessed,
             None => assess_at_once(
-                &response.parameters,
+                &response.impact.parameters,
                 &settled,
                 Some(&last),
                 &mut self.virgin,
             ),
         };
-        let output = response.report_output(
+        let output = response.impact.report_output(
             report,
             assessed.clone(),
             error_estimate,
             response.timeline.compute_nanos(),
         );
         out.put(Output::Report(output));
-        out.verdict("result", &response.event_id, assessed.as_deref(), now);
+        out.verdict(
+            "result",
+            &response.impact.event_id,
+            assessed.as_deref(),
+            now,
+        );
         self.registry.life.last_impact = Some(last);
-        let parameters = Arc::clone(&response.parameters);
+        let parameters = Arc::clone(&response.impact.parameters);
         self.settle(
             response,
             settled,
@@ -648,7 +637,7 @@ impl Twin {
             let text = format!(
                 "the response to impact \"{}\" cannot be computed beyond {} s after it: {error}; the column keeps the damage \
                  that it had by then, which may be less than the impact has caused",
-                response.event_id,
+                response.impact.event_id,
                 response.timeline.plant().report(End::NotConverged).end_time,
             );
             out.notice(NoticeLevel::Error, now, text);
@@ -686,6 +675,11 @@ impl Twin {
             if self.response.is_none() {
                 self.save(now, out); // it was refused: fewer impacts than were saved
             }
+        }
+        if self.is_completing {
+            // What follows has stamps of the time after the jump.
+            self.forbid_resuming();
+            self.is_completing = self.response.is_some();
         }
     }
 }

@@ -9,7 +9,8 @@
 //! | part | responsibility | knows nothing of |
 //! |---|---|---|
 //! | `plant` | the column and what strikes it: state, step, equilibrium, condition | clock, identifiers |
-//! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the forecast | identifiers |
+//! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the look-ahead | identifiers |
+//! | `forecast` | the forecasts, also of responses that have ended before their time | |
 //! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
 //! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
 //! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
@@ -33,7 +34,9 @@
 //! - Forecast and result have the same assessment, by the parameters that held when the response began. The column at rest is
 //!   assessed by those that hold then.
 //! - An impact that ends the response to another one takes its place: the other one has no report, or one that no longer
-//!   holds; a notice tells which.
+//!   holds; a notice tells which. Its forecast is completed nevertheless, and then withdrawn ([`Output::Withdrawn`]).
+//! - Every accepted impact has a forecast, or an [`Output::Withdrawn`] that tells why it has none. At rest no forecast is
+//!   under way.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
 //!   damage it.
@@ -44,6 +47,8 @@ mod active_response;
 mod assessed;
 mod command;
 mod exact_number;
+mod forecast;
+mod forecasting;
 mod journal;
 mod lifecycle;
 mod output;
@@ -62,14 +67,17 @@ mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
 pub use command::{Accepted, Command, ImpactCommand, Nanos};
+pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
 };
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
-    Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput, StateOutput,
-    StrikingVehicle,
+    ForecastEnd, Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput,
+    StateOutput, StrikingVehicle, WithdrawnForecast, WithdrawnImpact,
 };
+#[cfg(test)]
+pub(crate) use plant::failing_step;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{

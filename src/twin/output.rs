@@ -23,6 +23,8 @@ pub enum Output {
     Forecast(ReportOutput),
     /// What an impact has done; `stamp` is the event's.
     Report(ReportOutput),
+    /// The forecast of an accepted impact no longer holds, or there will be none; in both cases no report follows.
+    Withdrawn(WithdrawnForecast),
     /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
     /// A command was refused and has changed nothing.
@@ -92,6 +94,47 @@ pub struct ReportOutput {
     pub step_nanos: u64,
     /// What computing it took \[s\].
     pub compute_time: f64,
+}
+
+/// The forecast of an accepted impact no longer holds, or there will be none.
+#[derive(Debug, Clone)]
+pub struct WithdrawnForecast {
+    /// The impact.
+    pub impact: WithdrawnImpact,
+    /// Whether a forecast was given out.
+    pub was_known: bool,
+    /// Estimated relative error of its `max_v1`, if it was given out again with it.
+    pub error_estimate: Option<f64>,
+    /// For programs.
+    pub end: ForecastEnd,
+    /// For people.
+    pub reason: Arc<str>,
+}
+
+/// An accepted impact that has no report.
+#[derive(Debug, Clone)]
+pub struct WithdrawnImpact {
+    /// Stamp of the event.
+    pub stamp: Nanos,
+    /// Its identifier.
+    pub event_id: Arc<str>,
+    /// What hits the column.
+    pub striking: Striking,
+}
+
+/// Why a forecast no longer holds, or why there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForecastEnd {
+    /// Another impact has hit the moving column; its forecast and its report include what this one did.
+    Superseded,
+    /// A reset has made the column virgin.
+    Reset,
+    /// The twin was stopped.
+    Stopped,
+    /// When the impact was due, the column could not take it.
+    Rejected,
+    /// It cannot be computed.
+    NotComputed,
 }
 
 /// Parameters were changed, or a change waits for the end of a response, or one that waited was refused.

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::active_response::LastResponse;
 use super::command::{Accepted, Nanos};
 use super::lifecycle::Twin;
-use super::output::{NoticeLevel, Output, Outputs, ParametersChanged};
+use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
 use super::refusal::Refusal;
 use super::seconds;
@@ -88,17 +87,17 @@ impl Twin {
     fn foreseen_at_rest(&mut self, now: Nanos, out: &mut impl Outputs) -> Option<&Plant> {
         let response = self.response.as_ref()?;
         let step = seconds(response.timeline.plant().model.properties.step_nanos);
-        if response.parameters.response_duration() / step > MAX_FORESEEN_STEPS {
+        if response.impact.parameters.response_duration() / step > MAX_FORESEEN_STEPS {
             return None;
         }
         let is_unknown = |it: &Self| {
             let response = it.response.as_ref();
-            response.is_some_and(|it| it.foreseen.is_none() && it.timeline.is_looking_ahead())
+            response.is_some_and(|it| it.forecast.foreseen().is_none() && it.forecast.is_running())
         };
         while is_unknown(self) {
             self.run_ahead(FORESEEING_SLICE, now, out);
         }
-        let foreseen = self.response.as_ref()?.foreseen.as_ref()?;
+        let foreseen = self.response.as_ref()?.forecast.foreseen()?;
         Some(&foreseen.at_rest)
     }
 
@@ -117,7 +116,7 @@ impl Twin {
         self.at_rest = column;
     }
 
-    fn forbid_resuming(&mut self) {
+    pub(super) fn forbid_resuming(&mut self) {
         if let Some(last) = &mut self.last {
             last.resumable = None;
         }
@@ -168,14 +167,18 @@ impl Twin {
         if let Some(response) = self.response.take() {
             let text = format!(
                 "a reset ends the response to impact \"{}\"",
-                response.event_id
+                response.impact.event_id
             );
-            out.notice(NoticeLevel::Warning, now, text);
+            out.notice(NoticeLevel::Warning, now, text.clone());
             self.solver.newton_iterations += response.newton_iterations();
-            self.last = Some(LastResponse {
-                response,
-                resumable: None,
-            });
+            self.end_early(response, ForecastEnd::Reset, text);
+        }
+        // A reset does not wait for forecasts.
+        self.superseded.abandon();
+        for impact in self.registry.pending() {
+            let reason = "a reset has dropped the impact before it was due";
+            self.superseded
+                .take_none(impact.into(), ForecastEnd::Reset, reason);
         }
         self.forbid_resuming();
         if let Some(forgotten) = self.registry.pending_in_words() {

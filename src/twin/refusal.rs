@@ -78,6 +78,12 @@ refusal_codes! {
     VehicleInvalid = 21 "vehicle_invalid";
     /// A hinge of the column has passed its ultimate rotation.
     ColumnSevered = 22 "column_severed";
+    /// The vehicle would not reach the column within `response.duration`.
+    ApproachTooLong = 23 "approach_too_long";
+    /// The sender is not in `senders.allowed`.
+    SenderNotAllowed = 24 "sender_not_allowed";
+    /// The sender exceeds `senders.max_rate`.
+    SenderTooFast = 25 "sender_too_fast";
 }
 
 impl RefusalCode {
@@ -85,7 +91,14 @@ impl RefusalCode {
     /// twin, or the twin did not answer.
     #[must_use]
     pub fn is_from_twin(self) -> bool {
-        !matches!(self, Self::QueueFull | Self::NoAnswer | Self::Stopping)
+        !matches!(
+            self,
+            Self::QueueFull
+                | Self::NoAnswer
+                | Self::Stopping
+                | Self::SenderNotAllowed
+                | Self::SenderTooFast
+        )
     }
 
     /// The number in messages.

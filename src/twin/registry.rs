@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
 use super::command::Nanos;
+use super::output::WithdrawnImpact;
 use super::refusal::{Refusal, RefusalCode, truncated};
 use super::seconds;
 use super::seen_ids::SeenIds;
@@ -92,6 +93,16 @@ pub(super) struct PendingImpact {
     pub striking: Striking,
     /// Above the base \[m\]; `None`: where the parameters have it.
     pub height: Option<f64>,
+}
+
+impl From<&PendingImpact> for WithdrawnImpact {
+    fn from(impact: &PendingImpact) -> Self {
+        Self {
+            stamp: impact.stamp,
+            event_id: Arc::clone(&impact.event_id),
+            striking: impact.striking.clone(),
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -225,6 +236,11 @@ impl Registry {
     /// Stamp of the next impact to come.
     pub fn next_pending(&self) -> Option<Nanos> {
         self.pending.first().map(|next| next.stamp)
+    }
+
+    /// The impacts that are still to come, in the order of their stamps.
+    pub fn pending(&self) -> impl Iterator<Item = &PendingImpact> {
+        self.pending.iter()
     }
 
     pub fn take_pending(&mut self) -> Option<PendingImpact> {

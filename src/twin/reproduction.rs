@@ -108,11 +108,17 @@ impl Twin {
             }
             let now = now.ok_or(not_reached)?;
             self.run_ahead(u64::MAX, now, out);
-            self.step_to(now, out);
+            self.step_to(now, now, out);
             if self.position() == found {
                 return Err(not_reached);
             }
         }
+    }
+
+    /// Stamp of the next accepted impact that is still to come.
+    #[must_use]
+    pub fn next_impact(&self) -> Option<Nanos> {
+        self.registry.next_pending()
     }
 
     /// Follows the column until all states up to an instant are given out, or the response is over.
@@ -120,10 +126,36 @@ impl Twin {
         loop {
             let found = self.position();
             self.run_ahead(u64::MAX, now, out);
-            self.step_to(now, out);
+            self.step_to(now, now, out);
             if self.position() == found {
                 return;
             }
+        }
+    }
+
+    /// Follows the column until the present response is over.
+    pub fn advance_to_end(&mut self, out: &mut impl Outputs) {
+        let next = Position {
+            response: self.journal.responses.saturating_add(1),
+            step: None,
+        };
+        while self.journal.responses < next.response
+            && let Some(now) = self.instant_towards(next)
+        {
+            let found = self.position();
+            self.run_ahead(u64::MAX, now, out);
+            self.step_to(now, now, out);
+            if self.position() == found {
+                return;
+            }
+        }
+    }
+
+    /// Tries the next step of the column: a response whose next step cannot be computed ends there.
+    pub fn try_next_step(&mut self, out: &mut impl Outputs) {
+        let timeline = self.response.as_ref().map(|response| &response.timeline);
+        if let Some(now) = timeline.map(|it| it.instant_of(it.step().saturating_add(1))) {
+            self.step_to(now, now, out);
         }
     }
 

@@ -130,7 +130,8 @@ impl ColumnSnapshot {
     /// number checked against the one table.
     ///
     /// # Errors
-    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range.
+    /// The vehicle is unknown, or lighter than its front masses; all numbers that are not finite or out of range; the vehicle
+    /// is too far away.
     pub(super) fn complete(
         &self,
         vehicle: &str,
@@ -155,16 +156,30 @@ impl ColumnSnapshot {
         .into_iter()
         .flatten()
         .collect();
-        match faults.is_empty() {
-            true => Ok(Striking {
-                vehicle: name,
-                impact,
-            }),
-            false => Err(Refusal::new(
-                RefusalCode::ImpactOutOfRange,
-                faults.join("; "),
-            )),
+        if !faults.is_empty() {
+            let faults = faults.join("; ");
+            return Err(Refusal::new(RefusalCode::ImpactOutOfRange, faults));
         }
+        self.check_approach(&impact)?;
+        Ok(Striking {
+            vehicle: name,
+            impact,
+        })
+    }
+
+    /// # Errors
+    /// The vehicle would not reach the column within `response.duration`, if the column stood still.
+    fn check_approach(&self, impact: &Impact) -> Result<(), Refusal> {
+        let Impact { gap, velocity, .. } = impact;
+        let (approach, longest) = (gap / velocity, self.parameters.response_duration());
+        if approach <= longest {
+            return Ok(());
+        }
+        let reason = format!(
+            "at {velocity} m/s the vehicle needs {approach} s for the gap of {gap} m; response.duration allows {longest} s: \
+             report the impact when the vehicle is nearer, or increase response.duration"
+        );
+        Err(Refusal::new(RefusalCode::ApproachTooLong, reason))
     }
 
     /// Name and mechanics of a vehicle; `None` is a rigid mass.

@@ -96,6 +96,14 @@ impl ViewerItem {
                 level: it.level,
                 text: it.text.to_string(),
             },
+            Output::Withdrawn(it) => Self::Line {
+                stamp: it.impact.stamp,
+                level: NoticeLevel::Warning,
+                text: format!(
+                    "no result of impact {:?}: {}",
+                    it.impact.event_id, it.reason
+                ),
+            },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
             Output::Status(_) | Output::Save(_) | Output::Journal(_) => return None,
         })

@@ -60,10 +60,21 @@ fn missing_after_a_kill(after: Duration) -> Duration {
     };
     let found = verify(&path).unwrap();
     assert!(found.is_equal(), "{found}");
+    assert_sealed_up_to_the_last_flush(&path);
     let kept = recorded(&path);
     assert!(!kept.is_empty(), "nothing is left after {after:?}");
     let (last, kept) = (received[received.len() - 1], kept[kept.len() - 1]);
     Duration::from_nanos(u64::try_from(last - kept).unwrap_or(0))
+}
+
+/// The seal of a killed node holds; it covers all but what was written within one flush.
+fn assert_sealed_up_to_the_last_flush(path: &Path) {
+    let reader = Reader::open(path).unwrap();
+    let seal = reader.seals()[0].as_ref().expect("the node seals");
+    assert!(seal.holds() && !seal.is_final, "{seal:?}");
+    let within = i64::try_from(FLUSH_WITHIN.as_nanos()).unwrap();
+    let end = reader.span().unwrap().1;
+    assert!(end - seal.covered_until.unwrap() <= within, "{seal:?}");
 }
 
 #[test]

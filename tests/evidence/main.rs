@@ -8,6 +8,9 @@ mod commands;
 mod domain;
 mod dropped;
 mod forgeries;
+#[allow(dead_code)] // the tests of the recordings use the rest
+#[path = "../../crates/recording/tests/recording/forging.rs"]
+mod forging;
 mod full_disk;
 #[allow(dead_code)] // the tests of the node use the rest
 #[path = "../ros/incoming.rs"]
@@ -17,5 +20,7 @@ mod node;
 mod recorded_twin;
 mod replayed;
 mod scenarios;
+mod sealed;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
+mod tampering;

@@ -3,9 +3,16 @@
 use column_twin::column::ImpactSpecification;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
+use column_twin::endpoints::{self, Endpoint};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
-use column_twin::outgoing::{Outgoing, RecordingTap as _};
+use column_twin::incoming::column_command;
+use column_twin::messages::builtin_interfaces::Time;
+use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent};
+use column_twin::messages::std_msgs::Header;
+use column_twin::messages::{Message, cdr};
+use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
@@ -43,6 +50,9 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactCommand {
 pub struct RecordedTwin {
     pub twin: Twin,
     pub now: Nanos,
+    /// States that the queue to the node will drop.
+    states_to_drop: u64,
+    dropped_states: u64,
     outgoing: Outgoing,
     recording: Arc<NodeRecording>,
     directory: TempDir,
@@ -68,6 +78,10 @@ impl RecordedTwin {
             directory: directory.path().display().to_string(),
             ..parameters.settings().record.clone()
         };
+        // The twin follows a mock clock, and the recorder that of the system.
+        let parameters = parameters
+            .with_changes([("use_sim_time", Value::from(true))])
+            .expect("admissible");
         let topics = Topics::of_default_node();
         let recording = NodeRecording::start(&record, &topics, options)
             .expect("starts")
@@ -77,6 +91,8 @@ impl RecordedTwin {
         let mut recorded = Self {
             twin,
             now: START,
+            states_to_drop: 0,
+            dropped_states: 0,
             outgoing,
             recording,
             directory,
@@ -87,8 +103,17 @@ impl RecordedTwin {
 
     fn put(&mut self, out: Vec<Output>) {
         for output in out {
-            let recording = &self.recording;
-            self.outgoing.convert(&output, |message| {
+            if matches!(output, Output::State(_)) && self.states_to_drop > 0 {
+                self.states_to_drop -= 1;
+                self.dropped_states += 1;
+                continue;
+            }
+            let (recording, dropped) = (&self.recording, self.dropped_states);
+            self.outgoing.convert(&output, |mut message| {
+                if let TwinMessage::TwinStatus(status) = &mut message {
+                    status.dropped_states = dropped;
+                    status.dropped_recording = dropped;
+                }
                 let bytes = message.encode().expect("bytes").into();
                 recording.sent(message.topic().endpoint(), &bytes);
             });
@@ -104,8 +129,46 @@ impl RecordedTwin {
         self.put(out);
     }
 
+    /// The queue to the node drops the next states.
+    pub fn drop_states(&mut self, count: u64) {
+        self.states_to_drop = count;
+    }
+
+    /// The node receives an impact.
     pub fn hit(&mut self, event: ImpactCommand) {
+        let message = ImpactEvent {
+            header: Header {
+                stamp: Time::from_nanos(event.stamp).expect("a stamp"),
+                frame_id: "map".to_owned(),
+            },
+            column_id: event.column_id.clone(),
+            event_id: event.event_id.clone(),
+            vehicle: event.vehicle.clone(),
+            ..ImpactEvent::from(&event.impact)
+        };
+        self.receive(&endpoints::IMPACT_EVENT, &message);
         self.execute(Command::Impact(event));
+    }
+
+    /// The node receives a set of parameters.
+    pub fn set_column(&mut self, message: &ColumnParameters) {
+        self.receive(&endpoints::COLUMN_PARAMETERS, message);
+        let column_id = self.twin.column_id().to_string();
+        self.execute(column_command(message, &column_id));
+    }
+
+    /// Records a message that the node receives, which was sent half a millisecond before.
+    fn receive<M: Message>(&self, endpoint: &Endpoint, message: &M) {
+        let bytes = cdr::encode(message).expect("bytes");
+        let sent = SystemTime::now().duration_since(UNIX_EPOCH).expect("after");
+        let sent = i64::try_from(sent.as_nanos()).expect("before 2262") - MS / 2;
+        self.recording.received(endpoint, bytes, Some(sent));
+    }
+
+    /// The node sends a message that does not come from the twin.
+    pub fn send<M: Message>(&self, endpoint: &Endpoint, message: &M) {
+        let bytes = cdr::encode(message).expect("bytes").into();
+        self.recording.sent(endpoint, &bytes);
     }
 
     pub fn set(&mut self, changes: &[(&str, Value)]) {
@@ -132,6 +195,13 @@ impl RecordedTwin {
         self.twin.advance_to(self.now, &mut out);
         self.twin.run_ahead(64, self.now, &mut out);
         self.put(out);
+    }
+
+    /// The clock jumps back, as the thread of the solver notices it.
+    pub fn jump_back(&mut self, nanos: Nanos) {
+        self.now -= nanos;
+        let by = nanos.unsigned_abs();
+        self.execute(Command::ClockJumpedBack { by });
     }
 
     pub fn until_rest(&mut self) {

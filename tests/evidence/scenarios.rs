@@ -2,6 +2,7 @@
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::verify;
+use column_twin::outgoing::Topic;
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::{Reader, RecorderOptions};
 use column_twin::twin::{ImpactCommand, TwinPhase};
@@ -99,6 +100,55 @@ fn a_waiting_parameter_change_and_a_reset_during_a_response() {
     });
     twin.until_rest();
     twin.finish().assert_verified();
+}
+
+/// Some forecasts are completed after another impact has ended their responses, others are given up.
+#[test]
+fn impacts_that_follow_one_another_faster_than_forecasts_are_computed() {
+    for burst in [2, 5, 40] {
+        let mut twin = RecordedTwin::new(parameters());
+        for impact in 0..burst {
+            twin.hit(event(&format!("{impact}"), twin.now));
+            if impact % 3 == 1 {
+                twin.advance(MS);
+            }
+        }
+        twin.until_rest();
+        twin.hit(event("last", twin.now));
+        twin.advance(MS);
+        twin.reset();
+        twin.advance(MS);
+        let found = twin.finish().assert_verified();
+        let forecasts = &found.topics[Topic::ImpactForecast.index()];
+        assert!(forecasts.compared > burst, "{found}");
+    }
+}
+
+/// The journal has the jump; the response is carried to its end at once, with the stamps it would have had.
+#[test]
+fn a_clock_that_jumps_back_during_a_response_and_at_rest() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    (0..12).for_each(|_| twin.advance(MS));
+    twin.hit(event("b", twin.now + 5 * MS));
+    twin.jump_back(10_000 * MS);
+    while twin.twin.is_responding() {
+        twin.advance(0);
+    }
+    twin.advance(MS);
+    twin.hit(event("c", twin.now));
+    twin.until_rest();
+    twin.jump_back(400 * MS);
+    twin.advance(MS);
+    // Its stamp lies within the last response, to which it does not belong.
+    twin.hit(event("d", twin.now));
+    twin.until_rest();
+    let found = twin.finish().assert_verified();
+    assert_eq!(
+        found.topics[Topic::ImpactReport.index()].compared,
+        3,
+        "{found}"
+    );
 }
 
 #[test]

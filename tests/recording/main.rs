@@ -4,6 +4,9 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+#[allow(dead_code)] // the tests of the crate use the rest
+#[path = "../../crates/recording/tests/recording/forging.rs"]
+mod forging;
 #[path = "../../crates/recording/tests/recording/killed_process.rs"]
 mod killed_process;
 mod layout;

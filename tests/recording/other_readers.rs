@@ -9,6 +9,7 @@ use std::process::{Command, Stdio};
 use column_twin::messages::{cdr, std_msgs::String as Text};
 use column_twin::recording::{Entry, Reader, TopicInfo, repair};
 
+use super::forging::Parts;
 use super::killed_process::missing_after_a_kill;
 use super::sample::{self, COMPRESSIONS, Expected, sample, text_topics, topics};
 
@@ -35,6 +36,7 @@ fn assert_others_read(directory: &Path, messages: &[Expected], topics: &[TopicIn
     let python = environment("environment.sh").join("bin/python");
     let mut with_python = Command::new(python);
     with_python.arg(interop("read_recording.py"));
+    assert_seal_checked_by_others(directory);
     let modules = environment("node_environment.sh");
     let mut with_node = Command::new("node");
     with_node
@@ -49,6 +51,47 @@ fn assert_others_read(directory: &Path, messages: &[Expected], topics: &[TopicIn
             .unwrap();
         assert!(status.success(), "{reader:?}: {status}");
     }
+}
+
+/// A checker in Python, which shares nothing with the program but docs/seal.md, comes to the same result.
+fn assert_seal_checked_by_others(directory: &Path) {
+    let reader = Reader::open(directory).unwrap();
+    let seal = reader.seals()[0].as_ref().expect("the samples are sealed");
+    assert!(seal.holds(), "{seal:?}");
+    let check = |file: &Path| {
+        let output = Command::new(environment("environment.sh").join("bin/python"))
+            .arg(interop("check_seal.py"))
+            .arg(file)
+            .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+            .output()
+            .unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (
+            output.status.success(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    };
+    let (holds, found, reason) = check(&reader.files()[0]);
+    assert!(holds, "{reason}");
+    let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+    let expected = serde_json::json!({
+        "public_key": seal.public_key.unwrap().to_string(),
+        "covered": seal.covered,
+        "messages": reader.message_count(),
+        "final": seal.is_final,
+        "attachment": seal.is_final,
+    });
+    assert_eq!(found, expected);
+    let mut parts = Parts::read(&reader.files()[0]);
+    parts.message(1).1[5] ^= 1;
+    let forged = directory.with_extension("forged");
+    parts.write(&forged);
+    let (holds, found, reason) = check(&forged);
+    assert!(
+        !holds && reason.contains("is not about what precedes it"),
+        "{found}{reason}"
+    );
 }
 
 #[test]

@@ -15,8 +15,8 @@ use column_twin::messages::visualization_msgs::{Marker, MarkerArray};
 use column_twin::messages::{Message, cdr};
 use column_twin::parameters::Compression;
 use column_twin::recording::{
-    ChunkCompression, Entry, Finished, OfferedQos, Reader, TopicInfo, Writer, WriterOptions, topic,
-    writer_options,
+    ChunkCompression, Entry, Finished, OfferedQos, Reader, SealKey, TopicInfo, Writer,
+    WriterOptions, topic, writer_options,
 };
 use serde_json::{Value, json};
 
@@ -291,10 +291,11 @@ fn diagnostics(nanos: i64) -> DiagnosticArray {
     }
 }
 
-/// Writes the messages to `directory`.
+/// Writes the messages to `directory`, sealed.
 pub fn write(directory: &Path, compression: ChunkCompression, messages: &[Expected]) -> Finished {
     let options = WriterOptions {
         compression,
+        seal: Some(SealKey::fresh().unwrap()),
         ..writer_options(Compression::None)
     };
     let mut writer = Writer::create(directory, &options, &topics()).unwrap();

@@ -6,6 +6,7 @@
 mod bad_input;
 mod domain;
 mod duplicates;
+mod hostile;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;
 mod live_twin;
@@ -16,3 +17,4 @@ mod real_peers;
 mod real_time;
 mod restart;
 mod simulation;
+mod transport;

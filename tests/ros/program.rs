@@ -75,6 +75,13 @@ impl Program {
         }
     }
 
+    /// All lines of the log until now.
+    #[allow(dead_code)] // the tests of security use it
+    pub fn log_so_far(&mut self) -> &[String] {
+        self.seen.extend(self.log.try_iter());
+        &self.seen
+    }
+
     /// Sends SIGTERM and waits for the end; returns the exit status, the time until the end and the whole log.
     pub fn terminate(mut self) -> (ExitStatus, Duration, Vec<String>) {
         let before = Instant::now();

@@ -1,7 +1,9 @@
 //! The twin under a mock clock: no test waits for real time.
 
 mod bad_input;
+mod clock;
 mod damage;
+mod forecasts;
 mod memory;
 mod parameters;
 mod response;

@@ -27,7 +27,10 @@ impl Outputs for Counted {
             Output::Refused(_) => self.refused += 1,
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
-            Output::ParametersChanged(_) | Output::Notice(_) | Output::Journal(_) => {}
+            Output::Withdrawn(_)
+            | Output::ParametersChanged(_)
+            | Output::Notice(_)
+            | Output::Journal(_) => {}
         }
     }
 }

@@ -14,7 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::capped_moments::{CappedMoments, cap_moments};
+use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
@@ -198,17 +198,16 @@ pub(crate) enum Place {
     Elastic,
     /// On a vertex of the quarter curve (`N = 0` or `|N| = N^p`): `N` is held.
     Vertex { active: [bool; 2] },
-    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`,
-    /// `dM = carried dt`, `stiffness` the second derivative of the convex problem in `t`; `frozen` is the tangent of the
-    /// moments with `t` held.
+    /// On the yield surfaces of hinges of different strength, where it can move along both: `dN = axial dt`, the moments
+    /// of the hinges that rotate by `carried dt`, `stiffness` the second derivative of the convex problem in `t`.
     Curves {
-        frozen: [[f64; 2]; 2],
+        hardening: Hardening,
         axial: f64,
         carried: [f64; 2],
         stiffness: f64,
     },
     /// On a vertex of surfaces of hinges of different strength: `N` is held.
-    Held { frozen: [[f64; 2]; 2] },
+    Held { hardening: Hardening },
     /// On the curve, along which it can slide: `dN = tangent_axial dt`, `dm = tangent_moment dt`, `stiffness` the
     /// second derivative of the convex problem in `t`.
     Curve {
@@ -218,6 +217,17 @@ pub(crate) enum Place {
         tangent_moment: f64,
         stiffness: f64,
     },
+}
+
+impl Returned {
+    /// A stress that is not outside of the yield surface.
+    pub fn elastic(forces: BarForces) -> Self {
+        Self {
+            forces,
+            flow: PlasticFlow::default(),
+            place: Place::Elastic,
+        }
+    }
 }
 
 impl Bar {
@@ -296,14 +306,18 @@ impl Bar {
 
     /// Returns the trial stress to the yield surface. `near` \[N\] is the expected normal force, which only saves
     /// iterations.
+    // Inlined up to the yield surface, measured.
+    #[inline(always)]
     pub(crate) fn return_stress(&self, trial: BarForces, near: f64) -> Returned {
-        if !self.surface.exceeded(trial.moment, trial.normal) {
-            return Returned {
-                forces: trial,
-                flow: PlasticFlow::default(),
-                place: Place::Elastic,
-            };
+        if self.surface.exceeded(trial.moment, trial.normal) {
+            self.return_to_surface(trial, near)
+        } else {
+            Returned::elastic(trial)
         }
+    }
+
+    #[inline(never)]
+    fn return_to_surface(&self, trial: BarForces, near: f64) -> Returned {
         let sign = if trial.normal < 0.0 { -1.0 } else { 1.0 };
         let search = Search {
             bar: self,
@@ -420,7 +434,7 @@ impl Bar {
     }
 
     /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]`.
-    #[inline]
+    #[inline(always)]
     fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
         cap_moments(&self.rotational, self.flexibility_alone, trial, caps)
     }
@@ -436,13 +450,19 @@ impl Bar {
         match returned.place {
             Place::Elastic => self.elastic_tangent(),
             Place::Vertex { active } => self.frozen_tangent(active),
-            Place::Held { frozen } => BarTangent::held(frozen),
+            Place::Held { hardening } => {
+                BarTangent::held(hardening.frozen(&self.rotational, returned.flow.rotation))
+            }
             Place::Curves {
-                frozen,
+                hardening,
                 axial,
                 carried,
                 stiffness,
-            } => BarTangent::held(frozen).sliding(axial, carried, stiffness),
+            } => {
+                let (c, rotation) = (&self.rotational, returned.flow.rotation);
+                let carried = times(c, hardening.solved(c, rotation, carried));
+                BarTangent::held(hardening.frozen(c, rotation)).sliding(axial, carried, stiffness)
+            }
             Place::Curve {
                 active,
                 sign_axial,

@@ -19,7 +19,7 @@ impl CappedMoments {
 /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]` with the least complementary
 /// energy: `min 1/2 p' C p - trial' p + cap_0 |p_0| + cap_1 |p_1|`, solved by cases. `flexibility` is the inverse of each
 /// stiffness on the diagonal of `c`, 0 for a hinge that bears no moment.
-#[inline]
+#[inline(always)]
 pub(crate) fn cap_moments(
     c: &[[f64; 2]; 2],
     flexibility: [f64; 2],
@@ -80,4 +80,51 @@ fn cap_both(c: &[[f64; 2]; 2], trial: [f64; 2], caps: [f64; 2]) -> CappedMoments
         }
     }
     best
+}
+
+/// How stiff two hinges that harden are against their plastic rotations: `A = C + diag(h)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hardening {
+    /// The diagonal of `A` \[N m/rad\].
+    pub diagonal: [f64; 2],
+    /// Its inverses, 0 for a hinge that bears no moment.
+    pub flexibility: [f64; 2],
+}
+
+impl Hardening {
+    /// `A` for the elastic stiffness `c`.
+    pub fn stiffness(&self, c: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        [[self.diagonal[0], c[0][1]], [c[1][0], self.diagonal[1]]]
+    }
+
+    /// How the hinges that rotate by `rotation` \[rad\] rotate further under `moments` \[N m\], which are 0 at the others.
+    pub fn solved(&self, c: &[[f64; 2]; 2], rotation: [f64; 2], moments: [f64; 2]) -> [f64; 2] {
+        let (d, f) = (&self.diagonal, &self.flexibility);
+        if c[0][1] != 0.0 && rotation[0] != 0.0 && rotation[1] != 0.0 {
+            let per_determinant = 1.0 / (d[0] * d[1] - c[0][1] * c[1][0]);
+            [
+                (d[1] * moments[0] - c[0][1] * moments[1]) * per_determinant,
+                (d[0] * moments[1] - c[1][0] * moments[0]) * per_determinant,
+            ]
+        } else {
+            [moments[0] * f[0], moments[1] * f[1]]
+        }
+    }
+
+    /// Tangent of the moments with the caps held, `C - C A^-1 C` over the hinges that rotate by `rotation` \[rad\].
+    pub fn frozen(&self, c: &[[f64; 2]; 2], rotation: [f64; 2]) -> [[f64; 2]; 2] {
+        let restricted = |moments: [f64; 2]| {
+            [0, 1].map(|k| match rotation[k] {
+                0.0 => 0.0,
+                _ => moments[k],
+            })
+        };
+        let columns = [0, 1].map(|k| times(c, self.solved(c, rotation, restricted(c[k]))));
+        [0, 1].map(|row| [0, 1].map(|column| c[row][column] - columns[column][row]))
+    }
+}
+
+/// `c` times a vector.
+pub(crate) fn times(c: &[[f64; 2]; 2], rotation: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| c[k][0] * rotation[0] + c[k][1] * rotation[1])
 }

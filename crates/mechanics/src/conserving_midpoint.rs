@@ -179,8 +179,6 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// Of the resistances over it.
-    prediction: Prediction,
     /// Contact force at its end \[N\]; negative where impactor and column would separate.
     contact_force: f64,
     /// Gap at its end \[m\], if contact is open.
@@ -204,6 +202,7 @@ pub(crate) fn part(
         offset_secs,
         events,
         point: Point::default(),
+        prediction: None,
     };
     match &state.impactor {
         None => solver.whole(state, secs),
@@ -226,6 +225,8 @@ struct Part<'a> {
     events: &'a mut Events,
     /// The last evaluation of the last trial.
     point: Point,
+    /// Its resistances, where they are not constant.
+    prediction: Option<Prediction>,
 }
 
 impl Part<'_> {
@@ -267,6 +268,7 @@ impl Part<'_> {
         let start = state.gap();
         let separation = -state
             .impactor
+            .as_ref()
             .map_or(0.0, |impactor| impactor.closing_speed(state.velocity.v1));
         // A gap that starts at zero (release, rebound) is divided by the time, or the search would find its start.
         let touching = start <= GAP_TOLERANCE;
@@ -297,7 +299,7 @@ impl Part<'_> {
             motion: Motion::new(model, from, coupling, chain.as_ref(), secs),
         };
         let guess = from.predictor.increment(&from.velocity, secs);
-        let (solved, prediction) = self.solve(&system, guess, secs)?;
+        let solved = self.solve(&system, guess, secs)?;
         let increment = solved.increment;
         let end = from.displacement.plus(1.0, increment);
         let velocity = system.motion.end_velocity(model, &increment);
@@ -329,7 +331,6 @@ impl Part<'_> {
             velocity,
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            prediction,
             contact_force,
             gap,
         })
@@ -344,36 +345,37 @@ impl Part<'_> {
         system: &Conserving<'_>,
         guess: Displacement,
         secs: f64,
-    ) -> Result<(newton::Solved, Prediction), Rejected> {
+    ) -> Result<newton::Solved, Rejected> {
         let (model, from) = (system.model, system.from);
         let Some(law) = &model.strength else {
-            return Ok((self.solve_with(system, guess, None)?, Prediction::default()));
+            return self.solve_with(system, guess, None);
         };
         let turns = model.frame.turns(&system.start, &guess);
         let prediction = law.predict(&from.strength, &turns, secs, Collocation::End);
-        let solved = self.solve_with(system, guess, Some(&prediction))?;
+        let solved = self.solve_with(system, guess, Some(prediction))?;
         if !self.gains_energy() {
-            return Ok((solved, prediction));
+            return Ok(solved);
         }
         let prediction = prediction.not_below(&from.strength);
-        let again = self.solve_with(system, guess, Some(&prediction))?;
+        let again = self.solve_with(system, guess, Some(prediction))?;
         let iterations = solved.iterations + again.iterations;
-        let solved = newton::Solved {
+        Ok(newton::Solved {
             iterations,
             ..again
-        };
-        Ok((solved, prediction))
+        })
     }
 
+    #[inline(always)]
     fn solve_with(
         &mut self,
         system: &Conserving<'_>,
         guess: Displacement,
-        prediction: Option<&Prediction>,
+        prediction: Option<Prediction>,
     ) -> Result<newton::Solved, Rejected> {
         let from = system.from;
-        if let Some(prediction) = prediction {
-            let strengths = prediction.strengths(&system.model.frame);
+        self.prediction = prediction;
+        if let Some(prediction) = &self.prediction {
+            let strengths = prediction.strengths();
             self.point.below.stress.set_strength(strengths.below);
             self.point.above.stress.set_strength(strengths.above);
         }
@@ -406,7 +408,7 @@ impl Part<'_> {
             &above.stress.returned.flow,
             1.0,
         );
-        if let Some(law) = &self.model.strength {
+        if let (Some(law), Some(prediction)) = (&self.model.strength, &self.prediction) {
             let turns = PerBar {
                 below: below.turn,
                 above: above.turn,
@@ -416,7 +418,7 @@ impl Part<'_> {
                 above: &above.stress.returned.flow,
             };
             let strength = &mut state.strength;
-            law.advance(strength, &turns, trial.secs, &trial.prediction, flow, 1.0);
+            law.advance(strength, &turns, trial.secs, prediction, flow, 1.0);
         }
         state.forces = PerBar {
             below: below.stress.returned.forces,

@@ -97,6 +97,7 @@ impl Impactor {
     }
 
     /// A compliant vehicle over a part of a step of `secs` seconds; `None` for a rigid mass.
+    #[inline]
     pub(crate) fn chain_part(&self, secs: f64) -> Option<ChainPart<'_>> {
         let (vehicle, chain) = self.vehicle()?;
         Some(ChainPart::new(vehicle, chain, secs))
@@ -145,11 +146,14 @@ impl Impactor {
         self.velocity - v1_rate
     }
 
-    /// Kinetic energy \[J\].
-    pub(crate) fn kinetic_energy(&self) -> f64 {
+    /// Kinetic energy, and the elastic energy of a compliant vehicle \[J\].
+    #[inline]
+    pub(crate) fn energies(&self) -> (f64, f64) {
         match self.vehicle() {
-            Some((vehicle, chain)) => chain.kinetic_energy(vehicle),
-            None => 0.5 * self.impact.mass * self.velocity * self.velocity,
+            Some((vehicle, chain)) => {
+                (chain.kinetic_energy(vehicle), chain.elastic_energy(vehicle))
+            }
+            None => (0.5 * self.impact.mass * self.velocity * self.velocity, 0.0),
         }
     }
 
@@ -157,12 +161,6 @@ impl Impactor {
     pub(crate) fn crush_force(&self) -> f64 {
         self.vehicle()
             .map_or(0.0, |(vehicle, chain)| chain.contact_force(vehicle))
-    }
-
-    /// Elastic energy \[J\]; 0 for a rigid mass.
-    pub(crate) fn elastic_energy(&self) -> f64 {
-        self.vehicle()
-            .map_or(0.0, |(vehicle, chain)| chain.elastic_energy(vehicle))
     }
 
     /// In persistent contact a rigid impactor moves with the impact point as one mass.

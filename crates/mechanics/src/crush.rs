@@ -85,7 +85,7 @@ impl SpringState {
 pub(crate) struct Stretch<'a> {
     spring: &'a CrushSpring,
     from: SpringState,
-    /// The piece of the envelope that the crush follows once it is the largest.
+    /// The piece of the envelope that the crush follows if it is the largest so far.
     ahead: Piece,
 }
 
@@ -98,12 +98,10 @@ pub(crate) struct MeanForce {
 
 impl<'a> Stretch<'a> {
     pub(crate) fn new(spring: &'a CrushSpring, from: SpringState) -> Self {
-        // The pieces go on to infinity.
-        let ahead = spring
-            .envelope
-            .pieces_beyond(from.largest)
-            .next()
-            .unwrap_or_default();
+        // The pieces go on to infinity. A spring below its largest crush does not need them yet.
+        let is_largest = from.crush == from.largest;
+        let ahead = is_largest.then(|| spring.envelope.pieces_beyond(from.largest).next());
+        let ahead = ahead.flatten().unwrap_or_default();
         Self {
             spring,
             from,

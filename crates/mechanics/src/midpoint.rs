@@ -16,7 +16,7 @@ use super::motion::{Motion, Rejected, check_part};
 use super::newton::NonlinearSystem;
 use super::rate::{Collocation, Prediction};
 use super::state::{State, Velocity};
-use super::statics;
+use super::statics::{self, Settled};
 use super::strength::BarStress;
 
 /// A closing speed above this fraction of the impactor's initial speed is an impact, below it round-off of
@@ -97,8 +97,6 @@ struct Trial {
     velocity: Velocity,
     damping_work: f64,
     newton_iterations: u32,
-    /// Of the resistances up to `n + 1/2`.
-    prediction: Prediction,
 }
 
 /// Makes one part of a step, `offset_secs` into it and `secs` long.
@@ -116,6 +114,7 @@ pub(crate) fn part(
         offset_secs,
         secs,
         point: Point::default(),
+        prediction: None,
     };
     // Eq 46: contact transmits a force if without one xi_N would be negative, and then xi_N = 0. Of the two cases the
     // one that held in the last step is tried first; the problem is monotone, so the consistent case is the solution.
@@ -154,6 +153,8 @@ struct Part<'a> {
     secs: f64,
     /// The last evaluation of the last trial.
     point: Point,
+    /// Its resistances up to `n + 1/2` where they are not constant, and the chords at its start.
+    prediction: Option<(Prediction, PerBar<Chord>)>,
 }
 
 impl Part<'_> {
@@ -168,15 +169,14 @@ impl Part<'_> {
             motion: Motion::new(model, from, coupling, chain.as_ref(), self.secs),
         };
         let guess = first_guess(model, from, self.secs);
-        let mut prediction = Prediction::default();
         if let Some(law) = &model.strength {
-            let turns = model
-                .frame
-                .turns(&model.frame.chords(&from.displacement), &guess);
-            prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
-            let strengths = prediction.strengths(&model.frame);
+            let start = model.frame.chords(&from.displacement);
+            let turns = model.frame.turns(&start, &guess);
+            let prediction = law.predict(&from.strength, &turns, self.secs, Collocation::Middle);
+            let strengths = prediction.strengths();
             self.point.below.set_strength(strengths.below);
             self.point.above.set_strength(strengths.above);
+            self.prediction = Some((prediction, start));
         }
         let near = from.predictor.normal(&from.forces);
         self.point.below.expect(near.below);
@@ -188,7 +188,6 @@ impl Part<'_> {
             velocity: system.motion.end_velocity(model, &increment),
             damping_work: system.motion.damping_work(&increment),
             newton_iterations: solved.iterations,
-            prediction,
         })
     }
 
@@ -256,28 +255,29 @@ impl Part<'_> {
         // extrapolated after all.
         let extrapolated = state.displacement.plus(1.0, trial.increment);
         let settled = statics::settle_massless(self.model, extrapolated, &plastic);
-        let (end, forces) = settled.unwrap_or_else(|| {
+        let end = settled.unwrap_or_else(|| {
             let frame = &self.model.frame;
             let chords = frame.chords(&extrapolated);
-            let forces = frame.elastic_forces(&chords, &extrapolated, &plastic);
-            (extrapolated, forces)
+            Settled {
+                displacement: extrapolated,
+                chords,
+                forces: frame.elastic_forces(&chords, &extrapolated, &plastic),
+            }
         });
-        check_part(self.model, &state.displacement, &end)?;
+        check_part(self.model, &state.displacement, &end.displacement)?;
         state.newton_iterations += u64::from(trial.newton_iterations);
         state.flow(self.model, &below.flow, &above.flow, 2.0);
-        if let Some(law) = &self.model.strength {
-            let frame = &self.model.frame;
-            let (from, to) = (frame.chords(&state.displacement), frame.chords(&end));
+        if let (Some(law), Some((prediction, from))) = (&self.model.strength, &self.prediction) {
             let turns = PerBar {
-                below: from.below.discrete_gradient(&to.below).1,
-                above: from.above.discrete_gradient(&to.above).1,
+                below: from.below.discrete_gradient(&end.chords.below).1,
+                above: from.above.discrete_gradient(&end.chords.above).1,
             };
             let flow = PerBar {
                 below: &below.flow,
                 above: &above.flow,
             };
             let strength = &mut state.strength;
-            law.advance(strength, &turns, self.secs, &trial.prediction, flow, 2.0);
+            law.advance(strength, &turns, self.secs, prediction, flow, 2.0);
         }
         state.ledger.plastic_work +=
             2.0 * (below.forces.work(&below.flow) + above.forces.work(&above.flow));
@@ -287,8 +287,8 @@ impl Part<'_> {
         state
             .predictor
             .learn(&trial.increment, self.secs, middle, &self.point.forces());
-        state.displacement = end;
-        state.forces = forces;
+        state.displacement = end.displacement;
+        state.forces = end.forces;
         Ok(())
     }
 }

@@ -100,6 +100,8 @@ pub(crate) struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// The motion over `secs` of a column that starts from `from`, with the share `coupling` of a rigid impactor or with the
     /// compliant vehicle `chain`.
+    // Inlined, as `residual`, measured: a step takes 3 % less.
+    #[inline(always)]
     pub fn new(
         model: &'a Model,
         from: &State,
@@ -140,6 +142,7 @@ impl<'a> Motion<'a> {
     }
 
     /// `M Delta v / h + C v_m - f` for an increment, `v_m` its mean rate; the vehicle's share is solved into `contact`.
+    #[inline(always)]
     pub fn residual(&self, increment: &Displacement, contact: &mut ChainPoint) -> Vector4<f64> {
         let rate = self.mean_rate(increment);
         let mut undamped = (rate - self.velocity).component_mul(&self.inertia) - self.applied;

@@ -15,7 +15,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::bar::{PerBar, PlasticFlow};
-use super::frame::Frame;
 use super::properties::{ColumnProperties, RateLaw, RateProperties};
 use super::strength::BarStrength;
 
@@ -85,7 +84,7 @@ pub(crate) type Strengths = PerBar<[HingeStrength; 2]>;
 pub(crate) type Factors = PerBar<[HingeFactors; 2]>;
 
 /// The strength of all hinges over one part of a step.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Prediction {
     /// The factors before any flow.
     factors: Factors,
@@ -257,11 +256,17 @@ impl StrengthLaw {
 
 /// `H = 1 + sqrt(4 b EI theta_p / (L M^p))`, with `bar = 4 b EI / (L M^p)` \[1/rad\].
 fn hardening_factor(bar: f64, accumulated_rotation: f64) -> f64 {
+    if bar == 0.0 {
+        return 1.0;
+    }
     1.0 + (bar * accumulated_rotation).sqrt()
 }
 
 /// Slope of the secant of the hardening factor over an expected plastic rotation \[1/rad\]; 0 where none is expected.
 fn hardening_slope(bar: f64, accumulated_rotation: f64, expected: f64) -> f64 {
+    if bar == 0.0 {
+        return 0.0;
+    }
     // (sqrt(b (a + e)) - sqrt(b a)) / e without cancellation.
     let sum =
         (bar * (accumulated_rotation + expected)).sqrt() + (bar * accumulated_rotation).sqrt();
@@ -339,19 +344,18 @@ impl RateLaw {
 
 impl Prediction {
     /// The strengths of both bars.
-    pub fn strengths(&self, frame: &Frame) -> PerBar<BarStrength> {
-        let strength = |bar, factors: &[HingeFactors; 2], slopes: &[f64; 2]| {
+    pub fn strengths(&self) -> PerBar<Option<BarStrength>> {
+        let strength = |factors: &[HingeFactors; 2], slopes: &[f64; 2]| {
             let [first, second] = factors;
             BarStrength::new(
-                bar,
                 [first.dynamic, second.dynamic],
                 [first.hardening, second.hardening],
                 *slopes,
             )
         };
         PerBar {
-            below: strength(&frame.below, &self.factors.below, &self.slopes.below),
-            above: strength(&frame.above, &self.factors.above, &self.slopes.above),
+            below: strength(&self.factors.below, &self.slopes.below),
+            above: strength(&self.factors.above, &self.slopes.above),
         }
     }
 

@@ -11,7 +11,7 @@ use super::model::{Model, ModelError};
 use super::modes;
 use super::motion::StepError;
 use super::properties::ColumnProperties;
-use super::rate::{HingeFactors, HingeStrength};
+use super::rate::HingeStrength;
 use super::report::{End, HingeReport, Outcome, Report, VehicleReport};
 use super::sample::{HINGES, Sample};
 use super::state::{State, Velocity};
@@ -267,10 +267,11 @@ impl Response {
             self.peak_force_time = Some(model.time_of_step(state.step));
         }
         self.worst_residual = self.worst_residual.max(state.ledger_residual(model).abs());
+        let strengths = model.strength.as_ref().map(|_| &state.strength);
         for (max, sum) in
             self.max_sum
                 .iter_mut()
-                .zip(yield_sums(&model.frame, &state.forces, &state.strength))
+                .zip(yield_sums(&model.frame, &state.forces, strengths))
         {
             *max = max.max(sum);
         }
@@ -426,26 +427,35 @@ fn over_hinges<T>(hinges: &PerBar<[T; 2]>, number: impl Fn(&T) -> f64) -> [f64; 
 fn yield_sums(
     frame: &Frame,
     forces: &PerBar<BarForces>,
-    strengths: &PerBar<[HingeStrength; 2]>,
+    strengths: Option<&PerBar<[HingeStrength; 2]>>,
 ) -> [f64; HINGES] {
-    let sums = |bar: &Bar, forces: &BarForces, hinges: &[HingeStrength; 2]| {
-        let surface = &bar.surface;
-        if hinges
-            .iter()
-            .all(|hinge| hinge.factors == HingeFactors::default())
-        {
-            let axial = surface.axial_term(forces.normal);
-            return forces
-                .moment
-                .map(|moment| surface.moment_term(moment) + axial);
+    let PerBar { below, above } = match strengths {
+        None => {
+            let sums = |bar: &Bar, forces: &BarForces| {
+                let axial = bar.surface.axial_term(forces.normal);
+                forces
+                    .moment
+                    .map(|moment| bar.surface.moment_term(moment) + axial)
+            };
+            PerBar {
+                below: sums(&frame.below, &forces.below),
+                above: sums(&frame.above, &forces.above),
+            }
         }
-        [0, 1].map(|k| {
-            let (moment, normal) = hinges[k].factors.reduced(forces.moment[k], forces.normal);
-            surface.sum(moment, normal)
-        })
+        Some(strengths) => {
+            let sums = |bar: &Bar, forces: &BarForces, hinges: &[HingeStrength; 2]| {
+                [0, 1].map(|k| {
+                    let (moment, normal) =
+                        hinges[k].factors.reduced(forces.moment[k], forces.normal);
+                    bar.surface.sum(moment, normal)
+                })
+            };
+            PerBar {
+                below: sums(&frame.below, &forces.below, &strengths.below),
+                above: sums(&frame.above, &forces.above, &strengths.above),
+            }
+        }
     };
-    let below = sums(&frame.below, &forces.below, &strengths.below);
-    let above = sums(&frame.above, &forces.above, &strengths.above);
     [below[0], above[0], above[1], below[1]]
 }
 
@@ -572,7 +582,7 @@ mod tests {
                 below: forces,
                 above: forces,
             },
-            &PerBar::default(),
+            None,
         );
         let square = |x: f64| x * x;
         let expected = [

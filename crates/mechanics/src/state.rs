@@ -239,7 +239,8 @@ impl State {
             hinge.begin();
         }
         self.impactor = Some(impactor);
-        self.ledger = Ledger::open(&self.energies(model), impactor.kinetic_energy());
+        let energies = self.energies(model);
+        self.ledger = Ledger::open(&energies, energies.impactor_kinetic);
     }
 
     /// `v1 - v_c` \[m\]; 0 without an impactor. In contact it is 0 with the conserving midpoint rule; with the paper's
@@ -254,16 +255,17 @@ impl State {
     pub fn energies(&self, model: &Model) -> Energies {
         let square = |x: f64| x * x;
         let (velocity, u2, frame) = (&self.velocity, self.displacement.u2, &model.frame);
-        let impactor = self.impactor.as_ref();
+        let (impactor_kinetic, vehicle_elastic) =
+            self.impactor.as_ref().map_or((0.0, 0.0), |i| i.energies());
         Energies {
             column_kinetic: 0.5
                 * (model.impact_point_mass * (square(velocity.v1) + square(velocity.u1))
                     + model.properties.top_mass * square(velocity.u2)),
-            impactor_kinetic: impactor.map_or(0.0, |i| i.kinetic_energy()),
+            impactor_kinetic,
             elastic: frame.below.elastic_energy(&self.forces.below)
                 + frame.above.elastic_energy(&self.forces.above)
                 + 0.5 * frame.top_spring_stiffness * square(u2),
-            vehicle_elastic: impactor.map_or(0.0, |i| i.elastic_energy()),
+            vehicle_elastic,
             load_work: model.properties.top_load * u2,
         }
     }

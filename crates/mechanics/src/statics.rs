@@ -64,15 +64,21 @@ impl NonlinearSystem for Frozen<'_> {
     }
 }
 
-/// `beta1` and a massless `u2` in elastic equilibrium at the other displacements of `u`, with the forces there; `None`
-/// if there is none nearby.
+/// A column with its massless unknowns in equilibrium.
+pub(crate) struct Settled {
+    pub displacement: Displacement,
+    pub chords: PerBar<Chord>,
+    pub forces: PerBar<BarForces>,
+}
+
+/// `beta1` and a massless `u2` in elastic equilibrium at the other displacements of `u`; `None` if there is none nearby.
 ///
 /// `beta1` follows in closed form from `M_1b = M_1a`; what remains is one equation for `u2`.
 pub(crate) fn settle_massless(
     model: &Model,
     mut u: Displacement,
     plastic: &PerBar<PlasticFlow>,
-) -> Option<(Displacement, PerBar<BarForces>)> {
+) -> Option<Settled> {
     let frame = &model.frame;
     let [joint, _] = frame.massless_stiffness();
     let properties = &model.properties;
@@ -80,7 +86,8 @@ pub(crate) fn settle_massless(
     let straight = |chord: &Chord, plastic| {
         BarStrain::of_chord(chord.elongation, chord.angle(), 0.0).minus(plastic)
     };
-    let mut below_strain = straight(&Chord::new(frame.below.length, u.u1, u.v1), &plastic.below);
+    let below_chord = Chord::new(frame.below.length, u.u1, u.v1);
+    let mut below_strain = straight(&below_chord, &plastic.below);
     let moment_1a = frame.below.elastic(&below_strain).moment[0];
     let tangent = frame.above.elastic_tangent();
     for _ in 0..MAX_MASSLESS_ITERATIONS {
@@ -96,7 +103,14 @@ pub(crate) fn settle_massless(
         if !model.top_is_massless() || residual.abs() <= tolerance {
             below_strain.rotation[0] -= u.beta1;
             let below = frame.below.elastic(&below_strain);
-            return Some((u, PerBar { below, above }));
+            return Some(Settled {
+                displacement: u,
+                chords: PerBar {
+                    below: below_chord,
+                    above: chord,
+                },
+                forces: PerBar { below, above },
+            });
         }
         let k = BarStiffness::new(&gradient, &chord, &above, &tangent, 1.0);
         let stiffness = properties.top_spring_stiffness + k.xx - k.xt * k.tx / joint;

@@ -162,7 +162,8 @@ impl YieldSurface {
     }
 
     /// Whether any of two hinges lies outside of its own surface, with `m` and `n` their moments and normal forces relative to
-    /// their own resistances, the hinge `weaker` being the weaker one against normal forces.
+    /// their own resistances, the hinge `weaker` being the weaker one against normal forces. With `m + n <= 1` for both hinges
+    /// none does.
     pub(crate) fn either_exceeded(
         &self,
         m: [f64; 2],
@@ -170,9 +171,6 @@ impl YieldSurface {
         weaker: usize,
         lead: &AxialLead,
     ) -> bool {
-        if m[0] + n[0] <= 1.0 && m[1] + n[1] <= 1.0 {
-            return false;
-        }
         let axial = self.beta.of(n[weaker]);
         let exceeded = |k: usize, axial: f64| {
             m[k] + n[k] > 1.0 && self.alpha.of(m[k]) + axial > 1.0 + YIELD_TOLERANCE
@@ -201,6 +199,7 @@ impl YieldSurface {
     }
 
     /// The point of the quarter curve with coordinate `t`, `0 <= t <= split`, on `branch`.
+    #[inline(always)]
     pub(crate) fn point(&self, branch: Branch, t: f64) -> CurvePoint {
         match branch {
             Branch::Axial => self.axial_curve.point(t),
@@ -375,6 +374,7 @@ impl Curve {
 
     /// `-do/dt = (p/q) o / (1 - t^p) t^(p-1)`, and its derivative
     /// `(p/q) o / (1 - t^p) [(p-1) t^(p-2) + (1 - 1/q) p t^(2p-2) / (1 - t^p)]`.
+    #[inline(always)]
     fn point(&self, t: f64) -> CurvePoint {
         self.point_and_power(t).0
     }

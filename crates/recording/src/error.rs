@@ -73,6 +73,17 @@ pub enum RecordingError {
     /// The operating system provides no thread.
     #[error("cannot start the recorder's thread: {0}")]
     Thread(#[source] io::Error),
+    /// The system provides no random numbers.
+    #[error("cannot make a key: the system provides no random numbers: {0}")]
+    Random(String),
+    /// The file of a key cannot be used.
+    #[error("cannot use the key {}: {reason}", path.display())]
+    BadKey {
+        /// The file.
+        path: PathBuf,
+        /// What was expected, what was found, and what to do.
+        reason: String,
+    },
     /// The path does not exist.
     #[error("{} does not exist; give the directory of a recording, or its .mcap file", path.display())]
     Missing {
@@ -256,6 +267,7 @@ impl RecordingError {
                 | Self::Write { .. }
                 | Self::WriteMetadata { .. }
                 | Self::Thread(_)
+                | Self::Random(_)
         )
     }
 }

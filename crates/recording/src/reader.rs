@@ -5,26 +5,28 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap::records::{Channel, Header, MessageHeader, Record, SchemaHeader};
+use mcap::Attachment;
+use mcap::records::{Channel, Header, MessageHeader, Metadata, Record, SchemaHeader};
 
-use crate::bag_metadata::{METADATA_FILE, read_file_names};
+use crate::chain::{Hash, TopicTexts};
 use crate::compression::ChunkCompression;
+use crate::described::QOS_KEY;
 use crate::error::RecordingError;
+use crate::files::files_of;
+use crate::predecessor::{self, Predecessor};
 use crate::records::{FileEnd, RecordReader};
 use crate::reordering::{Blocks, MAX_OUT_OF_ORDER, Reordering};
-use crate::retention::mcap_files;
-use crate::storage::is_being_written;
+use crate::seal::SEAL;
+use crate::seal_check::{Seal, SealCheck};
 use crate::topic::OfferedQos;
-use crate::writer::{LOSSES, QOS_KEY, REPAIR, START};
+use crate::wholeness::Wholeness;
+use crate::writer::{LOSSES, REPAIR, REPEATED_CHECKPOINT, START};
 
 /// Maximum number of topics of a recording; MCAP numbers them with 16 bits.
 const MAX_TOPICS: usize = 65_536;
 
 /// Maximum size of all schemas and metadata together \[bytes\].
 const MAX_TEXT: usize = 64 << 20;
-
-/// Maximum number of faults that are described; all are counted.
-const MAX_FAULTS: usize = 20;
 
 /// A message of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,44 +66,6 @@ pub struct RecordedTopic {
     pub messages: u64,
 }
 
-/// Whether everything that was written to a recording can be read.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Wholeness {
-    /// Files without the end of an MCAP file: name, and how they end.
-    pub cut_off: Vec<String>,
-    /// Whether one of them ends in the middle of a record.
-    pub ends_in_record: bool,
-    /// Number of damaged records and chunks, which are left out.
-    pub damaged: u64,
-    /// Descriptions of the first of them.
-    pub faults: Vec<String>,
-}
-
-impl Wholeness {
-    /// Whether nothing is missing.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.cut_off.is_empty() && self.damaged == 0
-    }
-}
-
-impl fmt::Display for Wholeness {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_whole() {
-            return f.write_str("whole");
-        }
-        f.write_str("not whole")?;
-        for line in &self.cut_off {
-            write!(f, "; {line}")?;
-        }
-        match (self.damaged, self.faults.first()) {
-            (0, _) | (_, None) => Ok(()),
-            (1, Some(fault)) => write!(f, "; {fault}"),
-            (more, Some(first)) => write!(f, "; {more} records are damaged, the first: {first}"),
-        }
-    }
-}
-
 /// What a pass over all files finds.
 #[derive(Debug, Default)]
 struct Contents {
@@ -112,6 +76,9 @@ struct Contents {
     text: usize,
     messages: u64,
     span: Option<(u64, u64)>,
+    /// Log time of the last message.
+    last: u64,
+    out_of_order: u64,
     bytes: u64,
     compression: Option<ChunkCompression>,
     wholeness: Wholeness,
@@ -123,6 +90,8 @@ pub struct Reader {
     path: PathBuf,
     files: Vec<PathBuf>,
     contents: Contents,
+    /// The seal of each file.
+    seals: Vec<Option<Seal>>,
     /// Smallest time from each block of messages on.
     min_from: Arc<[u64]>,
 }
@@ -139,27 +108,49 @@ impl Reader {
 
     pub(crate) fn open_files(path: &Path, files: Vec<PathBuf>) -> Result<Self, RecordingError> {
         let (mut contents, mut blocks) = (Contents::default(), Blocks::default());
+        let mut seals = Vec::with_capacity(files.len());
         for file in &files {
             let mut pass = Pass::open(file)?;
+            let mut check = SealCheck::new();
+            let noted_before = contents.metadata.len();
             contents.bytes += pass.records.length();
             loop {
                 match pass.next(&mut contents) {
-                    Ok(Some((topic, header, data))) => {
+                    Ok(Some(Item::Message(topic, header, data))) => {
+                        check.message(&topic.hash, &header, &data);
                         blocks.add(header.log_time, data.len());
-                        contents.count(topic, header.log_time);
+                        contents.count(topic.index, header.log_time);
+                    }
+                    Ok(Some(Item::Metadata(record))) => {
+                        check.metadata(&record);
+                        // Of the seals there may be many; the check has all that is needed of them.
+                        if record.name != SEAL {
+                            contents.metadata.push((record.name, record.metadata));
+                        }
+                    }
+                    Ok(Some(Item::SealAttachment(attachment))) => {
+                        check.attachment(&attachment.data)
                     }
                     Ok(None) => break,
-                    Err(fault @ RecordingError::Damaged { .. }) => contents.note_damage(&fault),
+                    Err(fault @ RecordingError::Damaged { .. }) => {
+                        contents.wholeness.note_damage(&fault)
+                    }
                     Err(other) => return Err(other),
                 }
             }
-            contents.note_end(file, pass.records.end());
+            let is_repaired = contents.metadata[noted_before..]
+                .iter()
+                .any(|(name, _)| name.ends_with(REPAIR));
+            let end = pass.records.end();
+            seals.push(check.finish(end == Some(FileEnd::Whole) && !is_repaired));
+            contents.wholeness.note_end(file, end);
             contents.compression = pass.records.compression().or(contents.compression);
         }
         Ok(Self {
             path: path.to_path_buf(),
             files,
             contents,
+            seals,
             min_from: blocks.finish().into(),
         })
     }
@@ -202,6 +193,30 @@ impl Reader {
             .map(|(first, last)| (nanos(first), nanos(last)))
     }
 
+    /// Number of messages that are recorded after one with a later log time.
+    #[must_use]
+    pub fn out_of_order(&self) -> u64 {
+        self.contents.out_of_order
+    }
+
+    /// Whether the recording could not wait for a checkpoint: it begins with a copy of the last one, and an earlier recording
+    /// has the messages that followed it.
+    #[must_use]
+    pub fn repeats_checkpoint(&self) -> bool {
+        self.start_notes()
+            .is_some_and(|notes| notes.contains_key(REPEATED_CHECKPOINT))
+    }
+
+    /// Number of damaged records that are left out here, or were left out when the recording was repaired.
+    #[must_use]
+    pub fn damaged_records(&self) -> u64 {
+        let repaired = self.repair_notes();
+        let left_out = repaired.and_then(|notes| notes.get("damaged_records")?.parse().ok());
+        self.wholeness()
+            .damaged
+            .saturating_add(left_out.unwrap_or(0))
+    }
+
     /// Profile of the first file; `ros2` for ROS 2.
     #[must_use]
     pub fn profile(&self) -> &str {
@@ -230,6 +245,22 @@ impl Reader {
     #[must_use]
     pub fn wholeness(&self) -> &Wholeness {
         &self.contents.wholeness
+    }
+
+    /// The seal of each of the [`files`](Self::files), with the result of its check; `None` for a file without a seal.
+    #[must_use]
+    pub fn seals(&self) -> &[Option<Seal>] {
+        &self.seals
+    }
+
+    /// Looks for the recording before this one in the folder that contains the directory of this recording, and reads it;
+    /// [`Predecessor::None`] without a seal that holds.
+    #[must_use]
+    pub fn predecessor(&self) -> Predecessor {
+        match (self.files.first(), self.seals.first()) {
+            (Some(file), Some(Some(seal))) if seal.holds() => predecessor::find(file, seal),
+            _ => Predecessor::None,
+        }
     }
 
     /// Name of the program that wrote the recording with this crate; `None` for a recording of another writer.
@@ -289,56 +320,26 @@ impl Reader {
         }
     }
 
-    /// All messages in the order in which they were written.
-    pub(crate) fn messages_as_written(&self) -> Messages<'_> {
-        Messages {
-            // Without blocks, no message waits for a later one.
-            reordering: Reordering::new([].into()),
-            ..self.messages()
-        }
-    }
-}
-
-/// The files of the recording at `path`.
-fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    if !path.exists() {
-        return Err(RecordingError::Missing {
-            path: path.to_path_buf(),
-        });
-    }
-    if !path.is_dir() {
-        return Ok(vec![path.to_path_buf()]);
-    }
-    let metadata = path.join(METADATA_FILE);
-    if !metadata.exists() {
-        return Err(no_metadata(path)?);
-    }
-    let names = read_file_names(&metadata)?;
-    names
-        .into_iter()
-        .map(|name| {
-            let file = path.join(&name);
-            match file.is_file() {
-                true => Ok(file),
-                false => Err(RecordingError::MissingFile {
-                    path: metadata.clone(),
-                    name,
-                }),
+    /// Passes all messages, metadata records and seals in the order in which they were written, without what is damaged.
+    pub(crate) fn for_each_as_written(
+        &self,
+        mut receive: impl FnMut(Item) -> Result<(), RecordingError>,
+    ) -> Result<(), RecordingError> {
+        let mut scratch = Contents::default();
+        for file in &self.files {
+            let mut pass = Pass::open(file)?;
+            loop {
+                match pass.next(&mut scratch) {
+                    Ok(Some(item)) => receive(item)?,
+                    Ok(None) => break,
+                    // It was counted when the recording was opened.
+                    Err(RecordingError::Damaged { .. }) => {}
+                    Err(error) => return Err(error),
+                }
             }
-        })
-        .collect()
-}
-
-fn no_metadata(path: &Path) -> Result<RecordingError, RecordingError> {
-    let files = mcap_files(path).map_err(|source| RecordingError::io("read", path, source))?;
-    let path = path.to_path_buf();
-    if files.iter().any(|file| is_being_written(file)) {
-        return Ok(RecordingError::BeingWritten { path });
+        }
+        Ok(())
     }
-    Ok(match files.into_iter().next() {
-        Some(file) => RecordingError::NoMetadata { path, file },
-        None => RecordingError::NoRecording { path },
-    })
 }
 
 /// One pass over one file.
@@ -346,7 +347,25 @@ struct Pass {
     records: RecordReader,
     schemas: HashMap<u16, (SchemaHeader, Vec<u8>)>,
     /// Topics of the channels.
-    channels: HashMap<u16, usize>,
+    channels: HashMap<u16, TopicOfChannel>,
+}
+
+/// The topic of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TopicOfChannel {
+    /// Index among the topics.
+    pub index: usize,
+    /// What it contributes to the links of the chain.
+    hash: Hash,
+}
+
+/// Something that a pass comes to.
+pub(crate) enum Item {
+    Message(TopicOfChannel, MessageHeader, Vec<u8>),
+    /// A metadata record, or a seal.
+    Metadata(Metadata),
+    /// The attachment that repeats the final seal.
+    SealAttachment(Attachment<'static>),
 }
 
 impl Pass {
@@ -358,20 +377,32 @@ impl Pass {
         })
     }
 
-    /// The next message with its topic; everything else goes into `contents`.
-    fn next(
-        &mut self,
-        contents: &mut Contents,
-    ) -> Result<Option<(usize, MessageHeader, Vec<u8>)>, RecordingError> {
+    /// The next message with its topic, or the next record about the recording; topics go into `contents`.
+    fn next(&mut self, contents: &mut Contents) -> Result<Option<Item>, RecordingError> {
         while let Some(record) = self.records.next()? {
             let noted = match record {
                 Record::Message { header, data } => match self.channels.get(&header.channel_id) {
-                    Some(topic) => return Ok(Some((*topic, header, data.into_owned()))),
+                    Some(topic) => {
+                        return Ok(Some(Item::Message(*topic, header, data.into_owned())));
+                    }
                     None => Err(format!(
                         "a message has channel {}, which the file does not declare",
                         header.channel_id
                     )),
                 },
+                Record::Metadata(metadata) => match contents.add_metadata_text(&metadata) {
+                    Ok(()) => return Ok(Some(Item::Metadata(metadata))),
+                    Err(reason) => Err(reason),
+                },
+                Record::Attachment { header, data, .. } if header.name == SEAL => {
+                    return Ok(Some(Item::SealAttachment(Attachment {
+                        log_time: header.log_time,
+                        create_time: header.create_time,
+                        name: header.name,
+                        media_type: header.media_type,
+                        data,
+                    })));
+                }
                 other => self.note(other, contents),
             };
             noted.map_err(|reason| self.records.damaged(reason))?;
@@ -393,17 +424,32 @@ impl Pass {
             Record::Channel(channel) => {
                 let id = channel.id;
                 let schema = self.schemas.get(&channel.schema_id);
-                let topic = contents.topic_of(channel, schema)?;
-                self.channels.insert(id, topic);
-            }
-            Record::Metadata(metadata) => {
-                contents.add_text(metadata.name.len() + text_length(&metadata.metadata))?;
-                contents.metadata.push((metadata.name, metadata.metadata));
+                let hash = hash_of(&channel, schema);
+                let index = contents.topic_of(channel, schema)?;
+                self.channels.insert(id, TopicOfChannel { index, hash });
             }
             _ => {}
         }
         Ok(())
     }
+}
+
+fn hash_of(channel: &Channel, schema: Option<&(SchemaHeader, Vec<u8>)>) -> Hash {
+    let (type_name, schema_encoding, schema) = parts_of(schema);
+    let texts = TopicTexts {
+        name: &channel.topic,
+        type_name,
+        schema_encoding,
+        schema,
+        message_encoding: &channel.message_encoding,
+        metadata: &channel.metadata,
+    };
+    texts.hash()
+}
+
+/// Name of the type, encoding and text of a schema; empty without one.
+fn parts_of(schema: Option<&(SchemaHeader, Vec<u8>)>) -> (&str, &str, &[u8]) {
+    schema.map_or(("", "", &[]), |(it, data)| (&it.name, &it.encoding, data))
 }
 
 fn text_length(entries: &BTreeMap<String, String>) -> usize {
@@ -433,15 +479,21 @@ impl Contents {
         }
     }
 
+    /// Counts the text of a metadata record. Seals are not kept, and not counted.
+    fn add_metadata_text(&mut self, record: &Metadata) -> Result<(), String> {
+        match record.name.as_str() {
+            SEAL => Ok(()),
+            name => self.add_text(name.len() + text_length(&record.metadata)),
+        }
+    }
+
     /// Index of the topic of a channel; equal channels have the same topic.
     fn topic_of(
         &mut self,
         channel: Channel,
         schema: Option<&(SchemaHeader, Vec<u8>)>,
     ) -> Result<usize, String> {
-        let (type_name, encoding, text) = schema.map_or(("", "", &[][..]), |(it, data)| {
-            (&it.name, &it.encoding, data)
-        });
+        let (type_name, encoding, text) = parts_of(schema);
         let same = |it: &RecordedTopic| {
             *it.name == *channel.topic
                 && *it.type_name == *type_name
@@ -474,45 +526,14 @@ impl Contents {
 
     fn count(&mut self, topic: usize, time: u64) {
         self.messages += 1;
+        self.out_of_order += u64::from(time < self.last);
+        self.last = time;
         if let Some(topic) = self.topics.get_mut(topic) {
             topic.messages += 1;
         }
         self.span = Some(self.span.map_or((time, time), |(first, last)| {
             (first.min(time), last.max(time))
         }));
-    }
-
-    fn note_damage(&mut self, fault: &RecordingError) {
-        self.wholeness.damaged += 1;
-        if self.wholeness.faults.len() < MAX_FAULTS
-            && let RecordingError::Damaged { offset, reason, .. } = fault
-        {
-            self.wholeness
-                .faults
-                .push(format!("at byte {offset}: {reason}"));
-        }
-    }
-
-    fn note_end(&mut self, file: &Path, end: Option<FileEnd>) {
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        match end {
-            Some(FileEnd::Whole) => {}
-            Some(FileEnd::InRecord(at)) => {
-                self.wholeness.ends_in_record = true;
-                self.wholeness.cut_off.push(format!(
-                    "{name} is cut off in the record that begins at byte {at}"
-                ));
-            }
-            Some(FileEnd::CutOff(at)) => {
-                self.wholeness.cut_off.push(format!(
-                    "{name} has no end, its last whole record ends at byte {at}"
-                ));
-            }
-            None => self
-                .wholeness
-                .cut_off
-                .push(format!("{name} was not read to its end")),
-        }
     }
 }
 
@@ -540,9 +561,13 @@ impl Messages<'_> {
             self.pass = Some(Pass::open(file)?);
             return Ok(());
         };
-        let Some((topic_index, header, data)) = pass.next(&mut self.scratch)? else {
-            self.pass = None;
-            return Ok(());
+        let (topic_index, header, data) = match pass.next(&mut self.scratch)? {
+            Some(Item::Message(topic, header, data)) => (topic.index, header, data),
+            Some(Item::Metadata(_) | Item::SealAttachment(_)) => return Ok(()),
+            None => {
+                self.pass = None;
+                return Ok(());
+            }
         };
         let Some(topic) = self.reader.contents.topics.get(topic_index) else {
             return Err(RecordingError::Changed {

@@ -8,12 +8,14 @@ use std::sync::{Arc, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use crate::described::check_topics;
 use crate::error::RecordingError;
+use crate::report::RecorderReport;
 use crate::session::{Counters, RecorderOptions, Session};
 use crate::startup::repair_unfinished;
 use crate::statistics::{QueueStatistics, RecorderStatistics};
 use crate::topic::TopicInfo;
-use crate::writer::{Entry, check_topics};
+use crate::writer::Entry;
 
 /// How long the recorder sleeps when the queue is empty. Senders do not wake it, because that would cost them time.
 const NAP: Duration = Duration::from_millis(5);
@@ -36,6 +38,16 @@ impl Recorder {
     ) -> Result<RecorderHandle, RecordingError> {
         check_topics(&topics)?;
         check_directory(&options.directory)?;
+        if let Some(key) = &options.seal {
+            options.report(&RecorderReport::Sealing {
+                key: key.public_key(),
+                path: key.path().map(Path::to_path_buf),
+            });
+            if let Some(warning) = key.warning() {
+                let warning = warning.to_owned();
+                options.report(&RecorderReport::ExposedKey { warning });
+            }
+        }
         let application = options.application.clone();
         let (sender, receiver) = sync_channel(options.queue_messages.max(1));
         let shared = Arc::new(Shared {

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use mcap::records::{Record, op};
+use mcap::records::{AttachmentHeader, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, McapResult};
 
@@ -15,6 +15,9 @@ use crate::error::RecordingError;
 
 /// Maximum length of a record, and of a chunk before and after decompression \[bytes\].
 pub const MAX_CHUNK: usize = 256 << 20;
+
+/// Maximum length of an attachment that is read \[bytes\].
+const MAX_ATTACHMENT: usize = 64 << 10;
 
 const READ_BUFFER: usize = 1 << 20;
 
@@ -82,9 +85,44 @@ impl Found {
                     },
                 }
             }
+            // Attachments of others may be large, and are not read.
+            op::ATTACHMENT if data.len() <= MAX_ATTACHMENT => {
+                attachment(data).map_or(Self::Other(opcode), Self::Record)
+            }
             _ => Self::Other(opcode),
         }
     }
+}
+
+/// Parses an attachment; `None` if it is malformed. `parse_record` of the mcap crate 0.26.0 panics if the length of its data is
+/// greater than what is there.
+fn attachment(record: &[u8]) -> Option<Record<'static>> {
+    let mut rest = record;
+    let mut take = |length: usize| {
+        let (taken, left) = rest.split_at_checked(length)?;
+        rest = left;
+        Some(taken)
+    };
+    let log_time = u64::from_le_bytes(take(8)?.try_into().ok()?);
+    let create_time = u64::from_le_bytes(take(8)?.try_into().ok()?);
+    let mut texts = [String::new(), String::new()];
+    for text in &mut texts {
+        let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
+        *text = str::from_utf8(take(length.try_into().ok()?)?)
+            .ok()?
+            .to_owned();
+    }
+    let length = u64::from_le_bytes(take(8)?.try_into().ok()?);
+    let data = take(length.try_into().ok()?)?.to_vec().into();
+    let crc = u32::from_le_bytes(take(4)?.try_into().ok()?);
+    let [name, media_type] = texts;
+    let header = AttachmentHeader {
+        log_time,
+        create_time,
+        name,
+        media_type,
+    };
+    Some(Record::Attachment { header, data, crc })
 }
 
 impl RecordReader {

@@ -7,13 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use mcap::records::Metadata;
 
+use crate::described::Described;
 use crate::error::RecordingError;
-use crate::reader::{Reader, RecordedTopic};
+use crate::reader::{Item, Reader};
 use crate::retention::mcap_files;
+use crate::seal::{BEGIN, SEAL};
+use crate::seal_check::Seal;
 use crate::storage::is_being_written;
-use crate::writer::{
-    APPLICATION, Described, EndReason, LOSSES, REPAIR, Writer, WriterOptions, record, record_name,
-};
+use crate::writer::{APPLICATION, EndReason, REPAIR, Writer, WriterOptions, record, record_name};
 
 /// End of the name of a repaired recording.
 const SUFFIX: &str = "_repaired";
@@ -36,6 +37,10 @@ pub struct Repaired {
     pub in_record: bool,
     /// What was wrong with the original.
     pub fault: String,
+    /// The seal of the original, which the new recording has, too.
+    pub seal: Option<Seal>,
+    /// Whether the original had seals that the new recording has not, because they were of several files.
+    pub seals_lost: bool,
 }
 
 impl fmt::Display for Repaired {
@@ -46,6 +51,8 @@ impl fmt::Display for Repaired {
             messages,
             left_out,
             fault,
+            seal,
+            seals_lost,
             ..
         } = self;
         write!(
@@ -56,6 +63,33 @@ impl fmt::Display for Repaired {
         )?;
         if *left_out > 0 {
             write!(f, " {left_out} damaged records could not be saved.")?;
+        }
+        match seal {
+            Some(Seal {
+                fault: Some(reason),
+                covered,
+                ..
+            }) => write!(
+                f,
+                " Its seal covers the first {covered} messages only, and does not hold beyond them: {reason}."
+            )?,
+            Some(Seal {
+                covered,
+                uncovered: 0,
+                ..
+            }) => {
+                write!(f, " Its seal covers all of the {covered} messages.")?;
+            }
+            Some(Seal {
+                covered, uncovered, ..
+            }) => write!(
+                f,
+                " Its seal covers the first {covered} messages, and not the last {uncovered}."
+            )?,
+            None if *seals_lost => {
+                f.write_str(" The seals were lost, because several files have become one.")?;
+            }
+            None => {}
         }
         Ok(())
     }
@@ -112,6 +146,8 @@ pub(crate) fn repair_unless(
         left_out: reader.wholeness().damaged,
         in_record: reader.wholeness().ends_in_record,
         fault,
+        seal: kept_seal(&reader).cloned(),
+        seals_lost: kept_seal(&reader).is_none() && reader.seals().iter().any(Option::is_some),
     }))
 }
 
@@ -158,25 +194,26 @@ fn write_copy(
         application: application(reader).to_owned(),
         ..WriterOptions::default()
     };
-    let mut writer =
-        Writer::create_with(&unfinished, &options, topics, &records(reader, fault), 0)?;
-    writer.add_lost(reader.lost_messages().unwrap_or(0));
-    for message in reader.messages_as_written() {
+    let mut writer = Writer::create_with(&unfinished, &options, topics, 0)?;
+    let keeps_seal = kept_seal(reader).is_some();
+    reader.for_each_as_written(|item| {
         if stop.load(Ordering::Relaxed) {
             return Err(failed(std::io::Error::from(
                 std::io::ErrorKind::Interrupted,
             )));
         }
-        // The damage was counted when the recording was opened.
-        let message = match message {
-            Ok(message) => message,
-            Err(RecordingError::Damaged { .. }) => continue,
-            Err(error) => return Err(error),
-        };
-        let [log_time, publish_time] =
-            [message.log_time, message.publish_time].map(|it| u64::try_from(it).unwrap_or(0));
-        writer.write_message(message.topic_index, log_time, publish_time, &message.data)?;
-    }
+        match item {
+            Item::Message(topic, header, data) => {
+                writer.write_message(topic.index, header.log_time, header.publish_time, &data)
+            }
+            Item::Metadata(it) if is_kept(&it.name, keeps_seal) => writer.copy_metadata(&it),
+            Item::SealAttachment(it) if keeps_seal => writer.copy_attachment(&it),
+            Item::Metadata(_) | Item::SealAttachment(_) => Ok(()),
+        }
+    })?;
+    // Behind everything that a seal covers.
+    writer.copy_metadata(&repair_record(reader, fault))?;
+    writer.add_lost(reader.lost_messages().unwrap_or(0));
     let finished = writer
         .finish_because(EndReason::Repaired)
         .map_err(|(error, _)| error)?;
@@ -195,18 +232,20 @@ fn application(reader: &Reader) -> &str {
     reader.application().unwrap_or(APPLICATION)
 }
 
-/// The metadata that is kept, and the record of the repair.
-fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
-    let kept = reader
-        .metadata()
-        .iter()
-        .filter(|(name, _)| name != "rosbag2" && !name.ends_with(LOSSES));
-    let mut records: Vec<Metadata> = kept
-        .map(|(name, entries)| Metadata {
-            name: name.clone(),
-            metadata: entries.clone(),
-        })
-        .collect();
+/// The seal that the new recording has, too. Those of several files cannot be kept in one.
+fn kept_seal(reader: &Reader) -> Option<&Seal> {
+    match reader.seals() {
+        [Some(seal)] => Some(seal),
+        _ => None,
+    }
+}
+
+/// Whether a metadata record is copied. A seal covers all that precede it.
+fn is_kept(name: &str, keeps_seal: bool) -> bool {
+    keeps_seal || ![BEGIN, SEAL, "rosbag2"].contains(&name)
+}
+
+fn repair_record(reader: &Reader, fault: &str) -> Metadata {
     let source = reader
         .path()
         .file_name()
@@ -214,7 +253,7 @@ fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
         .to_string_lossy()
         .into_owned();
     let damaged = reader.wholeness().damaged.to_string();
-    records.push(record(
+    record(
         record_name(application(reader), REPAIR),
         [
             ("source", source),
@@ -222,19 +261,5 @@ fn records(reader: &Reader, fault: &str) -> Vec<Metadata> {
             ("damaged_records", damaged),
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ],
-    ));
-    records
-}
-
-impl From<&RecordedTopic> for Described {
-    fn from(topic: &RecordedTopic) -> Self {
-        Self {
-            name: topic.name.to_string(),
-            type_name: topic.type_name.to_string(),
-            schema_encoding: topic.schema_encoding.clone(),
-            schema: topic.schema.to_vec(),
-            message_encoding: topic.encoding.clone(),
-            metadata: topic.metadata.clone(),
-        }
-    }
+    )
 }

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::repair::Repaired;
+use crate::seal_key::PublicKey;
 use crate::writer::Finished;
 
 /// How important a report is.
@@ -11,7 +12,7 @@ use crate::writer::Finished;
 pub enum ReportLevel {
     /// Normal operation.
     Info,
-    /// Something went wrong earlier and was put right.
+    /// Something went wrong earlier and was put right, or should be changed.
     Warning,
     /// Messages are lost, or recording is not possible.
     Error,
@@ -20,6 +21,18 @@ pub enum ReportLevel {
 /// Something that happened to a recorder; its display text is a line for a log.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecorderReport {
+    /// Recordings are sealed.
+    Sealing {
+        /// The public part of the key.
+        key: PublicKey,
+        /// The file of the private part; `None` if the key was made for this run.
+        path: Option<PathBuf>,
+    },
+    /// The key of the seals is not protected.
+    ExposedKey {
+        /// What is wrong, and what to do.
+        warning: String,
+    },
     /// A recording began.
     Began {
         /// Its directory.
@@ -65,8 +78,11 @@ impl RecorderReport {
     #[must_use]
     pub fn level(&self) -> ReportLevel {
         match self {
-            Self::Began { .. } | Self::Finished(_) | Self::Deleted { .. } => ReportLevel::Info,
-            Self::Repaired(_) => ReportLevel::Warning,
+            Self::Sealing { .. }
+            | Self::Began { .. }
+            | Self::Finished(_)
+            | Self::Deleted { .. } => ReportLevel::Info,
+            Self::Repaired(_) | Self::ExposedKey { .. } => ReportLevel::Warning,
             Self::NotRepaired { .. }
             | Self::Failing { .. }
             | Self::Resumed { .. }
@@ -78,6 +94,16 @@ impl RecorderReport {
 impl fmt::Display for RecorderReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Sealing { key, path } => {
+                write!(f, "recordings are sealed with the key {key}")?;
+                match path {
+                    Some(path) => write!(f, " (private part: {})", path.display()),
+                    None => f.write_str(
+                        ", made for this run only; keep this line apart from the recordings to recognise their seals",
+                    ),
+                }
+            }
+            Self::ExposedKey { warning } => f.write_str(warning),
             Self::Began { directory } => write!(f, "recording to {}", directory.display()),
             Self::Finished(it) => {
                 write!(

@@ -9,14 +9,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
+use crate::chain::Hash;
 use crate::compression::ChunkCompression;
 use crate::error::RecordingError;
 use crate::names::directory_name;
 use crate::report::RecorderReport;
 use crate::retention::{Limits, enforce_limits};
+use crate::seal::{Beginning, PreviousRecording};
+use crate::seal_key::SealKey;
 use crate::syncing::Syncing;
 use crate::topic::TopicInfo;
-use crate::writer::{APPLICATION, EndReason, Entry, Unsaved, Writer, WriterOptions};
+use crate::writer::{
+    APPLICATION, EndReason, Entry, REPEATED_CHECKPOINT, Unsaved, Writer, WriterOptions,
+};
 
 /// How long messages stay in memory. Together with the recorder's nap and the time of a write it is shorter than
 /// [`FLUSH_WITHIN`](crate::FLUSH_WITHIN).
@@ -54,6 +59,9 @@ pub struct RecorderOptions {
     pub application: String,
     /// Notes of the recording program at the beginning of each recording: its version, for example.
     pub notes: BTreeMap<String, String>,
+    /// The key with which the recordings are sealed: within [`FLUSH_WITHIN`](crate::FLUSH_WITHIN), and at their end. `None`:
+    /// they are not sealed.
+    pub seal: Option<SealKey>,
     /// Size at which a new recording begins \[bytes\].
     pub max_file_size: u64,
     /// Duration after which a new recording begins.
@@ -72,7 +80,7 @@ pub struct RecorderOptions {
     pub queue_messages: usize,
     /// Maximum size of the messages in the queue \[bytes\].
     pub queue_bytes: usize,
-    /// Called in the recorder's thread with each report; must return quickly.
+    /// Called with each report, at the start and in the recorder's threads; must return quickly.
     pub on_report: Option<OnReport>,
 }
 
@@ -86,6 +94,7 @@ impl RecorderOptions {
             sync: true,
             application: APPLICATION.to_owned(),
             notes: BTreeMap::new(),
+            seal: None,
             max_file_size: u64::MAX,
             max_duration: None,
             max_files: None,
@@ -105,6 +114,7 @@ impl RecorderOptions {
             sync: self.sync,
             application: self.application.clone(),
             notes: self.notes.clone(),
+            seal: self.seal.clone(),
         }
     }
 
@@ -151,6 +161,8 @@ pub(crate) struct Session {
     writer: Option<Current>,
     /// The newest checkpoint; a recording that cannot wait for the next one begins with it.
     checkpoint: Option<Entry>,
+    /// How the seal of the next recording begins.
+    beginning: Option<Beginning>,
     retry_at: Option<Duration>,
     /// Losses that are recorded in a file.
     noted: u64,
@@ -175,6 +187,7 @@ impl Session {
     ) -> Result<Self, RecordingError> {
         Ok(Self {
             syncing: Syncing::start(&options.application)?,
+            beginning: options.seal.as_ref().map(Beginning::new).transpose()?,
             options,
             topics,
             counters,
@@ -228,10 +241,11 @@ impl Session {
         } else {
             0
         };
-        match self.create(now, room) {
+        let point = self.checkpoint.clone().filter(|_| !first.checkpoint);
+        match self.create(now, room, point.is_some()) {
             Ok(writer) => {
                 self.begun(writer, now);
-                if let Some(point) = self.checkpoint.clone().filter(|_| !first.checkpoint) {
+                if let Some(point) = point {
                     self.write(&point, now);
                 }
                 self.writer.is_some()
@@ -266,12 +280,25 @@ impl Session {
         self.delete_old(&directory, now);
     }
 
-    fn create(&self, now: Duration, room: u64) -> Result<Writer, RecordingError> {
+    fn create(
+        &self,
+        now: Duration,
+        room: u64,
+        repeats_checkpoint: bool,
+    ) -> Result<Writer, RecordingError> {
         let directory = self.claim_directory(now)?;
+        let mut options = self.options.writer_options();
+        if repeats_checkpoint {
+            let note = "an earlier recording has the messages that followed the first checkpoint";
+            options
+                .notes
+                .insert(REPEATED_CHECKPOINT.to_owned(), note.to_owned());
+        }
         let created = Writer::create_with_room(
             &directory,
-            &self.options.writer_options(),
+            &options,
             &self.topics,
+            self.beginning.clone(),
             room,
         );
         if created.is_err() {
@@ -352,6 +379,7 @@ impl Session {
         if matches!(error, RecordingError::NoRoom { .. }) {
             self.end(EndReason::NoRoom);
         } else if let Some(current) = self.writer.take() {
+            self.ends_at(current.writer.directory(), current.writer.signed());
             let unsaved = current.writer.abandon();
             self.cut_off(unsaved);
         }
@@ -372,8 +400,11 @@ impl Session {
         };
         current.writer.add_lost(losses);
         set(&self.counters.current, None);
+        let directory = current.writer.directory().to_path_buf();
+        let signed = current.writer.signed();
         match current.writer.finish_because(reason) {
             Ok(finished) => {
+                self.ends_at(&directory, finished.signed);
                 self.noted += losses;
                 // A loss is an error even if only the end of the file records it.
                 let messages = self.losses_to_report();
@@ -384,12 +415,25 @@ impl Session {
                 self.options.report(&RecorderReport::Finished(finished));
             }
             Err((error, unsaved)) => {
+                self.ends_at(&directory, signed);
                 self.cut_off(unsaved);
                 self.counters.write_errors.fetch_add(1, Ordering::Relaxed);
                 self.options.report(&RecorderReport::Failing {
                     reason: error.to_string(),
                 });
             }
+        }
+    }
+
+    /// The next recording continues after this one, of which the last seal has signed `head`.
+    fn ends_at(&mut self, directory: &Path, head: Option<Hash>) {
+        if let Some((beginning, head)) = self.beginning.as_mut().zip(head) {
+            let name = directory.file_name().unwrap_or_default();
+            beginning.recording += 1;
+            beginning.previous = Some(PreviousRecording {
+                name: name.to_string_lossy().into_owned(),
+                head,
+            });
         }
     }
 

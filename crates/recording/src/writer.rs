@@ -8,11 +8,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{WriteOptions, Writer as McapWriter};
+use mcap::{Attachment, WriteOptions, Writer as McapWriter};
 
 use crate::bag_metadata::{BagMetadata, BagSummary, METADATA_FILE, TopicSummary};
+use crate::chain::Hash;
 use crate::compression::ChunkCompression;
+use crate::described::{Described, QOS_KEY, TYPE_HASH_KEY, check_topics};
 use crate::error::RecordingError;
+use crate::seal::{Beginning, SEAL_AT_END, SEAL_LENGTH, Sealer};
+use crate::seal_key::SealKey;
 use crate::storage::{Storage, Unsynced, sync_directory};
 use crate::topic::TopicInfo;
 
@@ -21,6 +25,9 @@ pub const FLUSH_WITHIN: Duration = Duration::from_millis(50);
 
 /// Name of the recording program if none is given.
 pub(crate) const APPLICATION: &str = "recording";
+
+/// Note of a recording that could not wait for a checkpoint and begins with a copy of the last one.
+pub(crate) const REPEATED_CHECKPOINT: &str = "repeated_checkpoint";
 
 /// End of the name of the metadata record at the beginning, which holds the notes of the recording program.
 pub(crate) const START: &str = "_start";
@@ -36,12 +43,6 @@ pub(crate) const REPAIR: &str = "_repair";
 pub(crate) fn record_name(application: &str, kind: &str) -> String {
     format!("{application}{kind}")
 }
-
-/// Key of the offered quality of service in the metadata of a channel.
-pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
-
-/// Key of the type hash in the metadata of a channel.
-const TYPE_HASH_KEY: &str = "topic_type_hash";
 
 /// Size at which a chunk ends, before compression \[bytes\].
 const CHUNK_SIZE: u64 = 1 << 20;
@@ -90,6 +91,8 @@ pub struct WriterOptions {
     pub application: String,
     /// Notes of the recording program, written at the beginning: its version, for example.
     pub notes: BTreeMap<String, String>,
+    /// The key with which the recording is sealed at every flush and at its end; `None`: it is not sealed.
+    pub seal: Option<SealKey>,
 }
 
 impl Default for WriterOptions {
@@ -99,6 +102,7 @@ impl Default for WriterOptions {
             sync: true,
             application: APPLICATION.to_owned(),
             notes: BTreeMap::new(),
+            seal: None,
         }
     }
 }
@@ -114,6 +118,8 @@ pub struct Finished {
     pub bytes: u64,
     /// Number of messages that were lost.
     pub lost: u64,
+    /// What its seal has signed, if it is sealed.
+    pub(crate) signed: Option<Hash>,
 }
 
 /// Messages that are only in memory; they are lost if the file ends here.
@@ -169,6 +175,9 @@ pub struct Writer {
     chunks: u64,
     /// Space that the end of the file needs, besides that of each chunk \[bytes\].
     end: u64,
+    sealer: Option<Sealer>,
+    /// What the last seal in the file has signed.
+    signed: Option<Hash>,
     /// Length of the part of the file that consists of whole records \[bytes\].
     whole: u64,
     /// Length of the part of the file that was synced, or handed out to be synced \[bytes\].
@@ -177,60 +186,10 @@ pub struct Writer {
 
 struct Topic {
     info: Described,
+    /// What it contributes to the links of the chain.
+    hash: Hash,
     channel: u16,
     messages: u64,
-}
-
-/// A topic with all its texts in the file.
-pub(crate) struct Described {
-    pub name: String,
-    pub type_name: String,
-    pub schema_encoding: String,
-    pub schema: Vec<u8>,
-    pub message_encoding: String,
-    pub metadata: BTreeMap<String, String>,
-}
-
-impl Described {
-    fn new(topic: &TopicInfo) -> Result<Self, RecordingError> {
-        let qos = topic
-            .qos
-            .to_yaml()
-            .map_err(|error| RecordingError::WriteMetadata {
-                path: PathBuf::from(&topic.name),
-                reason: error.to_string(),
-            })?;
-        let metadata = [(QOS_KEY, qos), (TYPE_HASH_KEY, topic.type_hash.clone())];
-        Ok(Self {
-            name: topic.name.clone(),
-            type_name: topic.type_name.clone(),
-            schema_encoding: "ros2msg".to_owned(),
-            schema: topic.schema.clone().into_bytes(),
-            message_encoding: "cdr".to_owned(),
-            metadata: metadata.map(|(key, value)| (key.to_owned(), value)).into(),
-        })
-    }
-
-    fn length(&self) -> u64 {
-        let metadata: usize = self
-            .metadata
-            .iter()
-            .map(|(key, value)| key.len() + value.len())
-            .sum();
-        (self.schema.len() + self.name.len() + self.type_name.len() + metadata) as u64
-    }
-}
-
-/// Checks that all names differ.
-pub(crate) fn check_topics(topics: &[TopicInfo]) -> Result<(), RecordingError> {
-    for (index, topic) in topics.iter().enumerate() {
-        if topics[..index].iter().any(|other| other.name == topic.name) {
-            return Err(RecordingError::DuplicateTopic {
-                topic: topic.name.clone(),
-            });
-        }
-    }
-    Ok(())
 }
 
 impl Writer {
@@ -243,14 +202,16 @@ impl Writer {
         options: &WriterOptions,
         topics: &[TopicInfo],
     ) -> Result<Self, RecordingError> {
-        Self::create_with_room(directory, options, topics, 0)
+        let beginning = options.seal.as_ref().map(Beginning::new).transpose()?;
+        Self::create_with_room(directory, options, topics, beginning, 0)
     }
 
-    /// As [`create`](Self::create), and requires this much free space \[bytes\].
+    /// As [`create`](Self::create), with this beginning of the seal, and requires this much free space \[bytes\].
     pub(crate) fn create_with_room(
         directory: &Path,
         options: &WriterOptions,
         topics: &[TopicInfo],
+        beginning: Option<Beginning>,
         room: u64,
     ) -> Result<Self, RecordingError> {
         check_topics(topics)?;
@@ -262,15 +223,24 @@ impl Writer {
             name: record_name(&options.application, START),
             metadata: options.notes.clone(),
         };
-        Self::create_with(directory, options, described, &[start], room)
+        let mut writer = Self::create_with(directory, options, described, room)?;
+        if let Some((key, beginning)) = options.seal.clone().zip(beginning) {
+            let (sealer, record) = Sealer::new(key, beginning);
+            writer.write_record(&record)?;
+            writer.signed = Some(sealer.signed());
+            writer.sealer = Some(sealer);
+        }
+        writer.write_record(&start)?;
+        // From now on the file can be recognised.
+        writer.end_chunk()?;
+        Ok(writer)
     }
 
-    /// As [`create`](Self::create), with topics of any encoding.
+    /// As [`create`](Self::create), with topics of any encoding, and without notes and seal.
     pub(crate) fn create_with(
         directory: &Path,
         options: &WriterOptions,
         topics: Vec<Described>,
-        records: &[Metadata],
         room: u64,
     ) -> Result<Self, RecordingError> {
         make_directory(directory)?;
@@ -290,26 +260,24 @@ impl Writer {
         .map_err(write)?;
         let mut channels = Vec::with_capacity(topics.len());
         for info in topics {
-            let schema = if info.schema_encoding.is_empty() && info.schema.is_empty() {
-                0
-            } else {
+            let schema = if info.has_schema() {
                 inner
                     .add_schema(&info.type_name, &info.schema_encoding, &info.schema)
                     .map_err(write)?
+            } else {
+                0
             };
             let channel = inner
                 .add_channel(schema, &info.name, &info.message_encoding, &info.metadata)
                 .map_err(write)?;
             channels.push(Topic {
+                hash: info.hash(),
                 info,
                 channel,
                 messages: 0,
             });
         }
-        for record in records {
-            inner.write_metadata(record).map_err(write)?;
-        }
-        let mut writer = Self {
+        Ok(Self {
             inner,
             storage,
             directory: directory.to_path_buf(),
@@ -324,12 +292,11 @@ impl Writer {
             unsaved: Unsaved::default(),
             chunks: 1,
             end,
+            sealer: None,
+            signed: None,
             whole: 0,
             synced: 0,
-        };
-        // From now on the file can be recognised.
-        writer.end_chunk()?;
-        Ok(writer)
+        })
     }
 
     /// Writes a message.
@@ -372,6 +339,9 @@ impl Writer {
         self.inner
             .write_to_known_channel(&header, data)
             .map_err(|error| RecordingError::write(&self.path, error))?;
+        if let Some(sealer) = &mut self.sealer {
+            sealer.chain().add_message(&topic.hash, &header, data);
+        }
         topic.messages += 1;
         self.messages += 1;
         self.open_chunk = room;
@@ -389,8 +359,12 @@ impl Writer {
     /// Reserves space for a chunk of this size \[bytes\] and for the end of the file.
     fn reserve(&self, chunk: u64) -> Result<(), RecordingError> {
         // Compression makes incompressible data a little longer.
-        let chunk = chunk + chunk / 128 + CHUNK_OVERHEAD;
-        let per_chunk = CHUNK_OVERHEAD + TOPIC_IN_CHUNK * self.topics.len() as u64;
+        let mut chunk = chunk + chunk / 128 + CHUNK_OVERHEAD;
+        let mut per_chunk = CHUNK_OVERHEAD + TOPIC_IN_CHUNK * self.topics.len() as u64;
+        if self.sealer.is_some() {
+            chunk += SEAL_LENGTH;
+            per_chunk += SEAL_AT_END;
+        }
         let end = self.whole + chunk + self.end + (self.chunks + 1) * per_chunk;
         self.storage
             .reserve(end)
@@ -403,14 +377,25 @@ impl Writer {
     /// # Errors
     /// Writing fails.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
-        self.end_chunk()?;
+        self.seal_and_end_chunk()?;
         self.unsynced().map_or(Ok(()), |unsynced| unsynced.sync())
     }
 
     /// Hands all messages to the operating system; returns what the caller has to sync.
     pub(crate) fn hand_over(&mut self) -> Result<Option<Unsynced>, RecordingError> {
-        self.end_chunk()?;
+        self.seal_and_end_chunk()?;
         Ok(self.unsynced())
+    }
+
+    /// Ends the chunk with a seal behind it, which reaches the file together with it.
+    fn seal_and_end_chunk(&mut self) -> Result<(), RecordingError> {
+        if let Some(seal) = self.sealer.as_mut().and_then(Sealer::seal) {
+            self.reserve(self.open_chunk)?;
+            self.write_raw(&seal)?;
+        }
+        self.end_chunk()?;
+        self.signed = self.sealer.as_ref().map(Sealer::signed);
+        Ok(())
     }
 
     fn unsynced(&mut self) -> Option<Unsynced> {
@@ -461,9 +446,49 @@ impl Writer {
         losses
     }
 
+    /// Writes a metadata record, which the next seal will cover.
     fn write_record(&mut self, record: &Metadata) -> Result<(), RecordingError> {
+        self.write_raw(record)?;
+        if let Some(sealer) = &mut self.sealer {
+            sealer.chain().add_metadata(record);
+        }
+        Ok(())
+    }
+
+    fn write_raw(&mut self, record: &Metadata) -> Result<(), RecordingError> {
         self.inner
             .write_metadata(record)
+            .map_err(|error| RecordingError::write(&self.path, error))
+    }
+
+    /// Copies a metadata record of another recording.
+    pub(crate) fn copy_metadata(&mut self, record: &Metadata) -> Result<(), RecordingError> {
+        let entries: usize = record
+            .metadata
+            .iter()
+            .map(|(key, value)| 8 + key.len() + value.len())
+            .sum();
+        let name = record.name.len() as u64;
+        self.reserve(self.open_chunk + name + entries as u64 + CHUNK_OVERHEAD)?;
+        self.write_record(record)?;
+        self.end += SEAL_AT_END + name;
+        self.end_chunk()
+    }
+
+    /// Copies an attachment of another recording.
+    pub(crate) fn copy_attachment(
+        &mut self,
+        attachment: &Attachment,
+    ) -> Result<(), RecordingError> {
+        self.reserve(self.open_chunk + attachment.data.len() as u64 + CHUNK_OVERHEAD)?;
+        self.attach(attachment)?;
+        self.end += CHUNK_OVERHEAD;
+        self.end_chunk()
+    }
+
+    fn attach(&mut self, attachment: &Attachment) -> Result<(), RecordingError> {
+        self.inner
+            .attach(attachment)
             .map_err(|error| RecordingError::write(&self.path, error))
     }
 
@@ -471,6 +496,11 @@ impl Writer {
     #[must_use]
     pub fn directory(&self) -> &Path {
         &self.directory
+    }
+
+    /// What the last seal in the file has signed; `None` without a seal.
+    pub(crate) fn signed(&self) -> Option<Hash> {
+        self.signed
     }
 
     /// Number of messages so far.
@@ -536,11 +566,17 @@ impl Writer {
             "rosbag2".to_owned(),
             [("serialized_metadata", serialized)],
         ))?;
+        let time = self.span.map_or(0, |(_, last)| last);
+        if let Some((seal, attachment)) = self.sealer.as_mut().map(|it| it.last(time)) {
+            self.write_raw(&seal)?;
+            self.attach(&attachment)?;
+        }
         self.inner
             .finish()
             .map_err(|error| RecordingError::write(&self.path, error))?;
         self.unsaved = Unsaved::default();
         self.whole = self.storage.position();
+        self.signed = self.sealer.as_ref().map(Sealer::signed);
         let told = |source| RecordingError::io("end", &self.path, source);
         // The rest of the reserved space is for metadata.yaml.
         self.storage.release().map_err(told)?;
@@ -558,6 +594,7 @@ impl Writer {
             messages: self.messages,
             bytes: self.whole,
             lost: self.lost,
+            signed: self.signed,
         })
     }
 

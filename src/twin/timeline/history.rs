@@ -94,7 +94,7 @@ mod tests {
     use crate::column::Impact;
     use crate::parameters::Parameters;
     use crate::twin::plant::Plant;
-    use crate::twin::timeline::{Advanced, LookAhead, Timeline};
+    use crate::twin::timeline::{Advanced, Timeline};
 
     fn timeline() -> Timeline {
         let fine = [("solver.dt", 1e-6.into())];
@@ -111,8 +111,7 @@ mod tests {
             .expect("stands")
             .strike(&properties, impact, 2.0)
             .expect("hits");
-        let ahead = LookAhead::new(struck, 0.01, None);
-        Timeline::begin(0, ahead, struck, 50, History::default())
+        Timeline::begin(0, struck, 50, History::default())
     }
 
     fn go_to(timeline: &mut Timeline, step: u64) {

@@ -1,5 +1,5 @@
-//! The timeline of one response: from the clock to steps, back to earlier steps, and ahead of the clock. Knows no
-//! identifiers.
+//! The timeline of one response: from the clock to steps, and back to earlier steps. Knows no identifiers. The look-ahead
+//! follows a copy of the column ahead of the clock.
 
 mod history;
 mod look_ahead;
@@ -32,9 +32,7 @@ pub(super) struct Timeline {
     percussion: f64,
     /// What the steps have taken \[ns\].
     compute_nanos: u64,
-    /// The forecast, until it is complete.
-    ahead: Option<LookAhead>,
-    /// Step of the last state, once the forecast is complete.
+    /// Step of the last state, once it is known from the look-ahead.
     last_step: Option<u64>,
     history: History,
 }
@@ -48,10 +46,9 @@ pub(super) enum Advanced {
 }
 
 impl Timeline {
-    /// Begins at `origin` with a sample at step 0. `ahead` is a copy of `plant`; `history` is that of an earlier response, for its memory.
+    /// Begins at `origin` with a sample at step 0. `history` is that of an earlier response, for its memory.
     pub fn begin(
         origin: Nanos,
-        ahead: LookAhead,
         plant: Struck,
         steps_per_sample: u64,
         mut history: History,
@@ -64,7 +61,6 @@ impl Timeline {
             next_sample: 0,
             percussion: plant.state.percussion,
             compute_nanos: 0,
-            ahead: Some(ahead),
             last_step: None,
             history,
         }
@@ -166,9 +162,8 @@ impl Timeline {
         sample
     }
 
-    /// Goes back to an earlier step, and abandons the forecast.
+    /// Goes back to an earlier step.
     pub fn rewind(&mut self, step: u64) {
-        self.ahead = None;
         if step >= self.step() {
             return;
         }
@@ -194,31 +189,8 @@ impl Timeline {
         self.compute_nanos
     }
 
-    /// Whether the forecast is being computed.
-    pub fn is_looking_ahead(&self) -> bool {
-        self.ahead.is_some()
-    }
-
-    /// Whether the response ahead was completed: from then on the damage that the response will leave is known.
-    pub fn has_forecast(&self) -> bool {
-        self.last_step.is_some()
-    }
-
-    /// Carries the forecast on until there is news, by at most `budget` steps, which are taken from it; `None` where none is
-    /// being computed. `stopwatch` gives monotonic nanoseconds.
-    pub fn look_ahead(
-        &mut self,
-        budget: &mut u64,
-        stopwatch: &dyn Fn() -> u64,
-    ) -> Option<(Outlook, u64)> {
-        let ahead = self.ahead.as_mut()?;
-        let outlook = ahead.run(budget, stopwatch);
-        let compute_nanos = ahead.compute_nanos();
-        match outlook {
-            Outlook::Running => {}
-            Outlook::Over { .. } => self.last_step = Some(ahead.step()),
-            Outlook::Refined(_) | Outlook::Failed(_) | Outlook::Complete => self.ahead = None,
-        }
-        Some((outlook, compute_nanos))
+    /// Takes note of the last step of the response, which is known in advance.
+    pub fn set_last_step(&mut self, last_step: u64) {
+        self.last_step = Some(last_step);
     }
 }

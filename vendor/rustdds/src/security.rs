@@ -1,6 +1,6 @@
 pub mod access_control;
 pub mod authentication;
-mod certificate;
+pub(crate) mod certificate;
 pub mod config;
 pub mod cryptographic;
 pub mod logging;

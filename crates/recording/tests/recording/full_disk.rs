@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use rosbag2_mcap::{
-    ChunkCompression, Reader, Recorder, RecorderOptions, RecorderReport, RecorderStatistics,
-    ReportLevel,
+    ChunkCompression, Predecessor, Reader, Recorder, RecorderOptions, RecorderReport,
+    RecorderStatistics, ReportLevel, SealKey,
 };
 
 use super::recorder::{Reports, recordings};
@@ -45,6 +45,7 @@ fn a_full_disk_ends_a_recording_properly_and_new_room_begins_another() {
         let mut options = RecorderOptions::new(disk.path(), SystemTime::now());
         options.compression = compression;
         options.retry_after = Duration::from_millis(100);
+        options.seal = Some(SealKey::fresh().unwrap());
         let reports = Reports::default();
         reports.listen(&mut options);
         let recorder = Recorder::start(options, text_topics()).unwrap();
@@ -106,6 +107,16 @@ fn check_the_second(disk: &Path, first: &Path, statistics: &RecorderStatistics, 
     assert_eq!(times[0], 0);
     assert!(times.len() >= 100);
     assert_eq!(times.last(), Some(&(sent - 1)));
+    // Both are sealed to their ends, and the second continues the first.
+    for reader in [&reader, &Reader::open(first).unwrap()] {
+        let seal = reader.seals()[0].as_ref().unwrap();
+        assert!(
+            seal.holds() && seal.is_final && seal.uncovered == 0,
+            "{seal:?}"
+        );
+    }
+    let found = Predecessor::Found(std::fs::canonicalize(first).unwrap());
+    assert_eq!(reader.predecessor(), found);
     // The messages that are in neither are counted, and the files contain the count.
     let lost: u64 = [first, &second]
         .iter()
@@ -130,6 +141,8 @@ fn check_what_was_reports(reports: &[RecorderReport]) {
         kinds,
         ["began", "finished", "failing", "resumed", "finished"]
     );
+    let sealing = |it: &&RecorderReport| matches!(it, RecorderReport::Sealing { .. });
+    assert_eq!(reports.iter().filter(sealing).count(), 1);
     for report in reports {
         let is_error = matches!(
             report,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use rosbag2_mcap::{ChunkCompression, Reader, Recorder, RecorderOptions, repair};
+use rosbag2_mcap::{ChunkCompression, Reader, Recorder, RecorderOptions, SealKey, repair};
 
 use super::sample::{COMPRESSIONS, text_entry, text_topics};
 
@@ -34,6 +34,7 @@ fn records_until_it_is_killed() {
         .into_iter()
         .find(|it| format!("{it:?}") == wanted)
         .unwrap_or(ChunkCompression::None);
+    options.seal = Some(SealKey::fresh().unwrap());
     let recorder = Recorder::start(options, text_topics()).unwrap();
     let sent = File::create(folder.join("sent")).unwrap();
     let text = "x".repeat(500);
@@ -107,6 +108,11 @@ pub fn missing_after_a_kill(
     assert_eq!(repaired.left_out, 0);
     let reader = Reader::open(&repaired.directory).unwrap();
     assert!(reader.wholeness().is_whole());
+    // Sealed up to the last flush.
+    let seal = reader.seals()[0].as_ref().unwrap();
+    assert!(seal.holds() && !seal.is_final, "{seal:?}");
+    assert_eq!(repaired.seal.as_ref(), Some(seal));
+    assert!(seal.covered > 0 && seal.uncovered < RATE / 20, "{seal:?}");
     let mut last = 0;
     for (index, message) in reader.messages().enumerate() {
         let message = message.unwrap();

@@ -4,11 +4,15 @@
 
 mod bad_input;
 mod crash;
+mod forging;
 mod full_disk;
 mod killed_process;
 mod layout;
 mod mutations;
 mod random_damage;
 mod recorder;
+mod resealing;
 mod sample;
+mod seal;
+mod seal_keys;
 mod small_disk;

@@ -37,7 +37,7 @@ use crate::{
     discovery_db::DiscoveryDB,
     sedp_messages::{DiscoveredReaderData, DiscoveredTopicData, DiscoveredWriterData},
   },
-  network::{constant::*, udp_listener::UDPListener},
+  network::{constant::*, udp_listener::UDPListener, util::unicast_bind_address},
   polling::{
     ready_channel, wake_channel, wake_channel_unbounded, LoopWaker, ReadySender, WakeReceiver,
     WakeSender, WakeUnboundedSender,
@@ -1260,6 +1260,7 @@ impl DomainParticipantInner {
     }
 
     let mut participant_id = 0;
+    let unicast_address = unicast_bind_address(only_networks.as_deref()).to_string();
 
     let mut discovery_listener = None;
 
@@ -1267,7 +1268,7 @@ impl DomainParticipantInner {
     // Numbers"
     while discovery_listener.is_none() && participant_id < 120 {
       discovery_listener = UDPListener::new_unicast_with_buf_size(
-        "0.0.0.0",
+        &unicast_address,
         spdp_well_known_unicast_port(domain_id, participant_id),
         socket_receive_buffer_size,
       )
@@ -1302,7 +1303,7 @@ impl DomainParticipantInner {
     }
 
     let user_traffic_listener = UDPListener::new_unicast_with_buf_size(
-      "0.0.0.0",
+      &unicast_address,
       user_traffic_unicast_port(domain_id, participant_id),
       socket_receive_buffer_size,
     )
@@ -1310,14 +1311,13 @@ impl DomainParticipantInner {
       if matches!(e.kind(), ErrorKind::AddrInUse) {
         // If we do not get the preferred listening port,
         // try again, with "any" port number.
-        UDPListener::new_unicast_with_buf_size("0.0.0.0", 0, socket_receive_buffer_size).or_else(
-          |e| {
+        UDPListener::new_unicast_with_buf_size(&unicast_address, 0, socket_receive_buffer_size)
+          .or_else(|e| {
             create_error_out_of_resources!(
               "Could not open unicast user traffic listener, any port number: {:?}",
               e
             )
-          },
-        )
+          })
       } else {
         create_error_out_of_resources!("Could not open unicast user traffic listener: {e:?}")
       }

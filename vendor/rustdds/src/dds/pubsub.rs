@@ -527,9 +527,8 @@ impl InnerPublisher {
     // samples may await transmission when the network socket is congested. We
     // reuse the same capacity as the reliable window.
     let backlog_limit = window_limit;
-    // KeepLast-style hard cap on retained samples for best-effort (non-blocking)
-    // writes, which are not throttled at admission, and for reliable writers
-    // before a reader matches. This is where the History depth applies.
+    // KeepLast-style cap on retained samples, beyond those that matched reliable
+    // readers have not acknowledged. This is where the History depth applies.
     let max_retain = match writer_qos.history() {
       Some(policy::History::KeepLast { depth }) => {
         let d = (depth as usize).max(1);
@@ -537,21 +536,11 @@ impl InnerPublisher {
       }
       _ => resource_max.unwrap_or(DEFAULT_WRITER_MAX_SAMPLES),
     };
-    // Default durability is VOLATILE (DDS v1.4 2.2.3). Only VOLATILE reliable
-    // writers may trim KeepLast before a reader matches; durable writers must
-    // retain samples for late joiners.
-    let volatile = matches!(
-      writer_qos
-        .durability()
-        .unwrap_or(policy::Durability::Volatile),
-      policy::Durability::Volatile
-    );
     let send_buffer = WriterSendBuffer::new(
       guid,
       topic.name(),
       writer_qos.is_reliable(),
       guid.entity_id.entity_kind.is_built_in(),
-      volatile,
       window_limit,
       backlog_limit,
       max_retain,

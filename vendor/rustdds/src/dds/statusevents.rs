@@ -396,6 +396,16 @@ pub enum DomainParticipantStatusEvent {
     participant: GuidPrefix,
     status: AuthenticationStatus,
   },
+  /// A Participant has been authenticated and its permissions have been
+  /// accepted, or it has been rejected. A Participant that tries again is
+  /// reported again.
+  #[cfg(feature = "security")]
+  AuthenticationOutcome {
+    participant: GuidPrefix,
+    /// The subject name of its certificate, or the reason. Parts of the reason
+    /// may come from the Participant.
+    outcome: Result<String, String>,
+  },
   /// The CA has revoked the identity of some Participant.
   /// We may be currently communicating with the Participant, or it may be
   /// unknown to us.

@@ -19,7 +19,7 @@ use crate::{
       QosPolicies, QosPolicyBuilder,
     },
     readcondition::ReadCondition,
-    result::{CreateError, CreateResult},
+    result::{CreateError, CreateResult, ReadError},
     statusevents::{DomainParticipantStatusEvent, LostReason, StatusChannelSender},
   },
   discovery::{
@@ -296,6 +296,21 @@ pub(crate) struct Discovery {
   // discovery phase. See `spdp_receive`.
   #[cfg(feature = "security")]
   spdp_quick_response_sent: std::collections::HashSet<GuidPrefix>,
+  // A quick SPDP response to newly discovered participants is scheduled.
+  spdp_quick_response_pending: bool,
+}
+
+// Take samples, beyond those that cannot be deserialized. Each error consumes one
+// sample, and there is no further notification for those behind it.
+macro_rules! take_readable {
+  ($take:expr) => {
+    loop {
+      match $take {
+        Err(ReadError::Deserialization { reason }) => info!("Discovery: {reason}"),
+        readable => break readable,
+      }
+    }
+  };
 }
 
 impl Discovery {
@@ -693,6 +708,7 @@ impl Discovery {
       dcps_participant_volatile_message_secure,
       #[cfg(feature = "security")]
       spdp_quick_response_sent: std::collections::HashSet::new(),
+      spdp_quick_response_pending: false,
     })
   }
 
@@ -860,7 +876,9 @@ impl Discovery {
                   };
                   // Only the periodic announce reschedules itself; the one-shot
                   // quick response does not.
-                  if reschedule {
+                  if !reschedule {
+                    self.spdp_quick_response_pending = false;
+                  } else {
                     self.discovery_timer.borrow_mut().set_timeout(
                       Self::SPDP_PUBLISH_PERIOD,
                       DiscoveryTimerEvent::SendParticipantInfo { reschedule: true },
@@ -978,73 +996,83 @@ impl Discovery {
 
   pub fn spdp_receive(&mut self) {
     loop {
-      let s = self.dcps_participant.reader.take_next_sample();
-      debug!("spdp_receive read {:?}", s);
-      match s {
-        Ok(Some(ds)) => {
-          #[cfg(not(feature = "security"))]
-          let permission = NormalDiscoveryPermission::Allow;
-
-          #[cfg(feature = "security")]
-          let permission = if let Some(security) = self.security_opt.as_mut() {
-            // Security is enabled. Do a secure read, potentially starting the
-            // authentication protocol. The return value tells if normal Discovery is
-            // allowed to process the message.
-            security.participant_read(
-              &ds,
-              &self.discovery_db,
-              &self.discovery_updated_sender,
-              &self.dcps_participant_stateless_message.writer,
-            )
-          } else {
-            // No security configured, always allowed
-            NormalDiscoveryPermission::Allow
-          };
-
-          if permission == NormalDiscoveryPermission::Allow {
-            match ds.value {
-              Sample::Value(participant_data) => {
-                debug!("spdp_receive discovered {:?}", participant_data);
-                self.process_discovered_participant_data(&participant_data);
-              }
-              // Sample::Dispose means that DomainParticipant was disposed
-              Sample::Dispose(participant_guid) => {
-                self.process_participant_dispose(participant_guid.0.prefix);
-              }
-            }
-          } else {
-            // Speed up *secure* discovery.
-            //
-            // While the remote is still being authenticated, `participant_read`
-            // returns a permission other than `Allow`, which skips
-            // `process_discovered_participant_data` above — and with it the normal
-            // "quick SPDP response" optimization. Without that, the remote would
-            // only learn about us on our next *periodic* SPDP (SPDP_PUBLISH_PERIOD),
-            // delaying the authentication handshake by up to a full period. Send an
-            // unsolicited one-shot quick SPDP response now (at most once per remote).
-            // We only re-announce our own public SPDP data, so this discloses nothing
-            // extra.
-            #[cfg(feature = "security")]
-            if let Sample::Value(participant_data) = &ds.value {
-              let remote_prefix = participant_data.participant_guid.prefix;
-              if remote_prefix != self.domain_participant.guid().prefix
-                && self.spdp_quick_response_sent.insert(remote_prefix)
-              {
-                self.discovery_timer.borrow_mut().set_timeout(
-                  StdDuration::from_millis(10),
-                  DiscoveryTimerEvent::SendParticipantInfo { reschedule: false },
-                );
-              }
-            }
-          }
-        }
-        Ok(None) => {
+      // All of them at once: to take one, the reader selects it from all.
+      let samples = take_readable!(self
+        .dcps_participant
+        .reader
+        .take(usize::MAX, ReadCondition::not_read()));
+      debug!("spdp_receive read {samples:?}");
+      let samples = match samples {
+        Ok(samples) if samples.is_empty() => {
           trace!("spdp_receive: no more data");
           return;
-        } // no more data
+        }
+        Ok(samples) => samples,
         Err(e) => {
           error!(" !!! spdp_receive: {e:?}");
           return;
+        }
+      };
+      for ds in samples {
+        #[cfg(not(feature = "security"))]
+        let permission = NormalDiscoveryPermission::Allow;
+
+        #[cfg(feature = "security")]
+        let permission = if let Some(security) = self.security_opt.as_mut() {
+          // Security is enabled. Do a secure read, potentially starting the
+          // authentication protocol. The return value tells if normal Discovery is
+          // allowed to process the message.
+          security.participant_read(
+            &ds,
+            &self.discovery_db,
+            &self.discovery_updated_sender,
+            &self.dcps_participant_stateless_message.writer,
+          )
+        } else {
+          // No security configured, always allowed
+          NormalDiscoveryPermission::Allow
+        };
+        #[cfg(feature = "security")]
+        self.report_authentication_outcomes();
+
+        if permission == NormalDiscoveryPermission::Allow {
+          match ds.value {
+            Sample::Value(participant_data) => {
+              debug!("spdp_receive discovered {:?}", participant_data);
+              self.process_discovered_participant_data(&participant_data);
+            }
+            // Sample::Dispose means that DomainParticipant was disposed
+            Sample::Dispose(participant_guid) => {
+              self.process_participant_dispose(participant_guid.0.prefix);
+            }
+          }
+        } else {
+          // Speed up *secure* discovery.
+          //
+          // While the remote is still being authenticated, `participant_read`
+          // returns a permission other than `Allow`, which skips
+          // `process_discovered_participant_data` above — and with it the normal
+          // "quick SPDP response" optimization. Without that, the remote would
+          // only learn about us on our next *periodic* SPDP (SPDP_PUBLISH_PERIOD),
+          // delaying the authentication handshake by up to a full period. Send an
+          // unsolicited one-shot quick SPDP response now (at most once per remote).
+          // We only re-announce our own public SPDP data, so this discloses nothing
+          // extra.
+          #[cfg(feature = "security")]
+          if let Sample::Value(participant_data) = &ds.value {
+            let remote_prefix = participant_data.participant_guid.prefix;
+            if self.spdp_quick_response_sent.len() >= MAX_OBSERVED_PARTICIPANTS {
+              self.spdp_quick_response_sent.clear();
+            }
+            if remote_prefix != self.domain_participant.guid().prefix
+              && self.spdp_quick_response_sent.insert(remote_prefix)
+            {
+              self.discovery_timer.borrow_mut().set_timeout(
+                StdDuration::from_millis(10),
+                DiscoveryTimerEvent::SendParticipantInfo { reschedule: false },
+              );
+            }
+          }
         }
       }
     } // loop
@@ -1054,8 +1082,17 @@ impl Discovery {
     &mut self,
     participant_data: &SpdpDiscoveredParticipantData,
   ) {
-    let was_new = discovery_db_write(&self.discovery_db).update_participant(participant_data);
     let guid_prefix = participant_data.participant_guid.prefix;
+    let (was_new, is_known, evicted) = {
+      let mut db = discovery_db_write(&self.discovery_db);
+      let was_new = db.update_participant(participant_data);
+      let is_known = db.find_participant_proxy(guid_prefix).is_some();
+      (was_new, is_known, db.take_evicted_participants())
+    };
+    self.on_participants_lost(evicted);
+    if !is_known {
+      return; // ignored
+    }
 
     // Send notification to dp_event_loop. It will update local reader/writer
     // proxies as the SpdpDiscoveredParticipantData contains a bitmap of the
@@ -1076,8 +1113,10 @@ impl Discovery {
       // a previously unknown Participant, but this behavior is optional."
       //
       // But not to reply to self, because we know that we exist.
-      // TODO: Maybe add some rate-limiting to this to avoid packet storms.
-      if guid_prefix != self.domain_participant.guid().prefix {
+      // One response goes to all, so one pending response serves all that are new,
+      // and a flood of new participants does not become a flood of responses.
+      if guid_prefix != self.domain_participant.guid().prefix && !self.spdp_quick_response_pending {
+        self.spdp_quick_response_pending = true;
         // One-shot quick SPDP response on the shared timer (does not reschedule).
         self.discovery_timer.borrow_mut().set_timeout(
           StdDuration::from_millis(10),
@@ -1100,6 +1139,10 @@ impl Discovery {
   }
 
   fn process_participant_dispose(&mut self, participant_guidp: GuidPrefix) {
+    if participant_guidp == self.domain_participant.guid().prefix {
+      warn!("Someone else claims that this participant is disposed. Ignoring.");
+      return;
+    }
     discovery_db_write(&self.discovery_db).remove_participant(participant_guidp, true); // true = actively removed
     self.send_discovery_notification(DiscoveryNotificationType::ParticipantLost {
       guid_prefix: participant_guidp,
@@ -1110,6 +1153,10 @@ impl Discovery {
     });
     #[cfg(feature = "security")]
     self.spdp_quick_response_sent.remove(&participant_guidp);
+    #[cfg(feature = "security")]
+    if let Some(security) = self.security_opt.as_mut() {
+      security.forget_participant(participant_guidp);
+    }
   }
 
   fn send_endpoint_dispose_message(&self, endpoint_guid: GUID) {
@@ -1169,7 +1216,7 @@ impl Discovery {
   // Check if there are messages about new Readers
   pub fn sedp_receive_subscription(&mut self, read_history: Option<GuidPrefix>) {
     let drds: Vec<Sample<DiscoveredReaderData, GUID>> =
-      match self.dcps_subscription.reader.into_iterator() {
+      match take_readable!(self.dcps_subscription.reader.into_iterator()) {
         Ok(ds) => ds
           .map(|d| d.map_dispose(|g| g.0)) // map_dispose removes Endpoint_GUID wrapper around GUID
           // into_iterator() took these samples out of the reader, so all of them
@@ -1211,7 +1258,9 @@ impl Discovery {
         match d {
           Sample::Value(d) => {
             trace!("sedp_receive_subscription - {d:?}");
-            let drd = discovery_db_write(&self.discovery_db).update_subscription(&d);
+            let Some(drd) = discovery_db_write(&self.discovery_db).update_subscription(&d) else {
+              continue;
+            };
             debug!(
               "sedp_receive_subscription - send_discovery_notification ReaderUpdated  {:?}",
               drd
@@ -1245,7 +1294,7 @@ impl Discovery {
 
   pub fn sedp_receive_publication(&mut self, read_history: Option<GuidPrefix>) {
     let dwds: Vec<Sample<DiscoveredWriterData, GUID>> =
-      match self.dcps_publication.reader.into_iterator() {
+      match take_readable!(self.dcps_publication.reader.into_iterator()) {
         // a lot of cloning here, but we must copy the data out of the
         // reader before we can use self again, as .read() returns references to within
         // a reader and thus self
@@ -1290,8 +1339,11 @@ impl Discovery {
         match d {
           Sample::Value(dwd) => {
             trace!("sedp_receive_publication discovered {:?}", dwd);
-            let discovered_writer_data =
-              discovery_db_write(&self.discovery_db).update_publication(&dwd);
+            let Some(discovered_writer_data) =
+              discovery_db_write(&self.discovery_db).update_publication(&dwd)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
               discovered_writer_data,
             });
@@ -1320,10 +1372,10 @@ impl Discovery {
   // DomainParticipants timing out and then coming back. The read_history was
   // supposed to help in recovering from that.
   pub fn sedp_receive_topic_data(&mut self, _read_history: Option<GuidPrefix>) {
-    let ts: Vec<Sample<(DiscoveredTopicData, GUID), GUID>> = match self
+    let ts: Vec<Sample<(DiscoveredTopicData, GUID), GUID>> = match take_readable!(self
       .dcps_topic
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(ds) => ds
         .iter()
@@ -1402,10 +1454,10 @@ impl Discovery {
   // and manual (by by application, via DDS API call) liveness
   pub fn receive_participant_message(&mut self) {
     // First read from nonsecure reader
-    let mut samples = match self
+    let mut samples = match take_readable!(self
       .dcps_participant_message
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(nonsecure_samples) => nonsecure_samples,
       Err(e) => {
@@ -1418,10 +1470,10 @@ impl Discovery {
     #[cfg(not(feature = "security"))]
     let mut secure_samples = vec![];
     #[cfg(feature = "security")]
-    let mut secure_samples = match self
+    let mut secure_samples = match take_readable!(self
       .dcps_participant_message_secure
       .reader
-      .take(usize::MAX, ReadCondition::any())
+      .take(usize::MAX, ReadCondition::any()))
     {
       Ok(secure_samples) => secure_samples,
       Err(e) => {
@@ -1592,6 +1644,7 @@ impl Discovery {
         }
       };
     }
+    self.report_authentication_outcomes();
   }
 
   #[cfg(feature = "security")]
@@ -1618,7 +1671,7 @@ impl Discovery {
 
   #[cfg(feature = "security")]
   pub fn secure_spdp_receive(&mut self) {
-    let sample_iter = match self.dcps_participant_secure.reader.into_iterator() {
+    let sample_iter = match take_readable!(self.dcps_participant_secure.reader.into_iterator()) {
       Ok(iter) => iter,
       Err(e) => {
         error!("secure_spdp_receive: {e:?}");
@@ -1656,7 +1709,7 @@ impl Discovery {
   #[cfg(feature = "security")]
   pub fn secure_sedp_receive_subscription(&mut self, _read_history: Option<GuidPrefix>) {
     let sec_subs: Vec<Sample<SubscriptionBuiltinTopicDataSecure, GUID>> =
-      match self.dcps_subscriptions_secure.reader.into_iterator() {
+      match take_readable!(self.dcps_subscriptions_secure.reader.into_iterator()) {
         // into_iterator() took these samples out of the reader, so all of them
         // must be processed.
         Ok(ds) => ds
@@ -1681,7 +1734,11 @@ impl Discovery {
           Sample::Value(sec_sub) => {
             // Currently we use only the DiscoveredReaderData field, no DataTag
             let drd_from_topic = sec_sub.discovered_reader_data;
-            let drd = discovery_db_write(&self.discovery_db).update_subscription(&drd_from_topic);
+            let Some(drd) =
+              discovery_db_write(&self.discovery_db).update_subscription(&drd_from_topic)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::ReaderUpdated {
               discovered_reader_data: drd,
             });
@@ -1703,7 +1760,7 @@ impl Discovery {
   #[cfg(feature = "security")]
   pub fn secure_sedp_receive_publication(&mut self, _read_history: Option<GuidPrefix>) {
     let sec_pubs: Vec<Sample<PublicationBuiltinTopicDataSecure, GUID>> =
-      match self.dcps_publications_secure.reader.into_iterator() {
+      match take_readable!(self.dcps_publications_secure.reader.into_iterator()) {
         // into_iterator() took these samples out of the reader, so all of them
         // must be processed.
         Ok(ds) => ds
@@ -1728,7 +1785,11 @@ impl Discovery {
           Sample::Value(se_pub) => {
             // Currently we use only the DiscoveredWriterData field, no DataTag
             let dwd_from_topic = se_pub.discovered_writer_data;
-            let dwd = discovery_db_write(&self.discovery_db).update_publication(&dwd_from_topic);
+            let Some(dwd) =
+              discovery_db_write(&self.discovery_db).update_publication(&dwd_from_topic)
+            else {
+              continue;
+            };
             self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
               discovered_writer_data: dwd,
             });
@@ -1758,12 +1819,26 @@ impl Discovery {
       // Note: the resend timer is rescheduled by the shared-timer dispatch loop
       // after this method returns, so we must not reschedule it here.
     }
+    self.report_authentication_outcomes();
   }
 
-  pub fn participant_cleanup(&self) {
-    let removed = discovery_db_write(&self.discovery_db).participant_cleanup();
-    for (guid_prefix, reason) in removed {
-      debug!("participant cleanup - timeout for {guid_prefix:?}");
+  pub fn participant_cleanup(&mut self) {
+    let lost = {
+      let mut db = discovery_db_write(&self.discovery_db);
+      let mut lost = db.participant_cleanup();
+      lost.extend(db.take_evicted_participants());
+      lost
+    };
+    self.on_participants_lost(lost);
+  }
+
+  fn on_participants_lost(&mut self, lost: Vec<(GuidPrefix, LostReason)>) {
+    for (guid_prefix, reason) in lost {
+      debug!("participant {guid_prefix:?} lost: {reason:?}");
+      #[cfg(feature = "security")]
+      if let Some(security) = self.security_opt.as_mut() {
+        security.forget_participant(guid_prefix);
+      }
       self.send_discovery_notification(DiscoveryNotificationType::ParticipantLost { guid_prefix });
       self.send_participant_status(DomainParticipantStatusEvent::ParticipantLost {
         id: guid_prefix,
@@ -2138,6 +2213,20 @@ impl Discovery {
     }
   }
 
+  #[cfg(feature = "security")]
+  fn report_authentication_outcomes(&mut self) {
+    let outcomes = self
+      .security_opt
+      .as_mut()
+      .map(|security| security.take_authentication_outcomes());
+    for (participant, outcome) in outcomes.into_iter().flatten() {
+      self.send_participant_status(DomainParticipantStatusEvent::AuthenticationOutcome {
+        participant,
+        outcome,
+      });
+    }
+  }
+
   fn send_participant_status(&self, event: DomainParticipantStatusEvent) {
     self
       .participant_status_sender
@@ -2419,7 +2508,7 @@ mod tests {
       .poll(&mut events, Some(StdDuration::from_secs(1)))
       .unwrap();
 
-    for _ in udp_listener.messages_bounded(usize::MAX) {
+    for _ in udp_listener.messages_bounded(usize::MAX).0 {
       info!("Message received");
     }
   }

@@ -1,5 +1,5 @@
 use std::{
-  collections::BTreeMap,
+  collections::{BTreeMap, BTreeSet},
   sync::{Arc, RwLock, RwLockReadGuard, RwLockWriteGuard},
   time::Instant,
 };
@@ -16,6 +16,7 @@ use crate::{
     topic::{Topic, TopicDescription},
   },
   rtps::{
+    constant::{MAX_REMOTE_ENDPOINTS, MAX_REMOTE_PARTICIPANTS},
     reader::ReaderIngredients, rtps_reader_proxy::RtpsReaderProxy,
     rtps_writer_proxy::RtpsWriterProxy,
   },
@@ -45,12 +46,26 @@ const DEFAULT_PARTICIPANT_LEASE_DURATION: Duration = Duration::from_secs(60);
 // How much longer to wait than lease duration before pronouncing lost.
 const PARTICIPANT_LEASE_DURATION_TOLERANCE: Duration = Duration::from_secs(0);
 
+// With this many, the rejected ones are forgotten.
+#[cfg(feature = "security")]
+const MAX_AUTHENTICATION_STATUSES: usize = 10_000;
+
+// A participant that has been heard again after this time is not given up to make
+// room for others before its lease is over.
+const PARTICIPANT_CONFIRMED_AFTER: std::time::Duration = std::time::Duration::from_secs(1);
+
+// Topic and type names are of type string<256>, RTPS spec v2.5 Table 9.18.
+const MAX_NAME_LENGTH: usize = 256;
+
 // TODO: Let DiscoveryDB itself become thread-safe and support smaller-scope
 // lock
 pub(crate) struct DiscoveryDB {
   my_guid: GUID,
   participant_proxies: BTreeMap<GuidPrefix, SpdpDiscoveredParticipantData>,
   participant_last_life_signs: BTreeMap<GuidPrefix, Instant>,
+  participant_first_life_signs: BTreeMap<GuidPrefix, Instant>,
+  // Given up to make room for others, see `make_room_for_participant`
+  evicted_participants: Vec<(GuidPrefix, LostReason)>,
 
   // Authentication statuses of participants
   #[cfg(feature = "security")]
@@ -96,6 +111,9 @@ fn move_by_guid_prefix<D>(
   to: &mut BTreeMap<GUID, D>,
 ) {
   let to_move: Vec<GUID> = from.range(guid_prefix.range()).map(|(g, _)| *g).collect();
+  if to.len() + to_move.len() > MAX_REMOTE_ENDPOINTS {
+    to.clear(); // The attic only makes a rediscovery faster.
+  }
   for guid in to_move {
     from.remove(&guid).map(|d| to.insert(guid, d));
   }
@@ -129,6 +147,8 @@ impl DiscoveryDB {
       my_guid,
       participant_proxies: BTreeMap::new(),
       participant_last_life_signs: BTreeMap::new(),
+      participant_first_life_signs: BTreeMap::new(),
+      evicted_participants: Vec::new(),
       #[cfg(feature = "security")]
       authentication_statuses: BTreeMap::new(),
       local_topic_writers: BTreeMap::new(),
@@ -172,8 +192,19 @@ impl DiscoveryDB {
     //   return
     // }
 
+    if guid == self.my_guid && self.participant_proxies.contains_key(&guid.prefix) {
+      // Our own announcement, or that of someone who claims to be us.
+      return false;
+    }
+
     let mut new_participant = false;
     if !self.participant_proxies.contains_key(&guid.prefix) {
+      if guid != self.my_guid && !self.make_room_for_participant() {
+        warn!(
+          "Ignoring remote participant {guid:?}: there are {MAX_REMOTE_PARTICIPANTS} others already"
+        );
+        return false;
+      }
       info!("New remote participant: {:?}", data);
       new_participant = true;
       if guid == self.my_guid {
@@ -200,11 +231,74 @@ impl DiscoveryDB {
     // Update SpdpDiscoveredParticipantData to DB
     self.participant_proxies.insert(guid.prefix, data.clone());
     // Timestamp last life sign fro participant
+    let now = Instant::now();
+    self.participant_last_life_signs.insert(guid.prefix, now);
     self
-      .participant_last_life_signs
-      .insert(guid.prefix, Instant::now());
+      .participant_first_life_signs
+      .entry(guid.prefix)
+      .or_insert(now);
 
     new_participant
+  }
+
+  // SPDP is not authenticated, and anyone can announce any number of participants
+  // with unlimited leases. If there are too many, then the one is given up that
+  // has been silent for longest, out of those that have been heard only once.
+  // Participants that keep announcing themselves, as the protocol demands, stay.
+  fn make_room_for_participant(&mut self) -> bool {
+    if self.participant_proxies.len() < MAX_REMOTE_PARTICIPANTS {
+      return true;
+    }
+    let silent_for_longest = self
+      .participant_last_life_signs
+      .iter()
+      .filter(|(prefix, last)| {
+        **prefix != self.my_guid.prefix
+          && self
+            .participant_first_life_signs
+            .get(prefix)
+            .is_none_or(|first| last.duration_since(*first) < PARTICIPANT_CONFIRMED_AFTER)
+      })
+      .min_by_key(|(_, last)| **last)
+      .map(|(prefix, last)| (*prefix, *last));
+    let Some((prefix, last)) = silent_for_longest else {
+      return false;
+    };
+    let lease = self
+      .participant_proxies
+      .get(&prefix)
+      .and_then(|sp| sp.lease_duration)
+      .unwrap_or(DEFAULT_PARTICIPANT_LEASE_DURATION);
+    self.remove_participant(prefix, true);
+    self.evicted_participants.push((
+      prefix,
+      LostReason::Timeout {
+        lease,
+        elapsed: Duration::from_std(last.elapsed()),
+      },
+    ));
+    true
+  }
+
+  /// Participants that have been given up since the last call.
+  pub fn take_evicted_participants(&mut self) -> Vec<(GuidPrefix, LostReason)> {
+    std::mem::take(&mut self.evicted_participants)
+  }
+
+  // Whether one more remote Reader or Writer may be added to `endpoints`.
+  // Endpoints are announced without authentication, too. Those of participants
+  // that are not known (yet), and those of one participant, may occupy a part
+  // only, so that there is room for others.
+  fn has_room_for<D>(&self, endpoints: &BTreeMap<GUID, D>, guid: GUID) -> bool {
+    if endpoints.contains_key(&guid) {
+      return true;
+    }
+    if self.participant_proxies.contains_key(&guid.prefix) {
+      endpoints.len() < MAX_REMOTE_ENDPOINTS
+        && endpoints.range(guid.prefix.range()).count() < MAX_REMOTE_ENDPOINTS / 2
+    } else {
+      endpoints.len() < MAX_REMOTE_ENDPOINTS / 4
+    }
   }
 
   pub fn participant_is_alive(&mut self, guid_prefix: GuidPrefix) {
@@ -229,6 +323,7 @@ impl DiscoveryDB {
     info!("removing participant {guid_prefix:?}");
     self.participant_proxies.remove(&guid_prefix);
     self.participant_last_life_signs.remove(&guid_prefix);
+    self.participant_first_life_signs.remove(&guid_prefix);
     #[cfg(feature = "security")]
     self.authentication_statuses.remove(&guid_prefix);
 
@@ -348,55 +443,22 @@ impl DiscoveryDB {
     to_remove
   }
 
-  fn topic_has_writers_or_readers(&self, topic_name: &str) -> bool {
-    // TODO: This entire function has silly implementation.
-    // We should really have a separate map from Topic to Readers & Writers
-    if self
-      .local_topic_readers
-      .iter()
-      .any(|(_, p)| p.subscription_topic_data.topic_name() == topic_name)
-    {
-      return true;
-    }
-
-    if self
-      .local_topic_writers
-      .iter()
-      .any(|(_, p)| p.publication_topic_data.topic_name == topic_name)
-    {
-      return true;
-    }
-
-    if self
-      .external_topic_readers
-      .values()
-      .any(|p| p.subscription_topic_data.topic_name() == topic_name)
-    {
-      return true;
-    }
-
-    if self
-      .external_topic_writers
-      .values()
-      .any(|p| p.publication_topic_data.topic_name == topic_name)
-    {
-      return true;
-    }
-
-    false
-  }
-
   pub fn topic_cleanup(&mut self) {
     // removing topics that have no readers or writers
-    let dead_topics: Vec<_> = self
-      .topics
-      .keys()
-      .filter(|tn| !self.topic_has_writers_or_readers(tn))
-      .cloned()
+    let names_in_use: BTreeSet<&String> = self
+      .local_topic_readers
+      .values()
+      .chain(self.external_topic_readers.values())
+      .map(|p| p.subscription_topic_data.topic_name())
+      .chain(
+        self
+          .local_topic_writers
+          .values()
+          .chain(self.external_topic_writers.values())
+          .map(|p| &p.publication_topic_data.topic_name),
+      )
       .collect();
-    for dt in &dead_topics {
-      self.topics.remove(dt);
-    }
+    self.topics.retain(|name, _| names_in_use.contains(name));
   }
 
   pub fn update_local_topic_writer(&mut self, writer: DiscoveredWriterData) {
@@ -421,8 +483,24 @@ impl DiscoveryDB {
   // them from the remote participant.
   //
   // The topic is updated to the topics table.
-  pub fn update_subscription(&mut self, data: &DiscoveredReaderData) -> DiscoveredReaderData {
+  //
+  // Returns None if there is no room for the Reader, or if its names are invalid.
+  pub fn update_subscription(
+    &mut self,
+    data: &DiscoveredReaderData,
+  ) -> Option<DiscoveredReaderData> {
     let guid = data.reader_proxy.remote_reader_guid;
+    let subscription = &data.subscription_topic_data;
+    if subscription
+      .topic_name()
+      .len()
+      .max(subscription.type_name().len())
+      > MAX_NAME_LENGTH
+      || !self.has_room_for(&self.external_topic_readers, guid)
+    {
+      warn!("Ignoring remote Reader {guid:?}: too many of them, or too long a name");
+      return None;
+    }
 
     // fill in the default locators from participant, in case DRD did not provide
     // any
@@ -474,12 +552,26 @@ impl DiscoveryDB {
     // reader update. If there is a DiscoveredVia::Topic record, use QosPolicies
     // from that record and modify by QoS given in the DRD.
 
-    enriched
+    Some(enriched)
   }
 
   // TODO: This is silly. Returns one of the parameters cloned, or None
-  pub fn update_publication(&mut self, data: &DiscoveredWriterData) -> DiscoveredWriterData {
+  pub fn update_publication(
+    &mut self,
+    data: &DiscoveredWriterData,
+  ) -> Option<DiscoveredWriterData> {
     let guid = data.writer_proxy.remote_writer_guid;
+    let publication = &data.publication_topic_data;
+    if publication
+      .topic_name
+      .len()
+      .max(publication.type_name.len())
+      > MAX_NAME_LENGTH
+      || !self.has_room_for(&self.external_topic_writers, guid)
+    {
+      warn!("Ignoring remote Writer {guid:?}: too many of them, or too long a name");
+      return None;
+    }
 
     // fill in the default locators from participant, in case DRD did not provide
     // any
@@ -527,7 +619,7 @@ impl DiscoveryDB {
       DiscoveredVia::Publication,
     );
 
-    enriched
+    Some(enriched)
   }
 
   // This is for local participant updating the topic table
@@ -555,6 +647,13 @@ impl DiscoveryDB {
   ) {
     trace!("Update topic data: {:?}", dtd);
     let topic_name = dtd.topic_data.name.clone();
+    let sources = self.topics.get(&topic_name).map_or(0, BTreeMap::len);
+    if topic_name.len().max(dtd.topic_data.type_name.len()) > MAX_NAME_LENGTH
+      || sources.max(self.topics.len()) >= 2 * MAX_REMOTE_ENDPOINTS
+    {
+      warn!("Ignoring a topic from {updater:?}: too many of them, or too long a name");
+      return;
+    }
     let mut notify = false;
     let mut inconsistency_event_to_send = None;
 
@@ -829,6 +928,13 @@ impl DiscoveryDB {
     guid_prefix: GuidPrefix,
     status: AuthenticationStatus,
   ) {
+    // A rejected participant has no proxy, so nothing else forgets it. One that is
+    // forgotten is rejected again when it announces itself again.
+    if self.authentication_statuses.len() >= MAX_AUTHENTICATION_STATUSES {
+      self
+        .authentication_statuses
+        .retain(|_, status| *status != AuthenticationStatus::Rejected);
+    }
     self.authentication_statuses.insert(guid_prefix, status);
   }
 }

@@ -4,7 +4,7 @@ use std::{
 };
 
 #[allow(unused_imports)]
-use log::{debug, error, info, trace, warn};
+use log::{debug, info, trace};
 
 use crate::{
   create_security_error_and_log,
@@ -22,13 +22,17 @@ use crate::{
   security::{
     access_control::{EndpointSecurityAttributes, ParticipantSecurityAttributes, PermissionsToken},
     authentication::{
-      authentication_builtin::DiscHandshakeState, HandshakeMessageToken, IdentityToken,
+      authentication_builtin::{
+        types::AUTHENTICATED_PEER_TOKEN_IDENTITY_CERTIFICATE_PROPERTY_NAME, DiscHandshakeState,
+      },
+      HandshakeMessageToken, IdentityToken,
       ValidationOutcome, GMCLASSID_SECURITY_AUTH_HANDSHAKE,
     },
     cryptographic::{
       CryptoToken, GMCLASSID_SECURITY_DATAREADER_CRYPTO_TOKENS,
       GMCLASSID_SECURITY_DATAWRITER_CRYPTO_TOKENS, GMCLASSID_SECURITY_PARTICIPANT_CRYPTO_TOKENS,
     },
+    certificate::Certificate,
     security_error,
     security_plugins::SecurityPluginsHandle,
     DataHolder, ParticipantBuiltinTopicDataSecure, ParticipantGenericMessage,
@@ -36,7 +40,7 @@ use crate::{
     PublicationBuiltinTopicDataSecure, SecurityError, SecurityResult,
     SubscriptionBuiltinTopicDataSecure,
   },
-  security_info, security_warn,
+  security_error as error, security_info, security_warn, security_warn as warn,
   serialization::pl_cdr_adapters::PlCdrSerialize,
   structure::{
     entity::RTPSEntity,
@@ -111,6 +115,9 @@ pub(crate) struct SecureDiscovery {
 
   // A set for keeping track which remote readers are relay-only
   relay_only_remote_readers: HashSet<GUID>,
+  // Who has been authenticated (with the subject name) or rejected (with the reason) since these
+  // were reported as status events
+  authentication_outcomes: Vec<(GuidPrefix, Result<String, String>)>,
 }
 
 impl SecureDiscovery {
@@ -257,7 +264,25 @@ impl SecureDiscovery {
       cached_received_key_exchange_messages: HashMap::new(),
       user_data_endpoints_with_keys_already_sent_to: HashSet::new(),
       relay_only_remote_readers: HashSet::new(),
+      authentication_outcomes: Vec::new(),
     })
+  }
+
+  /// The peers that have been authenticated or rejected since the last call.
+  pub fn take_authentication_outcomes(&mut self) -> Vec<(GuidPrefix, Result<String, String>)> {
+    std::mem::take(&mut self.authentication_outcomes)
+  }
+
+  /// Forgets the authentication with a participant that has been lost.
+  pub fn forget_participant(&mut self, guid_prefix: GuidPrefix) {
+    self.handshake_states.remove(&guid_prefix);
+    self.stored_authentication_messages.remove(&guid_prefix);
+  }
+
+  fn rejected(&mut self, remote_guid_prefix: GuidPrefix, reason: impl Into<String>) {
+    self
+      .authentication_outcomes
+      .push((remote_guid_prefix, Err(reason.into())));
   }
 
   // Inspect a new sample from the standard DCPSParticipant Builtin Topic
@@ -335,6 +360,10 @@ impl SecureDiscovery {
                {:?}",
               participant_data.participant_guid
             );
+            self.rejected(
+              guid_prefix,
+              "it has no DDS security, or protects the domain in another way",
+            );
             AuthenticationStatus::Rejected
           }
         }
@@ -351,6 +380,8 @@ impl SecureDiscovery {
             auth_msg_writer,
           );
         }
+        // The remote is still there: continue, even if it has not answered so far.
+        self.reset_stored_message_resend_counter(&guid_prefix);
         info!("Authenticating with Participant {guid_prefix:?}");
         // Otherwise keep the same authentication status
         AuthenticationStatus::Authenticating
@@ -1312,7 +1343,7 @@ impl SecureDiscovery {
     };
 
     // First validate the remote identity
-    let outcome: ValidationOutcome = match self
+    let validated = self
       .security_plugins
       .get_plugins()
       .validate_remote_identity(
@@ -1320,7 +1351,8 @@ impl SecureDiscovery {
         remote_identity_token,
         remote_guid.prefix,
         None,
-      ) {
+      );
+    let outcome: ValidationOutcome = match validated {
       Ok(res) => {
         // Validation passed. Getting only the validation outcome, ignoring
         // authentication request token which is not used
@@ -1346,6 +1378,7 @@ impl SecureDiscovery {
           return AuthenticationStatus::Unauthenticated;
         } else {
           // Reject the damn thing
+          self.rejected(remote_guid.prefix, e.msg);
           return AuthenticationStatus::Rejected;
         }
       }
@@ -1508,7 +1541,15 @@ impl SecureDiscovery {
     key_exchange_writer: &no_key::DataWriter<ParticipantVolatileMessageSecure>,
   ) {
     // First resend authentication messages
-    for (guid_prefix, stored_message) in self.stored_authentication_messages.iter_mut() {
+    // A message with no more resends is kept: the next participant message of the
+    // remote allows further ones. Otherwise a remote that discovers us late could
+    // never authenticate.
+    let outcomes = &mut self.authentication_outcomes;
+    for (guid_prefix, stored_message) in self
+      .stored_authentication_messages
+      .iter_mut()
+      .filter(|(_guid_prefix, stored_message)| stored_message.remaining_resend_counter > 0)
+    {
       // Resend the message unless it's a final message (which needs to be requested
       // from us)
       if self.handshake_states.get(guid_prefix)
@@ -1517,6 +1558,10 @@ impl SecureDiscovery {
         match auth_msg_writer.write(stored_message.message.clone(), None) {
           Ok(()) => {
             stored_message.remaining_resend_counter -= 1;
+            if stored_message.remaining_resend_counter == 0 {
+              let reason = "it did not complete the authentication, or rejected us";
+              outcomes.push((*guid_prefix, Err(reason.to_string())));
+            }
             debug!(
               "Resent an unanswered authentication message to remote participant {:?}. Resending \
                at most {} more times.",
@@ -1532,11 +1577,6 @@ impl SecureDiscovery {
         }
       }
     }
-    // Remove authentication messages with no more resends
-    self
-      .stored_authentication_messages
-      .retain(|_guid_prefix, message| message.remaining_resend_counter > 0);
-
     // Then try to send those key exchange messages that we haven't been able to
     // send yet
     let mut msgs_still_to_cache = HashSet::new();
@@ -1729,6 +1769,7 @@ impl SecureDiscovery {
         error!(
           "Replying to a handshake request failed: {e}. Remote guid prefix: {remote_guid_prefix:?}"
         );
+        self.rejected(remote_guid_prefix, e.msg);
       }
     }
   }
@@ -1827,6 +1868,7 @@ impl SecureDiscovery {
           "Validating handshake reply message failed. Error: {e}. Remote guid prefix: \
            {remote_guid_prefix:?}"
         );
+        self.rejected(remote_guid_prefix, e.msg);
         // Reset stored message resend counter, so our resends can't be depleted by
         // sending us incorrect messages
         self.reset_stored_message_resend_counter(&remote_guid_prefix);
@@ -1906,6 +1948,7 @@ impl SecureDiscovery {
           "Validating final handshake message failed. Error: {e}. Remote guid prefix: \
            {remote_guid_prefix:?}"
         );
+        self.rejected(remote_guid_prefix, e.msg);
         // Reset stored message resend counter, so our resends can't be depleted by
         // sending us incorrect messages
         self.reset_stored_message_resend_counter(&remote_guid_prefix);
@@ -2044,9 +2087,12 @@ impl SecureDiscovery {
     // Call the required access control methods
     // (see Security spec. section "8.8.6 AccessControl behavior with remote
     // participant discovery")
-    match self.validate_remote_participant_permissions(remote_guid_prefix, discovery_db) {
-      Ok(()) => {
+    let subject_name = match self
+      .validate_remote_participant_permissions(remote_guid_prefix, discovery_db)
+    {
+      Ok(subject_name) => {
         debug!("Validated permissions for remote participant {remote_guid_prefix:?}");
+        subject_name
       }
       Err(e) => {
         security_info!(
@@ -2054,6 +2100,7 @@ impl SecureDiscovery {
           e,
           remote_guid_prefix
         );
+        self.rejected(remote_guid_prefix, e.msg);
         self.update_participant_authentication_status_and_notify_dp(
           remote_guid_prefix,
           AuthenticationStatus::Rejected,
@@ -2062,7 +2109,7 @@ impl SecureDiscovery {
         );
         return;
       }
-    }
+    };
 
     // If needed, check is remote allowed to join the domain
     if self.local_dp_sec_attributes.is_access_protected {
@@ -2084,6 +2131,10 @@ impl SecureDiscovery {
               "Remote participant {:?} is not allowed to join the domain. Rejecting the remote.",
               remote_guid_prefix
             );
+            self.rejected(
+              remote_guid_prefix,
+              format!("its permissions do not allow {subject_name} to join the domain"),
+            );
             self.update_participant_authentication_status_and_notify_dp(
               remote_guid_prefix,
               AuthenticationStatus::Rejected,
@@ -2101,6 +2152,7 @@ impl SecureDiscovery {
             e,
             remote_guid_prefix
           );
+          self.rejected(remote_guid_prefix, e.msg);
           self.update_participant_authentication_status_and_notify_dp(
             remote_guid_prefix,
             AuthenticationStatus::Rejected,
@@ -2123,6 +2175,7 @@ impl SecureDiscovery {
         remote_guid_prefix,
         e,
       );
+      self.rejected(remote_guid_prefix, e.msg);
       self.update_participant_authentication_status_and_notify_dp(
         remote_guid_prefix,
         AuthenticationStatus::Rejected,
@@ -2131,6 +2184,10 @@ impl SecureDiscovery {
       );
       return;
     };
+
+    self
+      .authentication_outcomes
+      .push((remote_guid_prefix, Ok(subject_name)));
 
     // Update participant status as Authenticated & notify dp
     self.update_participant_authentication_status_and_notify_dp(
@@ -2527,7 +2584,7 @@ impl SecureDiscovery {
     &mut self,
     remote_guid_prefix: GuidPrefix,
     discovery_db: &Arc<RwLock<DiscoveryDB>>,
-  ) -> SecurityResult<()> {
+  ) -> SecurityResult<String> {
     let mut sec_plugins = self.security_plugins.get_plugins();
 
     // Get PermissionsToken
@@ -2545,7 +2602,16 @@ impl SecureDiscovery {
       remote_guid_prefix,
       &permissions_token,
       &auth_credential_token,
-    )
+    )?;
+
+    // The authentication has verified this certificate.
+    auth_credential_token
+      .data_holder
+      .binary_properties_as_map()
+      .get(AUTHENTICATED_PEER_TOKEN_IDENTITY_CERTIFICATE_PROPERTY_NAME)
+      .and_then(|certificate| Certificate::from_pem(&certificate.value).ok())
+      .map(|certificate| certificate.subject_name().serialize())
+      .ok_or_else(|| security_error("Cannot read the certificate of an authenticated participant"))
   }
 
   fn send_key_exchange_message(

@@ -11,7 +11,7 @@ use bytes::{Bytes, BytesMut};
 use crate::{
   network::util::{
     build_ifindex_to_interface_map, get_local_multicast_ip_addrs_filtered,
-    get_local_multicast_locators, get_local_unicast_locators_filtered,
+    get_local_multicast_locators, get_local_unicast_locators_filtered, is_loopback_only,
   },
   rtps::transmit::InterfaceSelector,
   serialization::padding_needed_for_alignment_4,
@@ -52,6 +52,9 @@ pub struct UDPListener {
   receive_buffer: BytesMut,
   multicast_group: Option<Ipv4Addr>,
   has_multicast_join: bool,
+  // Discard what does not come from this machine. A multicast listener cannot be
+  // bound to a loopback address, because its datagrams are addressed to the group.
+  loopback_only: bool,
   // Cached OS interface-index -> local interface map, used to resolve the
   // receiving interface reported by IP_PKTINFO. Built once at construction.
   ifindex_map: HashMap<u32, InterfaceSelector>,
@@ -196,6 +199,7 @@ impl UDPListener {
       receive_buffer: BytesMut::with_capacity(MESSAGE_BUFFER_ALLOCATION_CHUNK),
       multicast_group: None,
       has_multicast_join: false,
+      loopback_only: false, // by its bind address
       ifindex_map: build_ifindex_to_interface_map(),
     })
   }
@@ -261,6 +265,7 @@ impl UDPListener {
       receive_buffer: BytesMut::with_capacity(MESSAGE_BUFFER_ALLOCATION_CHUNK),
       multicast_group: Some(multicast_group),
       has_multicast_join: joined_multicast,
+      loopback_only: is_loopback_only(only_networks),
       ifindex_map: build_ifindex_to_interface_map(),
     })
   }
@@ -312,17 +317,14 @@ impl UDPListener {
   /// with its [`PacketOrigin`] (source address + receiving interface, when
   /// available). Pass `usize::MAX` to read everything currently queued.
   ///
-  /// The reactor registers listeners edge-triggered, so it must pass
-  /// `usize::MAX`: a datagram left unread does not produce another readiness
-  /// event. `Ok(None)` from [`recv_one`](Self::recv_one) (`WouldBlock`) ends
-  /// the drain.
-  pub fn messages_bounded(&mut self, max_messages: usize) -> Vec<(Bytes, PacketOrigin)> {
+  /// The second value tells whether there may be more. The reactor registers
+  /// listeners edge-triggered, so it must call again in that case: a datagram
+  /// left unread does not produce another readiness event. `Ok(None)` from
+  /// [`recv_one`](Self::recv_one) (`WouldBlock`) ends the drain.
+  pub fn messages_bounded(&mut self, max_messages: usize) -> (Vec<(Bytes, PacketOrigin)>, bool) {
     let mut messages = Vec::with_capacity(4);
 
-    loop {
-      if messages.len() >= max_messages {
-        return messages;
-      }
+    for _ in 0..max_messages {
       // Loop invariant. Note that capacity() may be large, but .len() == 0.
       assert_eq!(self.receive_buffer.len(), 0);
 
@@ -347,15 +349,20 @@ impl UDPListener {
         Ok(None) => {
           // WouldBlock: nothing (more) to read.
           self.receive_buffer.clear();
-          return messages;
+          return (messages, false);
         }
         Err(e) => {
           self.receive_buffer.clear();
           warn!("socket recv() error: {e:?}");
-          return messages;
+          return (messages, false);
         }
       };
       // Something was received.
+      if self.loopback_only && !origin.source.is_some_and(|s| s.ip().is_loopback()) {
+        debug!("Discarding a datagram from {:?}, it is not from this machine", origin.source);
+        self.receive_buffer.clear();
+        continue;
+      }
       // The buffer length is still MAX_MESSAGE_SIZE, set before the receive so
       // the kernel had room to write into. Shrink it back to the number of bytes
       // actually received, so that the padding + split below only consume this
@@ -384,10 +391,8 @@ impl UDPListener {
       let mut message = self.receive_buffer.split_to(self.receive_buffer.len());
       message.truncate(nbytes); // discard (hide) padding
       messages.push((Bytes::from(message), origin)); // freeze bytes and push
-    } // loop
-
-    // unreachable!(); // But why does this cause a warning? (rustc 1.66.0)
-    // Answer: https://github.com/rust-lang/rust/issues/46500
+    } // for
+    (messages, true)
   }
 
   /// Receive a single datagram into `self.receive_buffer`, capturing its

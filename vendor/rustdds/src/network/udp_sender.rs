@@ -14,7 +14,9 @@ use log::{debug, error, info, trace, warn};
 use socket2::{Domain, Protocol, SockAddr, Socket, Type};
 
 use crate::{
-  network::util::get_local_multicast_ip_addrs_filtered,
+  network::util::{
+    get_local_multicast_ip_addrs_filtered, is_loopback_only, unicast_bind_address,
+  },
   rtps::{
     outbound::{ControlQueue, Datagram, SendOutcome, SocketId, CONTROL_QUEUE_WARN_LEN},
     transmit::InterfaceSelector,
@@ -27,6 +29,8 @@ use crate::{
 #[derive(Debug)]
 pub struct UDPSender {
   unicast_socket: UdpSocket,
+  // The unicast socket is bound to a loopback address.
+  loopback_only: bool,
   // One multicast sender socket per local interface, keyed by the interface it
   // was bound to (its `InterfaceSelector`). This lets us target a single
   // interface instead of sending on all of them.
@@ -77,7 +81,7 @@ impl UDPSender {
     send_buffer_size: usize,
   ) -> io::Result<Self> {
     let unicast_socket = {
-      let saddr: SocketAddr = SocketAddr::new("0.0.0.0".parse().unwrap(), sender_port);
+      let saddr = SocketAddr::from((unicast_bind_address(only_networks), sender_port));
       let raw_socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
       Self::set_and_verify_send_buffer(&raw_socket, send_buffer_size);
       raw_socket.bind(&SockAddr::from(saddr))?;
@@ -158,6 +162,7 @@ impl UDPSender {
 
     let sender = Self {
       unicast_socket,
+      loopback_only: is_loopback_only(only_networks),
       multicast_sockets,
       control_queues: RefCell::new(HashMap::new()),
     };
@@ -201,7 +206,9 @@ impl UDPSender {
   /// IPv6 interface addresses seen via loopback discovery), so this is normal.
   fn socket_can_reach(&self, id: SocketId, addr: SocketAddr) -> bool {
     match id {
-      SocketId::Unicast => addr.is_ipv4(),
+      // Peers may announce any address. From a loopback address, the kernel refuses
+      // to send beyond this machine.
+      SocketId::Unicast => addr.is_ipv4() && (!self.loopback_only || addr.ip().is_loopback()),
       SocketId::Multicast(i) => match self.multicast_sockets.get(i) {
         Some((InterfaceSelector::Ip(iface_ip), _)) => iface_ip.is_ipv4() == addr.is_ipv4(),
         None => false,

@@ -147,6 +147,27 @@ fn same_subnet_v4(local: Ipv4Addr, mask: Ipv4Addr, peer: Ipv4Addr) -> bool {
 // Public API
 // ---------------------------------------------------------------------------
 
+/// Whether all traffic is restricted to this machine.
+pub fn is_loopback_only(only_networks: Option<&[IpAddr]>) -> bool {
+  only_networks.is_some_and(|nets| !nets.is_empty() && nets.iter().all(IpAddr::is_loopback))
+}
+
+/// The address to bind unicast sockets to. A socket that is bound to a loopback
+/// address neither gets nor sends anything beyond this machine. Otherwise all
+/// interfaces are served by one socket, which cannot be bound to any of them.
+pub fn unicast_bind_address(only_networks: Option<&[IpAddr]>) -> Ipv4Addr {
+  match only_networks {
+    Some(nets) if is_loopback_only(only_networks) => nets
+      .iter()
+      .find_map(|ip| match ip {
+        IpAddr::V4(v4) if nets.len() == 1 => Some(*v4),
+        _ => None,
+      })
+      .unwrap_or(Ipv4Addr::LOCALHOST),
+    _ => Ipv4Addr::UNSPECIFIED,
+  }
+}
+
 pub fn get_local_multicast_locators(port: u16) -> Vec<Locator> {
   let saddr = SocketAddr::new("239.255.0.1".parse().unwrap(), port);
   vec![Locator::from(saddr)]

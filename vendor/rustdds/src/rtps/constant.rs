@@ -76,11 +76,28 @@ pub const MAX_UNSENT_CHANGES_PER_READER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 // bounded.
 pub const MAX_TRACKED_CHANGES_PER_WRITER: usize = DEFAULT_WRITER_MAX_SAMPLES;
 
-// Most payload bytes a TopicCache retains for samples withheld from Reliable
-// DataReaders while an earlier sample from the same Writer is missing. Beyond
-// this, the oldest missing sample is given up as lost, and the samples after it
-// are handed over.
-pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 16 * 1024 * 1024;
+// Most bytes a TopicCache retains for samples withheld from Reliable DataReaders
+// while an earlier sample from the same Writer is missing. Beyond this, the oldest
+// missing sample is given up as lost, and the samples after it are handed over.
+// Each sample counts with its payload and with what it costs beside that.
+pub const MAX_WITHHELD_BYTES_PER_TOPIC: usize = 4 * 1024 * 1024;
+pub const WITHHELD_BYTES_PER_SAMPLE: usize = 512;
+
+// Most bytes of one sample of the discovery topics (SPDP, SEDP). Larger ones are
+// dropped, because what they announce is kept for as long as the sender wishes.
+pub const MAX_DISCOVERY_SAMPLE_SIZE: usize = 16 * 1024;
+
+// Most remote participants, and most remote Readers and most remote Writers, that
+// are kept track of. See DiscoveryDB on who is given up beyond that.
+pub const MAX_REMOTE_PARTICIPANTS: usize = 1024;
+pub const MAX_REMOTE_ENDPOINTS: usize = 16 * 1024;
+
+// Most remote participants for which it is recorded where their datagrams came
+// from. Any datagram with a new GUID prefix makes a record.
+pub const MAX_OBSERVED_PARTICIPANTS: usize = 4 * MAX_REMOTE_PARTICIPANTS;
+
+// Most datagrams that are read from one socket before they are processed.
+pub const MAX_DATAGRAMS_PER_TURN: usize = 64;
 
 // Default / fallback UDP-payload budget (RTPS header + submessages) used to
 // size datagrams built by the writer's DATA-coalescing and DATAFRAG packing

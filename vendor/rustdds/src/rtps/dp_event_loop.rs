@@ -292,6 +292,10 @@ impl DPEventLoop {
       ev_wrapper.remove_local_writer(&writer_guid);
     }
 
+    // Listeners that may hold more datagrams. They are edge-triggered, so there is
+    // no further event for what is left in the socket.
+    let mut unread_listeners: BTreeSet<Token> = BTreeSet::new();
+
     // loop starts here
     loop {
       // The poll wakes for a socket, the shared waker, or the sooner of the next
@@ -302,7 +306,11 @@ impl DPEventLoop {
       } else {
         Duration::from_millis(2)
       };
-      let poll_timeout = timeout_until(ev_wrapper.shared_timer.borrow().next_deadline(), idle_cap);
+      let poll_timeout = if unread_listeners.is_empty() {
+        timeout_until(ev_wrapper.shared_timer.borrow().next_deadline(), idle_cap)
+      } else {
+        Duration::ZERO
+      };
       match ev_wrapper.poll.poll(&mut events, Some(poll_timeout)) {
         Ok(_) => {}
         Err(e) => {
@@ -329,20 +337,7 @@ impl DPEventLoop {
               | DISCOVERY_MUL_LISTENER_TOKEN
               | USER_TRAFFIC_LISTENER_TOKEN
               | USER_TRAFFIC_MUL_LISTENER_TOKEN => {
-                // Edge-triggered: read until WouldBlock. A cap would leave
-                // datagrams sitting with no further readiness event.
-                let udp_messages = ev_wrapper.udp_listeners.get_mut(&token).map_or_else(
-                  || {
-                    error!("No listener with token {:?}", token);
-                    vec![]
-                  },
-                  |l| l.messages_bounded(usize::MAX),
-                );
-                for (packet, origin) in udp_messages {
-                  ev_wrapper
-                    .message_receiver
-                    .handle_received_packet(&packet, origin);
-                }
+                unread_listeners.insert(token);
               }
               LOOP_WAKE_TOKEN => {
                 // Queues are drained below, once, for this whole iteration.
@@ -369,6 +364,24 @@ impl DPEventLoop {
           }
         }
       }
+
+      // Read a limited number of datagrams from each socket: whoever sends faster
+      // than we process must neither fill our memory nor keep us from the rest.
+      unread_listeners.retain(|token| {
+        let (udp_messages, more) = ev_wrapper.udp_listeners.get_mut(token).map_or_else(
+          || {
+            error!("No listener with token {:?}", token);
+            (vec![], false)
+          },
+          |l| l.messages_bounded(MAX_DATAGRAMS_PER_TURN),
+        );
+        for (packet, origin) in udp_messages {
+          ev_wrapper
+            .message_receiver
+            .handle_received_packet(&packet, origin);
+        }
+        more
+      });
 
       ev_wrapper.drain_timers(preparing_to_stop);
       if ev_wrapper.drain_queues(
@@ -500,6 +513,7 @@ impl DPEventLoop {
         DpTimerEvent::CacheGc => {
           debug!("Clean DDSCache on timer");
           self.dds_cache.write().unwrap().garbage_collect();
+          self.message_receiver.garbage_collect_fragments();
           self
             .shared_timer
             .borrow_mut()
@@ -831,6 +845,11 @@ impl DPEventLoop {
         }
       }
     } // for
+
+    self
+      .interface_observations
+      .borrow_mut()
+      .confirm(participant_guid_prefix);
 
     // Fresh SPDP traffic from this participant may have updated our interface
     // observations; refresh the interface-aware send routes of any writers that

@@ -25,6 +25,7 @@ use crate::{
 // This is for the assembly of a single object
 struct AssemblyBuffer {
   buffer_bytes: BytesMut,
+  fragment_size: u16,
   fragment_count: usize,
   received_bitmap: BitVec,
 
@@ -44,6 +45,14 @@ impl AssemblyBuffer {
       error!("Cannot create AssemblyBuffer: fragment_size={fragment_size} data_size={data_size}");
       return None;
     }
+    // The sender claims this size, and the memory is allocated before the data
+    // arrives.
+    if data_size > MAX_FRAGMENTED_SAMPLE_SIZE {
+      warn!(
+        "Not assembling a sample of {data_size} bytes, the maximum is {MAX_FRAGMENTED_SAMPLE_SIZE}"
+      );
+      return None;
+    }
 
     let mut buffer_bytes = BytesMut::with_capacity(data_size);
     buffer_bytes.resize(data_size, 0);
@@ -58,6 +67,7 @@ impl AssemblyBuffer {
 
     Some(Self {
       buffer_bytes,
+      fragment_size,
       fragment_count,
       received_bitmap: BitVec::from_elem(fragment_count, false),
       created_time: now,
@@ -172,6 +182,10 @@ impl AssemblyBuffer {
   pub fn is_complete(&self) -> bool {
     self.received_bitmap.all() // return if all are received
   }
+
+  fn size(&self) -> usize {
+    self.buffer_bytes.len()
+  }
 }
 
 // Upper bound on the number of concurrent (incomplete) reassembly buffers kept
@@ -185,10 +199,17 @@ impl AssemblyBuffer {
 // under best effort is lost anyway and under reliable will be re-requested.
 const MAX_ASSEMBLY_BUFFERS: usize = 128;
 
+// Largest sample that is assembled from fragments, in bytes of serialized
+// payload. Fragments of a sample that claims to be larger are dropped.
+const MAX_FRAGMENTED_SAMPLE_SIZE: usize = 4 * 1024 * 1024;
+
+// Upper bound on the bytes that the incomplete samples of one writer occupy.
+// Which sample is dropped beyond it is decided as for `MAX_ASSEMBLY_BUFFERS`.
+const MAX_ASSEMBLY_BYTES: usize = 2 * MAX_FRAGMENTED_SAMPLE_SIZE;
+
 // Assembles fragments from a single (remote) Writer
 // So there is only one sequence of SNs
 pub(crate) struct FragmentAssembler {
-  fragment_size: u16, // number of bytes per fragment. Each writer must select one constant value.
   assembly_buffers: BTreeMap<SequenceNumber, AssemblyBuffer>,
   // Whether the owning reader is Reliable. This decides which buffer to drop
   // when `MAX_ASSEMBLY_BUFFERS` is exceeded (see `new_datafrag`).
@@ -204,10 +225,9 @@ impl fmt::Debug for FragmentAssembler {
 }
 
 impl FragmentAssembler {
-  pub fn new(fragment_size: u16, reliable: bool) -> Self {
-    debug!("new FragmentAssembler. frag_size = {fragment_size} reliable = {reliable}");
+  pub fn new(reliable: bool) -> Self {
+    debug!("new FragmentAssembler. reliable = {reliable}");
     Self {
-      fragment_size,
       assembly_buffers: BTreeMap::new(),
       reliable,
     }
@@ -220,7 +240,7 @@ impl FragmentAssembler {
     flags: BitFlags<DATAFRAG_Flags>,
   ) -> Option<DDSData> {
     let writer_sn = datafrag.writer_sn;
-    let frag_size = self.fragment_size;
+    let frag_size = datafrag.fragment_size;
 
     let sn = datafrag.writer_sn;
     match self.assembly_buffers.entry(sn) {
@@ -231,7 +251,13 @@ impl FragmentAssembler {
         };
         v.insert(buf);
       }
-      Entry::Occupied(_) => {}
+      Entry::Occupied(o) => {
+        // The size of a sample and of its fragments must not change underway.
+        if o.get().fragment_size != frag_size || o.get().size() != datafrag.data_size as usize {
+          error!("new_datafrag: DATAFRAG of {sn:?} contradicts the ones before");
+          return None;
+        }
+      }
     }
 
     let Some(assembly_buffer) = self.assembly_buffers.get_mut(&sn) else {
@@ -283,7 +309,9 @@ impl FragmentAssembler {
       //  * Best effort: there is no retransmission, so a low incomplete buffer is
       //    lost anyway. Evict the OLDEST (lowest SN) to free room for newer samples
       //    that may still complete.
-      while self.assembly_buffers.len() > MAX_ASSEMBLY_BUFFERS {
+      while self.assembly_buffers.len() > MAX_ASSEMBLY_BUFFERS
+        || self.assembly_bytes() > MAX_ASSEMBLY_BYTES
+      {
         let evicted = if self.reliable {
           self.assembly_buffers.pop_last()
         } else {
@@ -295,6 +323,19 @@ impl FragmentAssembler {
       }
       None
     }
+  }
+
+  /// Bytes that the incomplete samples occupy.
+  pub fn assembly_bytes(&self) -> usize {
+    self
+      .assembly_buffers
+      .values()
+      .map(AssemblyBuffer::size)
+      .sum()
+  }
+
+  pub fn is_idle(&self) -> bool {
+    self.assembly_buffers.is_empty()
   }
 
   pub fn garbage_collect_before(&mut self, expire_before: Timestamp) {
@@ -421,7 +462,7 @@ mod tests {
     let frag_size = 256u16;
     let data_size = 512u32;
     let bad = datafrag(2, 2, frag_size, data_size, vec![0u8; 256]);
-    let mut fa = FragmentAssembler::new(frag_size, true);
+    let mut fa = FragmentAssembler::new(true);
     assert!(fa
       .new_datafrag(&bad, BitFlags::<DATAFRAG_Flags>::empty())
       .is_none());

@@ -7,7 +7,9 @@ use std::{
 
 use enumflags2::BitFlags;
 #[allow(unused_imports)]
-use log::{debug, error, info, trace, warn};
+use log::{debug, info, trace};
+#[cfg(not(feature = "security"))]
+use log::{error, warn};
 use bytes::Bytes;
 
 use crate::{
@@ -22,6 +24,9 @@ use crate::{
     time::Timestamp,
   },
 };
+// Most of them are caused by what peers send: with a limit
+#[cfg(feature = "security")]
+use crate::{security_error as error, security_warn as warn};
 #[cfg(feature = "security")]
 use crate::security::{
   cryptographic::{DecodeOutcome, DecodedSubmessage},
@@ -228,6 +233,12 @@ impl MessageReceiver {
 
   pub fn remove_reader(&mut self, old_reader_guid: GUID) -> Option<Reader> {
     self.available_readers.remove(&old_reader_guid.entity_id)
+  }
+
+  pub fn garbage_collect_fragments(&mut self) {
+    for reader in self.available_readers.values_mut() {
+      reader.garbage_collect_fragments();
+    }
   }
 
   pub fn reader_mut(&mut self, reader_id: EntityId) -> Option<&mut Reader> {

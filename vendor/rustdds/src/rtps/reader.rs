@@ -42,7 +42,7 @@ use crate::{
   network::udp_sender::UDPSender,
   polling::{ReadySender, SharedTimer, WakeReceiver},
   rtps::{
-    fragment_assembler::FragmentAssembler, message_receiver::MessageReceiverState,
+    constant::MAX_DISCOVERY_SAMPLE_SIZE, fragment_assembler::FragmentAssembler, message_receiver::MessageReceiverState,
     rtps_writer_proxy::RtpsWriterProxy, timed_event::DpTimerEvent, Message,
   },
   structure::{
@@ -156,6 +156,9 @@ pub(crate) struct Reader {
 // If we are assembling a fragment, but it does not receive any updates
 // for this time, the AssemblyBuffer is just dropped.
 const FRAGMENT_ASSEMBLY_TIMEOUT: Duration = Duration::from_secs(10);
+// Upper bounds on what is being assembled from fragments for one Reader.
+const MAX_FRAGMENT_ASSEMBLERS: usize = 64;
+const MAX_ASSEMBLY_BYTES_PER_READER: usize = 8 * 1024 * 1024;
 // minimum interval (max frequency) of AssemblyBuffer GC
 const MIN_FRAGMENT_GC_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -633,10 +636,28 @@ impl Reader {
       write_options_b = write_options_b.related_sample_identity(related_sample_identity);
     }
 
+    // Memory is allocated for known Writers only, and not for samples that
+    // `process_received_data` is going to discard.
+    match self.matched_writer(writer_guid) {
+      Some(writer_proxy) => {
+        if writer_proxy.should_ignore_change(seq_num)
+          && self.my_guid.entity_id != EntityId::SPDP_BUILTIN_PARTICIPANT_READER
+        {
+          return;
+        }
+      }
+      None => {
+        if writer_guid.entity_id.entity_kind.is_user_defined() {
+          debug!("DATAFRAG from unknown {writer_guid:?} topic={:?}", self.topic_name);
+          return;
+        }
+      }
+    }
+
     // Feed to fragment assembler ...
     let writer_seq_num = datafrag.writer_sn; // for borrow checker
     let completed_dds_data = self
-      .fragment_assembler_mutable(writer_guid, datafrag.fragment_size)
+      .fragment_assembler_mutable(writer_guid)
       .new_datafrag(datafrag, datafrag_flags);
 
     // ... and continue processing, if data was completed.
@@ -651,23 +672,49 @@ impl Reader {
         writer_seq_num,
       );
     } else {
+      self.limit_fragments();
       self.garbage_collect_fragments();
     }
   }
 
-  fn fragment_assembler_mutable(
-    &mut self,
-    writer_guid: GUID,
-    frag_size: u16,
-  ) -> &mut FragmentAssembler {
+  // Drop the incomplete samples of the Writer that occupies most, until all
+  // Writers together are within the limits.
+  fn limit_fragments(&mut self) {
+    while self.fragment_assemblers.len() > MAX_FRAGMENT_ASSEMBLERS
+      || self
+        .fragment_assemblers
+        .values()
+        .map(FragmentAssembler::assembly_bytes)
+        .sum::<usize>()
+        > MAX_ASSEMBLY_BYTES_PER_READER
+    {
+      let Some(largest) = self
+        .fragment_assemblers
+        .iter()
+        .max_by_key(|(_, fa)| fa.assembly_bytes())
+        .map(|(writer, _)| *writer)
+      else {
+        return;
+      };
+      warn!(
+        "Dropping incomplete samples of {largest:?}, because the fragments on topic {:?} exceed \
+         the limits",
+        self.topic_name
+      );
+      self.fragment_assemblers.remove(&largest);
+    }
+  }
+
+  fn fragment_assembler_mutable(&mut self, writer_guid: GUID) -> &mut FragmentAssembler {
     let reliable = self.reliability != policy::Reliability::BestEffort;
     self
       .fragment_assemblers
       .entry(writer_guid)
-      .or_insert_with(|| FragmentAssembler::new(frag_size, reliable))
+      .or_insert_with(|| FragmentAssembler::new(reliable))
   }
 
-  fn garbage_collect_fragments(&mut self) {
+  /// Discards the fragments of samples that have not grown for some time.
+  pub fn garbage_collect_fragments(&mut self) {
     // If GC time/packet limit has been exceeded, iterate through
     // fragment assemblers and discard those assembly buffers whose
     // creation / modification timestamps look like it is no longer receiving
@@ -685,6 +732,7 @@ impl Reader {
           debug!("AssemblyBuffer GC writer {writer:?}");
           fa.garbage_collect_before(expire_before);
         });
+      self.fragment_assemblers.retain(|_, fa| !fa.is_idle());
     } else {
       trace!("Not yet AssemblyBuffer GC time.");
     }
@@ -965,7 +1013,6 @@ impl Reader {
                 &missing_seqnums
                   .iter()
                   .copied()
-                  .take_while(|sn| sn < &(first_missing + SequenceNumber::new(256)))
                   .filter(|sn| {
                     if this.is_frag_partially_received(writer_guid, *sn) {
                       partially_received.push(*sn);
@@ -1020,7 +1067,11 @@ impl Reader {
             let mut missing_frags = this.missing_frags_for(writer_guid, sn);
             let first_missing = missing_frags.next();
             if let Some(first) = first_missing {
-              let missing_frags_set = iter::once(first).chain(missing_frags).collect(); // "undo" the .next() above
+              let missing_frags_set = iter::once(first)
+                .chain(missing_frags)
+                // as many as fit into one NACKFRAG
+                .take_while(|f| u32::from(*f) - u32::from(first) < 256)
+                .collect(); // "undo" the .next() above
               let nf = NackFrag {
                 reader_id,
                 writer_id: writer_proxy.remote_writer_guid.entity_id,
@@ -1200,6 +1251,17 @@ impl Reader {
     }
   }
 
+  // What is received here is kept in the DiscoveryDB.
+  fn is_discovery(&self) -> bool {
+    matches!(
+      self.my_guid.entity_id,
+      EntityId::SPDP_BUILTIN_PARTICIPANT_READER
+        | EntityId::SEDP_BUILTIN_PUBLICATIONS_READER
+        | EntityId::SEDP_BUILTIN_SUBSCRIPTIONS_READER
+        | EntityId::SEDP_BUILTIN_TOPIC_READER
+    )
+  }
+
   // Convert DATA submessage into a CacheChange and update history cache
   fn make_cache_change(
     &mut self,
@@ -1209,6 +1271,14 @@ impl Reader {
     writer_guid: GUID,
     writer_sn: SequenceNumber,
   ) {
+    if self.is_discovery() && data.payload_size() > MAX_DISCOVERY_SAMPLE_SIZE {
+      warn!(
+        "Dropping a discovery sample of {} bytes from {writer_guid:?}, topic={:?}",
+        data.payload_size(),
+        self.topic_name
+      );
+      return;
+    }
     let cache_change = CacheChange::new(writer_guid, writer_sn, write_options, data);
 
     // Get the topic cache

@@ -461,7 +461,7 @@ impl RtpsReaderProxy {
             self.all_acked_before, new_all_acked_before, self.remote_reader_guid, acknack.count
           );
           for nack_sn in acknack.reader_sn_state.iter() {
-            if nack_sn >= self.all_acked_before {
+            if nack_sn >= self.all_acked_before && nack_sn <= last_available {
               self.unsent_changes.insert(nack_sn);
             }
           }
@@ -503,12 +503,12 @@ impl RtpsReaderProxy {
     self.pending_gap.insert(seq_num);
   }
 
-  pub fn set_pending_gap_up_to(&mut self, last_gap_sn: SequenceNumber) {
-    // form SN range from 1 to last_gap_sn (inclusive)
-    let gap_sn_range = SequenceNumberRange::new(SequenceNumber::new(1), last_gap_sn);
-    // Convert to a set and insert the SNs to pending_gap
-    let gap_sn_set = BTreeSet::from_iter(gap_sn_range);
-    self.pending_gap.extend(gap_sn_set);
+  /// Samples `first..=last` are not for this reader. The range is empty if
+  /// `first > last`.
+  pub fn set_pending_gap(&mut self, first: SequenceNumber, last: SequenceNumber) {
+    self
+      .pending_gap
+      .extend(SequenceNumberRange::new(first, last));
   }
 
   pub fn get_pending_gap(&self) -> &BTreeSet<SequenceNumber> {
@@ -551,13 +551,27 @@ impl RtpsReaderProxy {
 
   // Fragment handling
 
-  pub fn mark_frags_requested(&mut self, seq_num: SequenceNumber, frag_nums: &FragmentNumberSet) {
+  /// `fragment_count` is that of the sample: there is nothing to be sent beyond
+  /// it, whatever the reader requests.
+  pub fn mark_frags_requested(
+    &mut self,
+    seq_num: SequenceNumber,
+    frag_nums: &FragmentNumberSet,
+    fragment_count: u32,
+  ) {
+    let existing = frag_nums
+      .iter()
+      .filter(|f| (1..=fragment_count).contains(&u32::from(*f)))
+      .collect::<Vec<_>>();
+    if existing.is_empty() {
+      return;
+    }
     let req_set = self
       .frags_requested
       .entry(seq_num)
       .or_insert_with(|| BitVec::with_capacity(64)); // default capacity out of hat
 
-    for f in frag_nums.iter() {
+    for f in existing {
       // -1 because FragmentNumbers start at 1
       let idx = usize::from(f) - 1;
       // The bit vector must be long enough to address `idx`. Grow it (filling

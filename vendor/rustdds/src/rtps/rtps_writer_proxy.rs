@@ -15,6 +15,9 @@ use crate::{
   },
 };
 
+// RTPS spec v2.5 Section "8.3.5.5 SequenceNumberSet"
+const MAX_SEQUENCE_NUMBERS_IN_SET: i64 = 256;
+
 #[derive(Debug)] // these are not cloneable, because contained data may be large
 pub(crate) struct RtpsWriterProxy {
   /// Identifies the remote matched Writer
@@ -137,6 +140,10 @@ impl RtpsWriterProxy {
   // Note: Heartbeat gives bounds only. Some samples within that range may
   // have been received already, or not really available, i.e. there may be GAPs
   // in the range.
+  //
+  // Only those are returned that fit into one ACKNACK, i.e. the first one missing
+  // and the 255 sequence numbers after it: the range is as large as the sender
+  // claims, up to 2^63.
   pub fn missing_seqnums(
     &self,
     hb_first_sn: SequenceNumber,
@@ -174,8 +181,14 @@ impl RtpsWriterProxy {
     let mut known_iter = known.iter();
     let mut known_head = known_iter.next();
 
-    // Iterate over all SequenceNumbers (indices) in the advertised range.
+    // Iterate over the SequenceNumbers (indices) in the advertised range.
     for s in relevant_interval {
+      if missing_seqnums
+        .first()
+        .is_some_and(|first| i64::from(s) - i64::from(*first) >= MAX_SEQUENCE_NUMBERS_IN_SET)
+      {
+        break;
+      }
       match known_head {
         None => missing_seqnums.push(s), // no known changes left => s is missing
         Some(known_sn) => {
@@ -236,6 +249,7 @@ impl RtpsWriterProxy {
       // ack_base can be advanced
       self.advance_ack_base();
     }
+    self.enforce_change_map_cap();
   }
 
   // Used to add range of irrelevant changes from GAP submessage or unavailable
@@ -281,9 +295,11 @@ impl RtpsWriterProxy {
         self.ack_base, remove_from, remove_until_before, self.remote_writer_guid
       );
     } else {
-      // TODO: This potentially generates a very large BTreeMap
+      // The range is as large as the sender claims, up to 2^63, but no more changes
+      // than this are tracked.
       for na in
         SequenceNumber::range_inclusive(remove_from, remove_until_before - SequenceNumber::new(1))
+          .take(MAX_TRACKED_CHANGES_PER_WRITER)
       {
         self.changes.insert(na, None);
       }

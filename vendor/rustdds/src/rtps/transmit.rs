@@ -27,7 +27,10 @@ use std::{
   time::{Duration, Instant},
 };
 
-use crate::structure::{guid::GuidPrefix, locator::Locator};
+use crate::{
+  rtps::constant::MAX_OBSERVED_PARTICIPANTS,
+  structure::{guid::GuidPrefix, locator::Locator},
+};
 
 /// Hysteresis margin for switching a remote participant's chosen multicast
 /// egress interface. Once an interface is chosen it stays chosen until we have
@@ -114,6 +117,8 @@ pub struct ObservedRoutes {
   /// Used to authorize sending to the peer's loopback locators (see
   /// `src/rtps/loopback_same_host_design.md`).
   seen_from_loopback: bool,
+  /// The participant is known to Discovery.
+  confirmed: bool,
 }
 
 impl ObservedRoutes {
@@ -219,11 +224,34 @@ impl InterfaceObservations {
     iface: Option<InterfaceSelector>,
     source: SocketAddr,
   ) {
+    if !self.by_participant.contains_key(&prefix)
+      && self.by_participant.len() >= MAX_OBSERVED_PARTICIPANTS
+      && !self.forget_unconfirmed()
+    {
+      return;
+    }
     self
       .by_participant
       .entry(prefix)
       .or_default()
       .record(iface, source);
+  }
+
+  /// Discovery knows this participant: what has been observed of it is kept.
+  pub fn confirm(&mut self, prefix: GuidPrefix) {
+    if let Some(observed) = self.by_participant.get_mut(&prefix) {
+      observed.confirmed = true;
+    }
+  }
+
+  // Any datagram with a new GUID prefix makes a record: forget those of unknown
+  // participants when there are too many. Returns false if there are none.
+  fn forget_unconfirmed(&mut self) -> bool {
+    let before = self.by_participant.len();
+    self
+      .by_participant
+      .retain(|_, observed| observed.confirmed);
+    self.by_participant.len() < before
   }
 
   pub fn get(&self, prefix: GuidPrefix) -> Option<&ObservedRoutes> {

@@ -1072,9 +1072,14 @@ impl Writer {
     let first_change = self.send_buffer.first_change_sequence_number();
     let last_change = self.send_buffer.last_change_sequence_number();
 
+    // The participant is matched to itself, but its own built-in readers have no
+    // locators and never acknowledge: waiting for them would mean to send
+    // HEARTBEATs at the fast period for ever.
+    let built_in = self.my_guid.entity_id.kind().is_built_in();
     if self
       .readers
       .values()
+      .filter(|rp| !(built_in && rp.remote_reader_guid.prefix == self.my_guid.prefix))
       .all(|rp| last_change < rp.all_acked_before)
     {
       trace!("heartbeat tick: all readers have all available data.");
@@ -1299,6 +1304,14 @@ impl Writer {
       AckSubmessage::NackFrag(ref nackfrag) => {
         // NackFrag is negative acknowledgement only, i.e. requesting missing fragments.
         let reader_guid = GUID::new(reader_guid_prefix, nackfrag.reader_id);
+        let Some(fragment_count) = self.send_buffer.get_by_sn(nackfrag.writer_sn).map(|cc| {
+          self
+            .num_frags_and_frag_size(cc.data_value.payload_size())
+            .0
+        }) else {
+          debug!("NACK_FRAG from {reader_guid:?} for {:?}, which is not available", nackfrag.writer_sn);
+          return;
+        };
         let Some(reader_proxy) = self.lookup_reader_proxy_mut(reader_guid) else {
           return;
         };
@@ -1311,7 +1324,11 @@ impl Writer {
           return;
         }
         reader_proxy.last_nackfrag_count = Some(nackfrag.count);
-        reader_proxy.mark_frags_requested(nackfrag.writer_sn, &nackfrag.fragment_number_state);
+        reader_proxy.mark_frags_requested(
+          nackfrag.writer_sn,
+          &nackfrag.fragment_number_state,
+          fragment_count,
+        );
         self.schedule_repair_frags(reader_guid, self.nackfrag_response_delay);
       }
     }
@@ -1665,12 +1682,23 @@ impl Writer {
     let first_keeper = if !self.like_stateless {
       // Regular stateful writer behavior
       // All readers have acked up to this point (SequenceNumber)
-      let acked_by_all_readers = self
-        .readers
-        .values()
-        .map(RtpsReaderProxy::acked_up_to_before)
-        .min()
-        .unwrap_or_else(SequenceNumber::zero);
+      let acked_by_all_readers = if self.my_guid.entity_id.kind().is_built_in()
+        && self.is_reliable()
+      {
+        // Discovery data is keyed, and every late joiner needs all of it, however
+        // many readers have acknowledged it.
+        SequenceNumber::zero()
+      } else {
+        // Best-effort readers never acknowledge, and without any reliable reader
+        // there is nobody to wait for.
+        self
+          .readers
+          .values()
+          .filter(|rp| rp.qos().is_reliable())
+          .map(RtpsReaderProxy::acked_up_to_before)
+          .min()
+          .unwrap_or_else(|| self.send_buffer.last_change_sequence_number().plus_1())
+      };
       // If all readers have acked all up to before 5, and depth is 5, we need
       // to keep samples 0..4, i.e. from acked_up_to_before - depth .
       let depth_keeper = if let Some(depth) = depth {
@@ -2073,8 +2101,10 @@ impl Writer {
   // return value: true = reader was new, false = reader was previously known
   fn matched_reader_update(&mut self, updated_reader_proxy: &RtpsReaderProxy) -> bool {
     let mut is_new = false;
-    let is_volatile = self.qos().is_volatile(); // Get this in advance to work with the borrow checker
-                                                // Capture the interface set once; resolution consults current observations.
+    // Get this in advance to work with the borrow checker
+    let first_available = self.send_buffer.first_change_sequence_number();
+    let not_for_late_joiners = self.last_not_for_late_joiners();
+    // Capture the interface set once; resolution consults current observations.
     let multicast_ifaces = self.udp_sender.multicast_interfaces();
     let selector = DefaultRouteSelector::new(self.prefer_loopback_same_host);
     self
@@ -2097,12 +2127,9 @@ impl Writer {
         // Ensure loopback stays in the gated bucket even for proxies that
         // arrive with it inline (e.g. the built-in get_builtin_reader_proxy path).
         new_proxy.normalize_loopback();
-        if is_volatile {
-          // With Durabilty::Volatile QoS we won't send the sequence numbers which existed
-          // before matching with this reader. Therefore we set the reader as pending GAP
-          // for all existing sequence numbers
-          new_proxy.set_pending_gap_up_to(self.send_buffer.last_change_sequence_number());
-        }
+        // Samples that this reader is too late for are announced as GAP. Those that
+        // are not retained any more are covered by the HEARTBEAT.
+        new_proxy.set_pending_gap(first_available, not_for_late_joiners);
         new_proxy.resolve_send_route(
           &self.interface_observations.borrow(),
           &multicast_ifaces,
@@ -2115,6 +2142,25 @@ impl Writer {
     // minimum datagram budget used for packing.
     self.recompute_min_datagram_payload();
     is_new
+  }
+
+  // The newest existing sample that a reader matching now does not get.
+  fn last_not_for_late_joiners(&self) -> SequenceNumber {
+    let last = self.send_buffer.last_change_sequence_number();
+    if self.qos_policies.is_volatile() {
+      // With Durability::Volatile QoS we won't send the sequence numbers which
+      // existed before matching with this reader.
+      last
+    } else if self.my_guid.entity_id.kind().is_built_in() {
+      // Discovery data is keyed: the History depth is that of each key.
+      SequenceNumber::zero()
+    } else if let Some(History::KeepLast { depth }) = self.qos_policies.history {
+      // Older samples may still be retained, because some other reader has not
+      // acknowledged them yet, but the offered History depth does not include them.
+      last - SequenceNumber::from(i64::from(depth))
+    } else {
+      SequenceNumber::zero()
+    }
   }
 
   /// Recompute [`min_datagram_payload`](Self::min_datagram_payload) as the
@@ -2780,7 +2826,6 @@ mod tests {
           "repair_test".to_string(),
           true, // reliable
           writer_id.kind().is_built_in(),
-          false,
           DEFAULT_WRITER_MAX_SAMPLES,
           DEFAULT_WRITER_MAX_SAMPLES,
           DEFAULT_WRITER_MAX_SAMPLES,

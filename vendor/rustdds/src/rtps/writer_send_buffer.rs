@@ -83,12 +83,6 @@ struct Shared {
   writer_guid: GUID,
   reliable_writer: bool,
   is_builtin: bool,
-  // True for VOLATILE durability (the DDS default). When true, a reliable writer
-  // with no matched reliable reader trims KeepLast on insert (there is no
-  // late-joiner to serve, so retaining unacked samples is pointless). When false
-  // (TRANSIENT_LOCAL / TRANSIENT / PERSISTENT) the writer must retain samples for
-  // late-joining readers, so pre-match trimming is disabled.
-  volatile: bool,
   topic_name: String,
 }
 
@@ -107,13 +101,11 @@ pub(crate) struct WriterSendBuffer {
 }
 
 impl WriterSendBuffer {
-  #[allow(clippy::too_many_arguments)]
   pub fn new(
     writer_guid: GUID,
     topic_name: String,
     reliable_writer: bool,
     is_builtin: bool,
-    volatile: bool,
     window_limit: usize,
     backlog_limit: usize,
     max_retain: usize,
@@ -136,7 +128,6 @@ impl WriterSendBuffer {
         writer_guid,
         reliable_writer,
         is_builtin,
-        volatile,
         topic_name,
       }),
     }
@@ -272,32 +263,31 @@ impl WriterSendBuffer {
     inner.changes.insert(seq, cc);
     inner.last_seq = seq;
 
-    // KeepLast "newest wins" bound. Applied on insert for:
-    //  - non-blocking best-effort writes: never throttled at admission (`has_room`
-    //    returns true), and the only other eviction path is the periodic
-    //    cache-cleaning timer, which starves under a sustained flood -- so without
-    //    this the buffer grows without bound (confirmed multi-GB leak);
-    //  - reliable writers with NO matched reliable reader yet: there is nobody to
-    //    repair to, so retaining unacknowledged samples is pointless. A reliable
-    //    writer that produces flat-out before discovery completes (discovery is
-    //    CPU-starved under load and can lag ~1 s) would otherwise race thousands of
-    //    samples ahead, and when the reader finally matches it faces a huge
-    //    unacknowledged backlog that must be recovered via repair at the slow (100
-    //    ms) heartbeat cadence -- collapsing reliable throughput. Trimming to
-    //    KeepLast here keeps only the recent samples (correct for volatile
-    //    durability); once a reliable reader matches, `reliable_readers_present`
-    //    flips true and we retain everything again for repair.
-    // Built-in (discovery) writers are always exempt to never lose discovery data.
-    let trim_keep_last = !shared.is_builtin
-      && (!may_block
-        || (shared.reliable_writer && shared.volatile && !inner.reliable_readers_present));
-    if trim_keep_last {
+    // KeepLast "newest wins" bound. Applied on insert, because the only other
+    // eviction path is the periodic cache-cleaning timer, which starves under a
+    // sustained flood and leaves a late joiner of a durable writer up to a whole
+    // cleaning period of samples beyond the offered History depth:
+    //  - non-blocking best-effort writes are never throttled at admission
+    //    (`has_room` returns true), so nothing else bounds the buffer;
+    //  - a reliable writer with NO matched reliable reader has nobody to repair to,
+    //    and a late joiner is entitled to the History depth only;
+    //  - a reliable writer with matched reliable readers keeps what they have not
+    //    acknowledged yet for repair, and of the rest the History depth.
+    // `max_retain` is the History depth for KEEP_LAST and the resource limit for
+    // KEEP_ALL. Built-in (discovery) writers are always exempt to never lose
+    // discovery data.
+    if !shared.is_builtin {
+      let needed_for_repair =
+        may_block && shared.reliable_writer && inner.reliable_readers_present;
       while inner.changes.len() > inner.max_retain {
         // BTreeMap keeps keys sorted, so the first entry is the oldest SN.
         let oldest = match inner.changes.keys().next().copied() {
           Some(sn) => sn,
           None => break,
         };
+        if needed_for_repair && oldest >= inner.acked_before {
+          break;
+        }
         inner.changes.remove(&oldest);
         inner.first_seq = oldest.plus_1();
       }
@@ -481,7 +471,6 @@ mod tests {
       "t".to_string(),
       /* reliable_writer */ true,
       /* is_builtin */ false,
-      /* volatile */ true,
       /* window_limit */ 1,
       /* backlog_limit */ 1000,
       /* max_retain */ 1,
@@ -507,7 +496,6 @@ mod tests {
       "t".to_string(),
       /* reliable_writer */ false,
       /* is_builtin */ false,
-      /* volatile */ true,
       /* window_limit */ 1000,
       /* backlog_limit */ 2,
       /* max_retain */ 1000,
@@ -535,7 +523,6 @@ mod tests {
       "t".to_string(),
       /* reliable_writer */ false,
       /* is_builtin */ false,
-      /* volatile */ true,
       /* window_limit */ 1000,
       /* backlog_limit */ 1,
       /* max_retain */ 1000,
@@ -555,7 +542,6 @@ mod tests {
       "t".to_string(),
       false,
       /* is_builtin */ true,
-      /* volatile */ true,
       1000,
       /* backlog_limit */ 1,
       /* max_retain */ 1000,
@@ -579,7 +565,6 @@ mod tests {
       "t".to_string(),
       /* reliable_writer */ false,
       /* is_builtin */ false,
-      /* volatile */ true,
       /* window_limit */ 1000,
       /* backlog_limit */ 1000,
       max_retain,
@@ -603,46 +588,49 @@ mod tests {
     assert!(buf.get_by_sn(SequenceNumber::new(1)).is_none());
   }
 
-  // A durable (non-VOLATILE) reliable writer must NOT drop on insert even before
-  // a reader matches: it retains samples for late-joining readers. The
-  // `max_retain` bound does not apply to it.
+  // A reliable writer with matched reliable readers keeps what they have not
+  // acknowledged for repair, and beyond that the History depth only: nothing
+  // older is left for a late joiner.
   #[test]
-  fn durable_reliable_writer_not_trimmed_before_match() {
-    let max_retain = 2;
-    let buf = WriterSendBuffer::new(
-      GUID::GUID_UNKNOWN,
-      "t".to_string(),
-      /* reliable_writer */ true,
-      /* is_builtin */ false,
-      /* volatile */ false, // TRANSIENT_LOCAL etc: keep for late joiners
-      /* window_limit */ 1000,
-      /* backlog_limit */ 1000,
-      max_retain,
-    );
-    // No reliable readers matched yet => admission not window-throttled.
-    for _ in 0..10 {
-      assert!(admit_now(&buf, WriteOptions::default()));
-    }
-    // Durable path keeps everything for potential late-joiner delivery / repair
-    // despite tiny max_retain.
-    assert_eq!(buf.retained_len(), 10);
-  }
-
-  // A VOLATILE reliable writer with no matched reliable reader trims KeepLast on
-  // insert: there is no late joiner to serve, so retaining unacknowledged samples
-  // is pointless and would create a huge post-match repair backlog (the reliable
-  // flat-out throughput fix). Once a reliable reader matches
-  // (`set_acked_frontier(Some(..))`), trimming stops and everything is retained
-  // for repair.
-  #[test]
-  fn volatile_reliable_writer_trimmed_until_reader_matches() {
+  fn acknowledged_samples_are_trimmed_to_the_history_depth() {
     let max_retain = 4;
     let buf = WriterSendBuffer::new(
       GUID::GUID_UNKNOWN,
       "t".to_string(),
       /* reliable_writer */ true,
       /* is_builtin */ false,
-      /* volatile */ true,
+      /* window_limit */ 1000,
+      /* backlog_limit */ 1000,
+      max_retain,
+    );
+    buf.set_acked_frontier(Some(SequenceNumber::new(1)));
+    for _ in 0..10 {
+      assert!(admit_now(&buf, WriteOptions::default()));
+    }
+    // Nothing is acknowledged: everything is kept for repair.
+    assert_eq!(buf.retained_len(), 10);
+    // Samples up to 8 are acknowledged: the next write leaves 9, 10 and 11 for
+    // repair, and 8 because of the depth.
+    buf.set_acked_frontier(Some(SequenceNumber::new(9)));
+    assert!(admit_now(&buf, WriteOptions::default()));
+    assert_eq!(buf.retained_len(), max_retain);
+    assert_eq!(buf.first_change_sequence_number(), SequenceNumber::new(8));
+  }
+
+  // A reliable writer with no matched reliable reader trims KeepLast on insert,
+  // also when it is durable: a late joiner is entitled to the History depth, and
+  // retaining more would create a huge post-match repair backlog (the reliable
+  // flat-out throughput fix). Once a reliable reader matches
+  // (`set_acked_frontier(Some(..))`), trimming stops at what that reader has not
+  // acknowledged.
+  #[test]
+  fn reliable_writer_trimmed_until_reader_matches() {
+    let max_retain = 4;
+    let buf = WriterSendBuffer::new(
+      GUID::GUID_UNKNOWN,
+      "t".to_string(),
+      /* reliable_writer */ true,
+      /* is_builtin */ false,
       /* window_limit */ 1000,
       /* backlog_limit */ 1000,
       max_retain,
@@ -655,12 +643,12 @@ mod tests {
     }
     assert_eq!(buf.retained_len(), max_retain);
 
-    // A reliable reader matches: from now on the writer retains everything for
-    // repair (no trimming), even past max_retain.
+    // A reliable reader matches: from now on the writer retains what it has not
+    // acknowledged for repair, even past max_retain.
     buf.set_acked_frontier(Some(SequenceNumber::new(101)));
     for _ in 0..10 {
       assert!(admit_now(&buf, WriteOptions::default()));
     }
-    assert_eq!(buf.retained_len(), max_retain + 10);
+    assert_eq!(buf.retained_len(), 10);
   }
 }

@@ -20,6 +20,7 @@
 #[allow(unused_imports)]
 use log::{debug, error, info, trace, warn};
 use bytes::Bytes;
+use chrono::{DateTime, Utc};
 use x509_certificate::{
   certificate::CapturedX509Certificate, EcdsaCurve, KeyAlgorithm, SignatureAlgorithm,
 };
@@ -127,6 +128,27 @@ impl Certificate {
       .map_err(|e| security_error(&format!("Signature verification failure: {e:?}")))
   }
 
+  // Is the certificate valid at this time? The signature of an expired
+  // certificate is as good as that of a valid one, so this needs a check of its
+  // own. (RFC 5280 Section "4.1.2.5. Validity")
+  pub fn verify_validity_at(&self, time: DateTime<Utc>) -> SecurityResult<()> {
+    let not_before = self.cert.validity_not_before();
+    let not_after = self.cert.validity_not_after();
+    if time < not_before {
+      Err(security_error(&format!(
+        "The certificate of {} is not valid before {not_before}",
+        self.subject_name
+      )))
+    } else if time > not_after {
+      Err(security_error(&format!(
+        "The certificate of {} expired on {not_after}",
+        self.subject_name
+      )))
+    } else {
+      Ok(())
+    }
+  }
+
   // Verify that `self` was signed by `other` Certificate
   // e.g.
   // `someones_identity.verify_signed_by_certificate( certificate_authority )`
@@ -212,5 +234,30 @@ iHhbVPRB9Uxts9CwglxYgZoUdGUAxreYIIaLO4yLqw==
     let cert = Certificate::from_pem(cert_pem).unwrap();
 
     println!("{cert:?}");
+  }
+
+  #[test]
+  pub fn validity_ends_with_the_dates_of_the_certificate() {
+    // From 2023-07-23T08:28:36Z to 2033-07-21T08:28:36Z
+    let cert_pem = r#"-----BEGIN CERTIFICATE-----
+MIIBOzCB4qADAgECAhR361786/qVPfJWWDw4Wg5cmJUwBTAKBggqhkjOPQQDAjAS
+MRAwDgYDVQQDDAdzcm9zMkNBMB4XDTIzMDcyMzA4MjgzNloXDTMzMDcyMTA4Mjgz
+NlowEjEQMA4GA1UEAwwHc3JvczJDQTBZMBMGByqGSM49AgEGCCqGSM49AwEHA0IA
+BMpvJQ/91ZqnmRRteTL2qaEFz2d7SGAQQk9PIhhZCV1tlLwYf/hI4xWLJaEv8FxJ
+TjxXRGJ1U+/IqqqIvJVpWaSjFjAUMBIGA1UdEwEB/wQIMAYBAf8CAQEwCgYIKoZI
+zj0EAwIDSAAwRQIgEiyVGRc664+/TE/HImA4WNwsSi/alHqPYB58BWINj34CIQDD
+iHhbVPRB9Uxts9CwglxYgZoUdGUAxreYIIaLO4yLqw==
+-----END CERTIFICATE-----
+"#;
+    let cert = Certificate::from_pem(cert_pem).unwrap();
+    for (time, is_valid) in [
+      ("2023-07-23T08:28:35Z", false),
+      ("2023-07-23T08:28:36Z", true),
+      ("2033-07-21T08:28:36Z", true),
+      ("2033-07-21T08:28:37Z", false),
+    ] {
+      let time: DateTime<Utc> = time.parse().unwrap();
+      assert_eq!(cert.verify_validity_at(time).is_ok(), is_valid, "{time}");
+    }
   }
 }

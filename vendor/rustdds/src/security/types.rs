@@ -111,7 +111,7 @@ impl From<cryptoki::error::Error> for SecurityError {
 #[macro_export]
 macro_rules! create_security_error_and_log {
   ($($arg:tt)*) => (
-      { log::error!($($arg)*);  // Note: this needs to be security-specific logging
+      { $crate::security_error!($($arg)*);
         SecurityError{ msg: format!($($arg)*) }
       }
     )

@@ -19,7 +19,7 @@ use crate::{
     typedesc::TypeDesc,
     CreateError, CreateResult,
   },
-  rtps::constant::MAX_WITHHELD_BYTES_PER_TOPIC,
+  rtps::constant::{MAX_WITHHELD_BYTES_PER_TOPIC, WITHHELD_BYTES_PER_SAMPLE},
   structure::{sequence_number::SequenceNumber, time::Timestamp},
   GUID,
 };
@@ -264,12 +264,12 @@ impl TopicCache {
       .min()
   }
 
-  // Payload bytes retained from the oldest withheld change onwards.
+  // Bytes retained from the oldest withheld change onwards.
   fn withheld_bytes(&self, from: Timestamp) -> usize {
     self
       .changes
       .range(from..)
-      .map(|(_, cc)| cc.data_value.payload_size())
+      .map(|(_, cc)| cc.data_value.payload_size() + WITHHELD_BYTES_PER_SAMPLE)
       .sum()
   }
 
@@ -467,6 +467,10 @@ impl TopicCache {
     // received reliably, since no such samples exist.
   }
 
+  pub fn has_samples_of(&self, writer: GUID) -> bool {
+    self.sequence_numbers.contains_key(&writer)
+  }
+
   fn remove_sn(&mut self, cc: &CacheChange) {
     let mut emptied = false;
 
@@ -551,7 +555,7 @@ impl TopicCache {
     }
 
     // Now, reallocate old cache changes
-    let reallocate_timeout = crate::Duration::from_secs(5);
+    let reallocate_timeout = crate::Duration::from_secs(1);
     let now = Timestamp::now();
 
     // Take max to avoid crash if clock jumps backward.

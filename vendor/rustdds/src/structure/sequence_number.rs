@@ -124,7 +124,11 @@ impl Iterator for SequenceNumberRange {
       None
     } else {
       let b = self.begin;
-      self.begin = b + SequenceNumber::new(1);
+      match b.0.checked_add(1) {
+        Some(next) => self.begin = SequenceNumber(next),
+        // The last number of all: the range is empty from now on.
+        None => self.end = SequenceNumber(i64::MIN),
+      }
       Some(b)
     }
   }

@@ -20,6 +20,9 @@ use crate::{
 
 // use std::num::Zero; unstable
 
+// Number of instances beyond which those without samples are forgotten.
+const MAX_INSTANCES: usize = 8192;
+
 // DataSampleCache is a structure local to DataReader and DataWriter. It acts as
 // a buffer between e.g. RTPS Reader and the application-facing DataReader. It
 // keeps track of what each DataReader has "read" or "taken".
@@ -128,6 +131,13 @@ where
       imd
     } else {
       // not found, create new one.
+      if self.instance_map.len() >= MAX_INSTANCES {
+        // Whoever may write can create any number of instances. Forget those whose
+        // samples have all been taken. If they reappear, they count as new.
+        self
+          .instance_map
+          .retain(|_, imd| !imd.instance_samples.is_empty());
+      }
       let imd = InstanceMetaData {
         instance_samples: BTreeSet::new(),
         instance_state: new_instance_state,

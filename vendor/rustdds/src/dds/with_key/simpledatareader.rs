@@ -84,6 +84,13 @@ impl<K: Key> ReadState<K> {
   }
 }
 
+// Number of key hashes beyond which they are learned anew. A dispose by a hash
+// that is not known is ignored.
+const MAX_KEY_HASHES: usize = 32 * 1024;
+
+// Number of Writers beyond which those without samples in the cache are forgotten.
+const MAX_WRITERS_READ: usize = 8192;
+
 /// SimpleDataReaders can only do "take" semantics and does not have
 /// any deduplication or other DataSampleCache functionality.
 pub struct SimpleDataReader<D: Keyed, DA: DeserializerAdapter<D> = CDRDeserializerAdapter<D>> {
@@ -222,6 +229,9 @@ where
       Sample::Value(d) => d.key(),
       Sample::Dispose(k) => k.clone(),
     };
+    if hash_to_key_map.len() >= MAX_KEY_HASHES {
+      hash_to_key_map.clear();
+    }
     hash_to_key_map.insert(instance_key.hash_key(false), instance_key);
   }
 
@@ -379,6 +389,12 @@ where
         // Advance read pointer, error or not, because otherwise
         // the SimpleDatareader is stuck.
         read_state_ref.latest_instant = max(latest_instant, timestamp);
+        if read_state_ref.last_read_sn.len() >= MAX_WRITERS_READ {
+          // Only the Writers that still have samples here matter.
+          read_state_ref
+            .last_read_sn
+            .retain(|writer, _| topic_cache.has_samples_of(*writer));
+        }
         read_state_ref
           .last_read_sn
           .insert(writer_guid, sequence_number);

@@ -8,7 +8,13 @@ mod key_material;
 pub(crate) mod types;
 mod validate_receiver_specific_macs;
 
-use std::collections::{HashMap, HashSet};
+use std::{
+  collections::{HashMap, HashSet},
+  sync::{
+    atomic::{AtomicU64, Ordering},
+    LazyLock,
+  },
+};
 
 use crate::{
   create_security_error_and_log,
@@ -286,8 +292,15 @@ impl CryptographicBuiltin {
     SessionId::new([1, 3, 3, 7])
   }
 
-  fn random_initialization_vector(&self) -> BuiltinInitializationVector {
-    BuiltinInitializationVector::new(self.session_id(), rand::random())
+  // Every initialization vector must be used only once with the same key. The
+  // keys are made anew for each participant, and the session id is constant, so
+  // the suffix counts the messages of the process: it does not repeat before 2^64
+  // of them. The count starts at a random value, because both participants use
+  // the same key for the exchange of keys.
+  fn next_initialization_vector(&self) -> BuiltinInitializationVector {
+    static NEXT: LazyLock<AtomicU64> = LazyLock::new(|| AtomicU64::new(rand::random()));
+    let suffix = NEXT.fetch_add(1, Ordering::Relaxed);
+    BuiltinInitializationVector::new(self.session_id(), suffix.to_be_bytes())
   }
 
   fn compute_session_key(
@@ -364,7 +377,7 @@ impl CryptographicBuiltin {
 
     let transformation_kind = *transformation_kind;
 
-    let initialization_vector = self.random_initialization_vector();
+    let initialization_vector = self.next_initialization_vector();
 
     let session_key = Self::compute_session_key(
       ReceiverSpecific::No,

@@ -30,6 +30,36 @@ use super::{
   validate_receiver_specific_macs::validate_receiver_specific_mac,
 };
 
+// Splits what follows the CryptoHeader of an encoded payload.
+//
+// The payload is the last element of a Data submessage, which is padded to a
+// multiple of 4 bytes, so the footer need not be at the very end of the buffer.
+// An encrypted payload begins with the length of its content (section
+// "9.5.2.4 CryptoContent"), and the footer follows it. A signed payload has no
+// length, so that it can be separated from the footer only if there is no
+// padding.
+fn split_content_and_footer(
+  transformation_kind: BuiltinCryptoTransformationKind,
+  bytes: &[u8],
+  foot_len: usize,
+) -> SecurityResult<(&[u8], &[u8])> {
+  const LENGTH_LEN: usize = 4;
+  let content_len = match transformation_kind {
+    BuiltinCryptoTransformationKind::CRYPTO_TRANSFORMATION_KIND_AES128_GCM
+    | BuiltinCryptoTransformationKind::CRYPTO_TRANSFORMATION_KIND_AES256_GCM => bytes
+      .first_chunk::<LENGTH_LEN>()
+      .and_then(|length| usize::try_from(u32::from_be_bytes(*length)).ok())
+      .and_then(|length| length.checked_add(LENGTH_LEN)),
+    _ => bytes.len().checked_sub(foot_len),
+  };
+  content_len
+    .and_then(|content_len| {
+      let content_and_footer = bytes.get(..content_len.checked_add(foot_len)?)?;
+      Some(content_and_footer.split_at(content_len))
+    })
+    .ok_or_else(|| security_error("Encoded payload is shorter than its content and footer"))
+}
+
 impl CryptographicBuiltin {
   fn encode_submessage(
     &self,
@@ -785,8 +815,6 @@ impl CryptoTransform for CryptographicBuiltin {
       return Err(security_error("Encoded payload smaller than minimum size"));
     }
     let (header_bytes, content_and_footer_bytes) = encoded_buffer.split_at(head_len);
-    let (content_bytes, footer_bytes) =
-      content_and_footer_bytes.split_at(content_and_footer_bytes.len() - foot_len);
 
     // Deserialize crypto header and footer
 
@@ -802,6 +830,9 @@ impl CryptoTransform for CryptographicBuiltin {
         },
       builtin_crypto_header_extra: BuiltinCryptoHeaderExtra(initialization_vector),
     } = crypto_header.try_into()?;
+
+    let (content_bytes, footer_bytes) =
+      split_content_and_footer(transformation_kind, content_and_footer_bytes, foot_len)?;
 
     let BuiltinCryptoFooter { common_mac, .. } = BuiltinCryptoFooter::try_from(footer_bytes)?;
 

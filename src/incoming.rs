@@ -1,0 +1,92 @@
+//! Converts received messages to commands. The node and `verify` share this conversion: the journal must contain exactly the
+//! command that follows from each recorded message.
+
+use crate::endpoints::COLUMN_PARAMETERS;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::column_twin::{ColumnParameters, ImpactEvent, ParameterEntry};
+use crate::parameters::Value;
+use crate::twin::{Command, ImpactCommand, Refusal, RefusalCode};
+
+/// The command of a message on `impact_event`.
+#[must_use]
+pub fn impact_command(event: ImpactEvent) -> Command {
+    Command::Impact(ImpactCommand {
+        stamp: nanos(event.header.stamp),
+        impact: (&event).into(),
+        vehicle: event.vehicle,
+        event_id: event.event_id,
+        column_id: event.column_id,
+    })
+}
+
+/// The command of a message on `column_parameters` to the twin of the column `own`.
+#[must_use]
+pub fn column_command(message: &ColumnParameters, own: &str) -> Command {
+    let source = COLUMN_PARAMETERS.name.into();
+    let found = &message.column_id;
+    if found == own {
+        return Command::SetParameters {
+            changes: changes(message),
+            source,
+        };
+    }
+    let reason =
+        format!("the message is for column {found:?}, but this is the twin of column {own:?}");
+    Command::RejectedChange {
+        refusal: Refusal::new(RefusalCode::OtherColumn, reason),
+        source,
+    }
+}
+
+/// Converts invalid stamps too, so that their refusal can state the distance from the current time.
+fn nanos(stamp: Time) -> i64 {
+    i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
+}
+
+/// The parameters that the message changes.
+fn changes(message: &ColumnParameters) -> Vec<(String, Value)> {
+    message
+        .entries()
+        .filter(|(_, entry)| !entry.is_unchanged())
+        .map(|(name, entry)| {
+            let value = match entry {
+                ParameterEntry::Number(number) => Value::Double(number),
+                ParameterEntry::Text(text) => Value::from(text),
+            };
+            (name.to_owned(), value)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unset_parameters_are_left_unchanged() {
+        let message = ColumnParameters {
+            top_load: 2e5,
+            section_name: "HEB300".to_owned(),
+            impact_gap: f64::INFINITY,
+            ..ColumnParameters::default()
+        };
+        let expected = [
+            ("section.name", Value::from("HEB300")),
+            ("top.load", Value::Double(2e5)),
+            ("impact.gap", Value::Double(f64::INFINITY)),
+        ];
+        assert_eq!(
+            changes(&message),
+            expected.map(|(name, value)| (name.to_owned(), value))
+        );
+    }
+
+    #[test]
+    fn an_invalid_stamp_is_converted() {
+        let stamp = Time {
+            sec: 1,
+            nanosec: u32::MAX,
+        };
+        assert_eq!(nanos(stamp), 1_000_000_000 + i64::from(u32::MAX));
+    }
+}

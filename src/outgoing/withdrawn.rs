@@ -1,0 +1,76 @@
+//! A forecast that no longer holds, or that will never be there, as a message.
+
+use crate::messages::column_twin::ImpactReport;
+use crate::twin::{ForecastEnd, WithdrawnForecast};
+
+impl ImpactReport {
+    /// A report of the kind WITHDRAWN or NO_FORECAST without the impact: all results are NaN.
+    #[must_use]
+    pub fn without_results(kind: u8, end: u8, reason: &str) -> Self {
+        let unknown = [f64::NAN; 4];
+        Self {
+            kind,
+            outcome: Self::OUTCOME_UNKNOWN,
+            max_v1: f64::NAN,
+            max_v1_time: f64::NAN,
+            residual_v1: f64::NAN,
+            max_u2: f64::NAN,
+            residual_u2: f64::NAN,
+            release_time: f64::NAN,
+            impactor_rebound: f64::NAN,
+            peak_contact_force: f64::NAN,
+            impulse: f64::NAN,
+            plastic_work: f64::NAN,
+            impact_loss: f64::NAN,
+            ledger_residual: f64::NAN,
+            compute_time: f64::NAN,
+            first_yield_time: unknown,
+            max_utilisation: unknown,
+            plastic_rotation: unknown,
+            end,
+            end_time: f64::NAN,
+            max_dynamic_factor: unknown,
+            virgin_capacity: f64::NAN,
+            residual_capacity: f64::NAN,
+            capacity_ratio: f64::NAN,
+            reserve: f64::NAN,
+            severity: Self::SEVERITY_UNKNOWN,
+            severity_reason: reason.to_owned(),
+            error_estimate: f64::NAN,
+            dt: f64::NAN,
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&WithdrawnForecast> for ImpactReport {
+    /// Leaves header, column and event empty.
+    fn from(withdrawn: &WithdrawnForecast) -> Self {
+        let WithdrawnForecast {
+            impact,
+            was_known,
+            error_estimate,
+            end,
+            reason,
+        } = withdrawn;
+        let kind = match was_known {
+            true => Self::WITHDRAWN,
+            false => Self::NO_FORECAST,
+        };
+        Self {
+            error_estimate: error_estimate.unwrap_or(f64::NAN),
+            ..Self::without_results(kind, end_code(*end), reason)
+                .of_impact(&impact.striking.vehicle, &impact.striking.impact)
+        }
+    }
+}
+
+fn end_code(end: ForecastEnd) -> u8 {
+    match end {
+        ForecastEnd::Superseded => ImpactReport::END_SUPERSEDED,
+        ForecastEnd::Reset => ImpactReport::END_RESET,
+        ForecastEnd::Stopped => ImpactReport::END_STOPPED,
+        ForecastEnd::Rejected => ImpactReport::END_REJECTED,
+        ForecastEnd::NotComputed => ImpactReport::END_NOT_COMPUTED,
+    }
+}

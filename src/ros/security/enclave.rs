@@ -1,0 +1,550 @@
+//! An enclave: the six files of a participant, checked before it starts.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use jiff::Timestamp;
+
+use super::SecurityError;
+use super::certificates::{Certificate, private_key};
+use super::dates::{is_near, remaining};
+use super::documents::signed_text;
+use super::governance::{Governance, ProtectionKinds};
+use super::permissions::{Action, Grant};
+
+/// A file of an enclave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnclaveFile {
+    /// The certificate of the authority that issues identities.
+    IdentityCa,
+    /// The certificate of the participant.
+    Certificate,
+    /// The private key that belongs to it.
+    Key,
+    /// The certificate of the authority that signs governance and permissions.
+    PermissionsCa,
+    /// How the domain is protected.
+    Governance,
+    /// What the participant may do.
+    Permissions,
+}
+
+/// The files with their names, as SROS 2 lays them out.
+pub const ENCLAVE_FILES: [(EnclaveFile, &str); 6] = [
+    (EnclaveFile::IdentityCa, "identity_ca.cert.pem"),
+    (EnclaveFile::Certificate, "cert.pem"),
+    (EnclaveFile::Key, "key.pem"),
+    (EnclaveFile::PermissionsCa, "permissions_ca.cert.pem"),
+    (EnclaveFile::Governance, "governance.p7s"),
+    (EnclaveFile::Permissions, "permissions.p7s"),
+];
+
+/// Maximum size of a file \[bytes\]; genuine ones have some kilobytes.
+const MAX_FILE_SIZE: u64 = 1 << 20;
+
+/// Topics without which no node of ros2-client starts.
+const NEEDED: [(Action, &str); 3] = [
+    (Action::Publish, "ros_discovery_info"),
+    (Action::Subscribe, "ros_discovery_info"),
+    (Action::Publish, "rt/parameter_events"),
+];
+
+impl EnclaveFile {
+    /// Its name in the directory of the enclave.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        let file = ENCLAVE_FILES.iter().find(|(file, _)| *file == self);
+        file.map_or("", |(_, name)| *name)
+    }
+}
+
+impl fmt::Display for EnclaveFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What is wrong with an enclave, one fault each.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EnclaveFault {
+    /// A file is missing.
+    #[error(
+        "{0} is missing; create the enclave completely, with `column-twin keystore` or `ros2 security create_enclave`"
+    )]
+    Missing(EnclaveFile),
+    /// A file cannot be read.
+    #[error("{file} cannot be read: {reason}")]
+    Unreadable {
+        /// The file.
+        file: EnclaveFile,
+        /// The error of the system.
+        reason: String,
+    },
+    /// A PEM file does not contain what it should.
+    #[error("{file}: expected {expected} in PEM format, but it cannot be read: {reason}")]
+    NotPem {
+        /// The file.
+        file: EnclaveFile,
+        /// What it should contain.
+        expected: &'static str,
+        /// The error of OpenSSL.
+        reason: String,
+    },
+    /// The key has a password.
+    #[error(
+        "key.pem is encrypted with a password, which RustDDS does not support; decrypt it with `openssl pkey`, and protect it by its file permissions"
+    )]
+    EncryptedKey,
+    /// The key is in an older format.
+    #[error(
+        "key.pem is not in PKCS#8 format (BEGIN PRIVATE KEY), the only one that RustDDS reads; convert it with `openssl pkcs8 -topk8 -nocrypt`"
+    )]
+    NotPkcs8,
+    /// The algorithm of a key is not supported.
+    #[error(
+        "{file} uses {found}; RustDDS supports EC keys on prime256v1 (as `ros2 security` makes them) and RSA with 2048 bits"
+    )]
+    Algorithm {
+        /// The file.
+        file: EnclaveFile,
+        /// The algorithm.
+        found: String,
+    },
+    /// The key is not that of the certificate.
+    #[error(
+        "key.pem is not the private key of cert.pem ({subject}), so that every peer would reject this node; restore the key that was made with the certificate, or make both again"
+    )]
+    ForeignKey {
+        /// The subject of the certificate.
+        subject: String,
+    },
+    /// A certificate has expired.
+    #[error(
+        "{file} ({subject}) expired on {until} (it is {now}); renew it, or correct the clock of this machine"
+    )]
+    CertificateExpired {
+        /// The file.
+        file: EnclaveFile,
+        /// The subject.
+        subject: String,
+        /// Its last second.
+        until: Timestamp,
+        /// The time of the check.
+        now: Timestamp,
+    },
+    /// A certificate is not valid yet.
+    #[error(
+        "{file} ({subject}) is not valid before {from} (it is {now}); check the clock of this machine"
+    )]
+    CertificateNotYetValid {
+        /// The file.
+        file: EnclaveFile,
+        /// The subject.
+        subject: String,
+        /// Its first second.
+        from: Timestamp,
+        /// The time of the check.
+        now: Timestamp,
+    },
+    /// The certificate was not issued by the identity CA.
+    #[error(
+        "cert.pem ({subject}) was not issued by identity_ca.cert.pem ({authority}), but by `{issuer}` or by another key of that name; use the files of one keystore"
+    )]
+    ForeignCertificate {
+        /// The subject of the certificate.
+        subject: String,
+        /// The issuer that the certificate names.
+        issuer: String,
+        /// The subject of the identity CA.
+        authority: String,
+    },
+    /// A document was not signed by the permissions CA, or was changed.
+    #[error(
+        "{file} does not carry a valid signature of permissions_ca.cert.pem ({authority}): {reason}; sign it again, and do not edit signed documents"
+    )]
+    Signature {
+        /// The document.
+        file: EnclaveFile,
+        /// The subject of the permissions CA.
+        authority: String,
+        /// The error of OpenSSL.
+        reason: String,
+    },
+    /// A document cannot be understood.
+    #[error("{file}: {reason}")]
+    Document {
+        /// The document.
+        file: EnclaveFile,
+        /// What is wrong.
+        reason: String,
+    },
+    /// No rule of a document is for the domain.
+    #[error(
+        "{file} has no rule for the domain {domain_id} (it has rules for: {found}); set ROS_DOMAIN_ID to one of them, or sign the document for this domain"
+    )]
+    Domain {
+        /// The document.
+        file: EnclaveFile,
+        /// The domain of the participant.
+        domain_id: u16,
+        /// The domains of the rules.
+        found: String,
+    },
+    /// The permissions are for other subjects.
+    #[error(
+        "permissions.p7s has no grant for the subject of cert.pem: expected `{subject}`, found `{found}`; use the files of one enclave"
+    )]
+    NoGrant {
+        /// The subject of the certificate.
+        subject: String,
+        /// The subjects of the document.
+        found: String,
+    },
+    /// The grant is not valid at this time.
+    #[error(
+        "permissions.p7s is valid from {from} to {until} only (it is {now}); sign it again with new dates, or correct the clock of this machine"
+    )]
+    PermissionsNotValid {
+        /// First second.
+        from: Timestamp,
+        /// The second after the last one.
+        until: Timestamp,
+        /// The time of the check.
+        now: Timestamp,
+    },
+    /// A protection kind does not exist, or RustDDS does not support it.
+    #[error("governance.p7s: {element}{} is `{found}`, expected one of {expected}{}", of_topics(.topics), sign_advice(.element, .found))]
+    ProtectionKind {
+        /// The element.
+        element: &'static str,
+        /// The expression of the topic rule; empty for the domain rule.
+        topics: String,
+        /// The kind.
+        found: String,
+        /// What is supported.
+        expected: String,
+    },
+    /// The participant lacks a permission without which no node starts.
+    #[error(
+        "permissions.p7s does not permit to {action} {topic}, without which no node can start; add the topic to the allow_rule for domain {domain_id}"
+    )]
+    NotPermitted {
+        /// What it must be permitted to do.
+        action: Action,
+        /// The topic.
+        topic: &'static str,
+        /// The domain of the participant.
+        domain_id: u16,
+    },
+}
+
+fn of_topics(topics: &str) -> String {
+    match topics {
+        "" => String::new(),
+        topics => format!(" of the topics `{topics}`"),
+    }
+}
+
+/// A signed payload is padded on the wire and carries no length, so that RustDDS cannot find its end.
+fn sign_advice(element: &str, found: &str) -> &'static str {
+    if element == "data_protection_kind" && found == "SIGN" {
+        "; RustDDS loses signed payloads, and metadata_protection_kind ENCRYPT with data_protection_kind NONE protects the same data"
+    } else {
+        ""
+    }
+}
+
+/// The enclave of a participant; all checks have passed.
+#[derive(Debug)]
+pub struct Enclave {
+    /// Its name, such as `/column_twin`.
+    pub name: String,
+    /// Where its files are.
+    pub directory: PathBuf,
+    /// The subject of its certificate, such as `CN=/column_twin`.
+    pub subject: String,
+    /// Until when its certificates and its permissions are valid, in the order in which they end, with the name of the file.
+    pub ends: Vec<(EnclaveFile, Timestamp)>,
+    /// How the governance document protects the domain.
+    pub kinds: ProtectionKinds,
+    /// Weak points that do not prevent the start.
+    weak_points: Vec<String>,
+}
+
+impl Enclave {
+    /// Reads and checks the files for a participant in this domain at this time.
+    ///
+    /// # Errors
+    /// The directory or all files are missing ([`SecurityError::NoDirectory`], [`SecurityError::NoFiles`]), or the files
+    /// cannot be used ([`SecurityError::Broken`], with all faults).
+    pub fn load(
+        name: &str,
+        directory: &Path,
+        domain_id: u16,
+        now: Timestamp,
+    ) -> Result<Self, SecurityError> {
+        if !directory.is_dir() {
+            return Err(SecurityError::NoDirectory(directory.to_owned()));
+        }
+        let is_present = |(_, name): &(EnclaveFile, &str)| {
+            // A dangling link is a file that cannot be read, not a missing enclave.
+            directory.join(name).symlink_metadata().is_ok()
+        };
+        if !ENCLAVE_FILES.iter().any(is_present) {
+            return Err(SecurityError::NoFiles(directory.to_owned()));
+        }
+        let mut faults = Vec::new();
+        let checked = Self::check(directory, domain_id, now, &mut faults);
+        match checked {
+            Some(checked) if faults.is_empty() => Ok(Self {
+                name: name.to_owned(),
+                directory: directory.to_owned(),
+                ..checked
+            }),
+            _ => Err(SecurityError::Broken {
+                directory: directory.to_owned(),
+                faults,
+            }),
+        }
+    }
+
+    /// Without name and directory. `None` only with faults.
+    fn check(
+        directory: &Path,
+        domain_id: u16,
+        now: Timestamp,
+        faults: &mut Vec<EnclaveFault>,
+    ) -> Option<Self> {
+        let mut contents = ENCLAVE_FILES.map(|(file, _)| {
+            let read = read(directory, file);
+            read.map_err(|fault| faults.push(fault)).ok()
+        });
+        let [
+            identity_ca,
+            certificate,
+            key,
+            permissions_ca,
+            governance,
+            permissions,
+        ] = contents.each_mut().map(Option::take);
+        let mut certificate_of = |file, pem: Option<Vec<u8>>| {
+            let read = Certificate::read(file, &pem?);
+            let certificate = read.map_err(|fault| faults.push(fault)).ok()?;
+            certificate.check(now, faults);
+            Some(certificate)
+        };
+        let identity_ca = certificate_of(EnclaveFile::IdentityCa, identity_ca);
+        let certificate = certificate_of(EnclaveFile::Certificate, certificate);
+        let permissions_ca = certificate_of(EnclaveFile::PermissionsCa, permissions_ca);
+        if let (Some(certificate), Some(authority)) = (&certificate, &identity_ca) {
+            certificate.check_issued_by(authority, faults);
+        }
+        match key.map(|pem| private_key(&pem)) {
+            Some(Ok(key)) => {
+                if let Some(certificate) = &certificate {
+                    certificate.check_key(&key, faults);
+                }
+            }
+            Some(Err(fault)) => faults.push(fault),
+            None => {}
+        }
+        let mut text_of = |file, smime: Option<Vec<u8>>| {
+            let text = signed_text(file, &smime?, permissions_ca.as_ref()?);
+            text.map_err(|fault| faults.push(fault)).ok()
+        };
+        let governance = text_of(EnclaveFile::Governance, governance);
+        let permissions = text_of(EnclaveFile::Permissions, permissions);
+        let governance = governance.and_then(|text| Governance::read(&text, domain_id, faults));
+        let grant = permissions.zip(certificate.as_ref());
+        let grant = grant.and_then(|(text, it)| Grant::read(&text, &it.subject, now, faults));
+        if let (Some(grant), Some(governance)) = (&grant, &governance) {
+            check_needed(grant, governance, domain_id, faults);
+        }
+        let (governance, grant) = (governance?, grant?);
+        let certificates = [identity_ca?, certificate?, permissions_ca?];
+        let mut ends: Vec<_> = certificates
+            .iter()
+            .map(|it| (it.file, it.not_after))
+            .collect();
+        ends.push((EnclaveFile::Permissions, grant.not_after));
+        ends.sort_by_key(|(_, until)| *until);
+        let [_, certificate, _] = certificates;
+        Some(Self {
+            name: String::new(),
+            directory: PathBuf::new(),
+            subject: certificate.subject,
+            ends,
+            weak_points: weak_points(directory, &governance),
+            kinds: governance.kinds,
+        })
+    }
+
+    /// One line for the log.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let (first, until) = self.first_end();
+        format!(
+            "DDS security: enclave {} ({}) of {}; {}; {first} expires first, on {until}",
+            self.name,
+            self.subject,
+            self.directory.display(),
+            self.kinds
+        )
+    }
+
+    /// What ends first, and when.
+    #[must_use]
+    pub fn first_end(&self) -> (EnclaveFile, Timestamp) {
+        let first = self.ends.first();
+        first.map_or((EnclaveFile::Certificate, Timestamp::MAX), |it| *it)
+    }
+
+    /// What an operator must know, at this time.
+    #[must_use]
+    pub fn warnings(&self, now: Timestamp) -> Vec<String> {
+        let near = self.ends.iter().filter(|(_, until)| is_near(*until, now));
+        let near = near.map(|(file, until)| expiry(*file, *until, now));
+        near.chain(self.weak_points.iter().cloned()).collect()
+    }
+
+    /// What has expired, and what will within [`EXPIRY_NOTICE`](super::EXPIRY_NOTICE), in words.
+    #[must_use]
+    pub fn near_ends(&self, now: Timestamp) -> (Vec<String>, Vec<String>) {
+        let near = self.ends.iter().filter(|(_, until)| is_near(*until, now));
+        let (over, coming): (Vec<_>, Vec<_>) = near.partition(|(_, until)| *until < now);
+        let in_words = |ends: Vec<&(EnclaveFile, Timestamp)>| {
+            let ends = ends.into_iter();
+            ends.map(|(file, until)| expiry(*file, *until, now))
+                .collect()
+        };
+        (in_words(over), in_words(coming))
+    }
+}
+
+fn expiry(file: EnclaveFile, until: Timestamp, now: Timestamp) -> String {
+    if until < now {
+        format!(
+            "{file} of the enclave expired on {until}; peers reject this node when it connects again"
+        )
+    } else {
+        let remaining = remaining(until, now);
+        format!("{file} of the enclave expires {remaining}, on {until}; renew it before then")
+    }
+}
+
+/// The file's content, with a bound.
+fn read(directory: &Path, file: EnclaveFile) -> Result<Vec<u8>, EnclaveFault> {
+    let path = directory.join(file.name());
+    let unreadable = |reason: String| EnclaveFault::Unreadable { file, reason };
+    let opened = match File::open(&path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Err(match path.read_link() {
+                Ok(target) => unreadable(format!(
+                    "it is a link to {}, which does not exist",
+                    target.display()
+                )),
+                Err(_) => EnclaveFault::Missing(file),
+            });
+        }
+        opened => opened.map_err(|error| unreadable(error.to_string()))?,
+    };
+    let mut content = Vec::new();
+    let mut bounded = opened.take(MAX_FILE_SIZE + 1);
+    bounded
+        .read_to_end(&mut content)
+        .map_err(|error| unreadable(error.to_string()))?;
+    if content.len() as u64 > MAX_FILE_SIZE {
+        return Err(unreadable(format!(
+            "it is larger than {MAX_FILE_SIZE} bytes"
+        )));
+    }
+    Ok(content)
+}
+
+/// What every node needs, unless the governance document leaves the topic open.
+fn check_needed(
+    grant: &Grant,
+    governance: &Governance,
+    domain_id: u16,
+    faults: &mut Vec<EnclaveFault>,
+) {
+    let missing: Vec<_> = NEEDED
+        .iter()
+        .filter(|(action, topic)| {
+            let is_protected = match action {
+                Action::Publish => governance.protects_writing(topic),
+                Action::Subscribe => governance.protects_reading(topic),
+            };
+            is_protected && !grant.permits(*action, domain_id, topic)
+        })
+        .collect();
+    if missing.is_empty() {
+        return;
+    }
+    if grant.is_for(domain_id) {
+        faults.extend(
+            missing
+                .iter()
+                .map(|(action, topic)| EnclaveFault::NotPermitted {
+                    action: *action,
+                    topic,
+                    domain_id,
+                }),
+        );
+    } else {
+        faults.push(EnclaveFault::Domain {
+            file: EnclaveFile::Permissions,
+            domain_id,
+            found: grant.domains(),
+        });
+    }
+}
+
+fn weak_points(directory: &Path, governance: &Governance) -> Vec<String> {
+    let mut weak = Vec::new();
+    let key = directory.join(EnclaveFile::Key.name()).metadata();
+    if key.is_ok_and(|key| key.permissions().mode() & 0o077 != 0) {
+        weak.push(format!(
+            "{} can be read by other users of this machine; restrict it with `chmod 600`",
+            directory.join(EnclaveFile::Key.name()).display()
+        ));
+    }
+    if governance.allows_unauthenticated {
+        weak.push(
+            "governance.p7s admits peers without a certificate (allow_unauthenticated_participants)"
+                .to_owned(),
+        );
+    }
+    let open = governance.open_topics();
+    if !open.is_empty() {
+        weak.push(format!(
+            "governance.p7s leaves the topics {} open to every peer that it admits (enable_read_access_control, \
+             enable_write_access_control)",
+            open.join(", ")
+        ));
+    }
+    let kinds = &governance.kinds;
+    if kinds.rtps == "NONE"
+        && kinds
+            .metadata
+            .iter()
+            .zip(&kinds.data)
+            .any(|(it, data)| it == "NONE" && data == "NONE")
+    {
+        weak.push(
+            "governance.p7s leaves data unprotected: rtps, metadata and data protection are NONE"
+                .to_owned(),
+        );
+    }
+    if kinds.data.iter().any(|it| it == "ENCRYPT") {
+        weak.push(
+            "governance.p7s has data_protection_kind ENCRYPT, with which RustDDS loses messages of more than 64 kB; with \
+             metadata_protection_kind ENCRYPT and data_protection_kind NONE, everything is encrypted too, and they arrive"
+                .to_owned(),
+        );
+    }
+    weak
+}

@@ -1,0 +1,60 @@
+//! The state of security for `/diagnostics`.
+
+use crate::messages::diagnostic_msgs::DiagnosticStatus;
+
+use super::{Peers, Protection};
+
+/// Level, message and values of the status `security`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::ros) struct SecurityHealth {
+    pub level: u8,
+    pub message: String,
+    pub values: Vec<(String, String)>,
+}
+
+impl Protection {
+    /// `None` if security is off.
+    pub(in crate::ros) fn health(&self, peers: &Peers) -> Option<SecurityHealth> {
+        match self {
+            Self::Off => None,
+            Self::Unprotected(warning) => Some(SecurityHealth {
+                level: DiagnosticStatus::WARN,
+                message: warning.clone(),
+                values: counts(peers),
+            }),
+            #[cfg(feature = "security")]
+            Self::Enclave(enclave) => Some(enclave_health(enclave, peers, super::now())),
+        }
+    }
+}
+
+#[cfg(feature = "security")]
+fn enclave_health(enclave: &super::Enclave, peers: &Peers, now: jiff::Timestamp) -> SecurityHealth {
+    let (over, coming) = enclave.near_ends(now);
+    let (level, message) = match (over.is_empty(), coming.is_empty()) {
+        (true, true) => (DiagnosticStatus::OK, "protected".to_owned()),
+        (true, false) => (DiagnosticStatus::WARN, coming.join("; ")),
+        (false, _) => (DiagnosticStatus::ERROR, over.join("; ")),
+    };
+    let text = |key: &str, value: &dyn ToString| (key.to_owned(), value.to_string());
+    let mut values = vec![
+        text("enclave", &enclave.name),
+        text("subject", &enclave.subject),
+        text("protection", &enclave.kinds),
+    ];
+    let ends = enclave.ends.iter();
+    values.extend(ends.map(|(file, until)| (format!("{file} valid until"), until.to_string())));
+    values.extend(counts(peers));
+    SecurityHealth {
+        level,
+        message,
+        values,
+    }
+}
+
+fn counts(peers: &Peers) -> Vec<(String, String)> {
+    vec![
+        ("peers joined".to_owned(), peers.joined().to_string()),
+        ("peers rejected".to_owned(), peers.rejected().to_string()),
+    ]
+}

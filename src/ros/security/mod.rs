@@ -1,0 +1,245 @@
+//! DDS Security: which enclave a participant belongs to, and whether its files can be used.
+//!
+//! The settings and the messages are those of rcl. RustDDS authenticates, encrypts and enforces the permissions; the checks
+//! here come before it, because RustDDS stops at the first fault, describes some misleadingly, and starts with a key that
+//! does not belong to its certificate.
+//!
+//! Without the feature `security`, only the settings exist: a node that must be protected refuses to start.
+
+#[cfg(feature = "security")]
+mod certificates;
+#[cfg(feature = "security")]
+mod dates;
+#[cfg(feature = "security")]
+mod documents;
+#[cfg(feature = "security")]
+mod enclave;
+#[cfg(feature = "security")]
+mod governance;
+mod health;
+mod peers;
+#[cfg(feature = "security")]
+mod permissions;
+mod settings;
+
+use std::path::PathBuf;
+
+#[cfg(feature = "security")]
+pub use dates::{EXPIRY_NOTICE, now};
+#[cfg(feature = "security")]
+pub use enclave::{ENCLAVE_FILES, Enclave, EnclaveFault, EnclaveFile};
+#[cfg(feature = "security")]
+pub use governance::ProtectionKinds;
+pub use peers::Peers;
+pub use settings::{
+    DEFAULT_ENCLAVE, EnclaveNameError, SecuritySettings, SecurityStrategy, enclave_name,
+};
+
+pub(super) use health::SecurityHealth;
+
+/// How a participant is protected.
+#[derive(Debug)]
+pub enum Protection {
+    /// Security is not enabled.
+    Off,
+    /// Security is enabled, but not enforced, and there is no enclave: the participant is unprotected for this reason.
+    Unprotected(String),
+    /// The participant belongs to this enclave.
+    #[cfg(feature = "security")]
+    Enclave(Box<Enclave>),
+}
+
+/// Why a participant must not be created.
+#[derive(Debug, thiserror::Error)]
+pub enum SecurityError {
+    /// Security is enforced, but there is no keystore.
+    #[error(
+        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce requires a keystore, but ROS_SECURITY_KEYSTORE is not set; set it to \
+         the directory that contains `enclaves`"
+    )]
+    NoKeystore,
+    /// Security is enforced, but the enclave does not exist.
+    #[error(
+        "SECURITY ERROR: directory '{}' does not exist. Choose an enclave of the keystore with --ros-args --enclave or \
+         ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
+        .0.display()
+    )]
+    NoDirectory(PathBuf),
+    /// Security is enforced, but the directory contains no files of an enclave.
+    #[error(
+        "SECURITY ERROR: directory '{}' contains none of the files of an enclave (cert.pem, key.pem and others). Choose an \
+         enclave of the keystore with --ros-args --enclave or ROS_SECURITY_ENCLAVE_OVERRIDE, or create this one",
+        .0.display()
+    )]
+    NoFiles(PathBuf),
+    /// Security is enforced, but this program does not contain it.
+    #[error(
+        "SECURITY ERROR: ROS_SECURITY_STRATEGY=Enforce, but this program was built without DDS security; build it with \
+         `--features security` (needs OpenSSL: Debian's libssl-dev and pkg-config)"
+    )]
+    NotBuilt,
+    /// The enclave exists, but cannot be used, whatever the strategy.
+    #[cfg(feature = "security")]
+    #[error("SECURITY ERROR: the enclave in '{}' cannot be used:{}", .directory.display(), listed(.faults))]
+    Broken {
+        /// Its directory.
+        directory: PathBuf,
+        /// All faults that were found; not empty.
+        faults: Vec<EnclaveFault>,
+    },
+}
+
+/// Determines the protection of a participant in a domain. Every program that opens a participant calls this first.
+///
+/// # Errors
+/// Security is enforced, but there is no enclave; or the enclave exists, but cannot be used.
+pub fn protection(
+    settings: &SecuritySettings,
+    domain_id: u16,
+) -> Result<Protection, SecurityError> {
+    if !settings.is_enabled {
+        return Ok(Protection::Off);
+    }
+    match enclave(settings, domain_id) {
+        // Files that exist but are broken are an accident or an attack; running unprotected would hide it.
+        #[cfg(feature = "security")]
+        Err(error @ SecurityError::Broken { .. }) => Err(error),
+        Err(error) if settings.strategy == SecurityStrategy::Enforce => Err(error),
+        Err(error) => Ok(Protection::Unprotected(unprotected(settings, &error))),
+        Ok(protection) => Ok(protection),
+    }
+}
+
+#[cfg(feature = "security")]
+fn enclave(settings: &SecuritySettings, domain_id: u16) -> Result<Protection, SecurityError> {
+    let directory = settings
+        .enclave_directory()
+        .ok_or(SecurityError::NoKeystore)?;
+    Enclave::load(&settings.enclave, &directory, domain_id, now())
+        .map(|enclave| Protection::Enclave(Box::new(enclave)))
+}
+
+#[cfg(not(feature = "security"))]
+fn enclave(_: &SecuritySettings, _: u16) -> Result<Protection, SecurityError> {
+    Err(SecurityError::NotBuilt)
+}
+
+/// The warning of a participant that runs unprotected in spite of `ROS_SECURITY_ENABLE=true`.
+fn unprotected(settings: &SecuritySettings, error: &SecurityError) -> String {
+    let reason = match error {
+        SecurityError::NoKeystore => "ROS_SECURITY_KEYSTORE is not set".to_owned(),
+        SecurityError::NoDirectory(directory) => {
+            format!("directory '{}' does not exist", directory.display())
+        }
+        SecurityError::NoFiles(directory) => format!(
+            "directory '{}' contains none of the files of an enclave",
+            directory.display()
+        ),
+        SecurityError::NotBuilt => {
+            "this program was built without DDS security (build it with `--features security`)"
+                .to_owned()
+        }
+        #[cfg(feature = "security")]
+        other @ SecurityError::Broken { .. } => other.to_string(),
+    };
+    format!(
+        "ROS_SECURITY_ENABLE=true, but messages are neither signed nor encrypted, and every peer is accepted: {reason}. With \
+         ROS_SECURITY_STRATEGY={}, this is not an error; set it to Enforce to require security",
+        settings.strategy
+    )
+}
+
+#[cfg(feature = "security")]
+fn listed(faults: &[EnclaveFault]) -> String {
+    faults.iter().map(|fault| format!("\n- {fault}")).collect()
+}
+
+impl Protection {
+    /// Logs what holds from now on.
+    pub(super) fn announce(&self) {
+        match self {
+            Self::Off => {}
+            Self::Unprotected(warning) => tracing::warn!("{warning}"),
+            #[cfg(feature = "security")]
+            Self::Enclave(enclave) => {
+                tracing::info!("{}", enclave.summary());
+                for warning in enclave.warnings(now()) {
+                    tracing::warn!("{warning}");
+                }
+            }
+        }
+    }
+
+    /// The warning of a client, which has no log, for its terminal.
+    #[must_use]
+    pub fn warning(&self) -> Option<&str> {
+        match self {
+            Self::Unprotected(warning) => Some(warning),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(strategy: SecurityStrategy, keystore: Option<&str>) -> SecuritySettings {
+        SecuritySettings {
+            is_enabled: true,
+            strategy,
+            keystore: keystore.map(PathBuf::from),
+            ..SecuritySettings::default()
+        }
+        .with_enclave(Some("/nobody"))
+    }
+
+    #[test]
+    fn security_that_is_off_needs_nothing() {
+        let off = protection(&SecuritySettings::default(), 0).expect("off");
+        assert!(matches!(off, Protection::Off));
+    }
+
+    #[test]
+    fn enforcing_security_without_an_enclave_is_refused_and_permissive_warns() {
+        for keystore in [None, Some("/nonexistent")] {
+            let enforced = protection(&settings(SecurityStrategy::Enforce, keystore), 0);
+            let text = enforced.expect_err("refused").to_string();
+            assert!(text.starts_with("SECURITY ERROR: "), "{text}");
+            let permissive = protection(&settings(SecurityStrategy::Permissive, keystore), 0);
+            let warning = permissive.expect("goes on");
+            let warning = warning.warning().expect("a warning").to_owned();
+            assert!(
+                warning.contains("neither signed nor encrypted"),
+                "{warning}"
+            );
+        }
+    }
+
+    #[cfg(feature = "security")]
+    #[test]
+    fn a_missing_enclave_is_described_as_in_rcl() {
+        let error = protection(
+            &settings(SecurityStrategy::Enforce, Some("/nonexistent")),
+            0,
+        );
+        let text = error.expect_err("refused").to_string();
+        assert!(
+            text.starts_with(
+                "SECURITY ERROR: directory '/nonexistent/enclaves/nobody' does not exist."
+            ),
+            "{text}"
+        );
+    }
+
+    #[cfg(not(feature = "security"))]
+    #[test]
+    fn a_program_without_security_names_the_flag_to_build_it_with() {
+        let error = protection(
+            &settings(SecurityStrategy::Enforce, Some("/nonexistent")),
+            0,
+        );
+        let text = error.expect_err("refused").to_string();
+        assert!(text.contains("--features security"), "{text}");
+    }
+}

@@ -1,0 +1,223 @@
+//! What the environment and the command line ask for, with the rules of rcl (`rcl/src/rcl/security.c`).
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// The enclave of a process that names none, as in rcl.
+pub const DEFAULT_ENCLAVE: &str = "/";
+
+/// What happens without usable security files: `ROS_SECURITY_STRATEGY`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SecurityStrategy {
+    /// Without an enclave the node runs unprotected, with a warning. Everything except `Enforce` means this, as in rcl.
+    #[default]
+    Permissive,
+    /// Without an enclave the node does not start.
+    Enforce,
+}
+
+impl fmt::Display for SecurityStrategy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Permissive => "Permissive",
+            Self::Enforce => "Enforce",
+        })
+    }
+}
+
+/// Settings of DDS Security from `ROS_SECURITY_*` and `--enclave`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SecuritySettings {
+    /// `ROS_SECURITY_ENABLE=true`; any other value means no.
+    pub is_enabled: bool,
+    /// `ROS_SECURITY_STRATEGY`.
+    pub strategy: SecurityStrategy,
+    /// `ROS_SECURITY_KEYSTORE`.
+    pub keystore: Option<PathBuf>,
+    /// `ROS_SECURITY_ENCLAVE_OVERRIDE`, or else `--enclave`, or else [`DEFAULT_ENCLAVE`].
+    pub enclave: String,
+    /// Whether the enclave comes from `ROS_SECURITY_ENCLAVE_OVERRIDE`, which wins over `--enclave`.
+    pub is_overridden: bool,
+}
+
+impl Default for SecuritySettings {
+    /// Security is off.
+    fn default() -> Self {
+        Self {
+            is_enabled: false,
+            strategy: SecurityStrategy::default(),
+            keystore: None,
+            enclave: DEFAULT_ENCLAVE.to_owned(),
+            is_overridden: false,
+        }
+    }
+}
+
+/// The name of an enclave is invalid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{origin}: expected the full name of an enclave such as /column_twin or /garage/column_twin (letters, digits and _; no \
+     part begins with a digit), found `{name}`"
+)]
+pub struct EnclaveNameError {
+    /// The argument or variable that names it.
+    pub origin: &'static str,
+    /// The name.
+    pub name: String,
+}
+
+impl SecuritySettings {
+    /// From the variables that `get` returns; an empty one counts as unset, as in rcl.
+    ///
+    /// # Errors
+    /// `ROS_SECURITY_ENCLAVE_OVERRIDE` is not the name of an enclave while security is enabled.
+    pub fn from_variables(get: &impl Fn(&str) -> Option<String>) -> Result<Self, EnclaveNameError> {
+        let get = |name: &str| get(name).filter(|value| !value.is_empty());
+        let mut settings = Self {
+            is_enabled: get("ROS_SECURITY_ENABLE").as_deref() == Some("true"),
+            strategy: match get("ROS_SECURITY_STRATEGY").as_deref() {
+                Some("Enforce") => SecurityStrategy::Enforce,
+                _ => SecurityStrategy::Permissive,
+            },
+            keystore: get("ROS_SECURITY_KEYSTORE").map(PathBuf::from),
+            ..Self::default()
+        };
+        if settings.is_enabled
+            && let Some(name) = get("ROS_SECURITY_ENCLAVE_OVERRIDE")
+        {
+            settings.enclave = enclave_name("ROS_SECURITY_ENCLAVE_OVERRIDE", &name)?;
+            settings.is_overridden = true;
+        }
+        Ok(settings)
+    }
+
+    /// With the enclave of `--enclave`, unless `ROS_SECURITY_ENCLAVE_OVERRIDE` names another.
+    #[must_use]
+    pub fn with_enclave(mut self, enclave: Option<&str>) -> Self {
+        if let Some(enclave) = enclave
+            && !self.is_overridden
+        {
+            enclave.clone_into(&mut self.enclave);
+        }
+        self
+    }
+
+    /// The directory of the enclave's files, whether it exists or not; `None` without a keystore.
+    #[must_use]
+    pub fn enclave_directory(&self) -> Option<PathBuf> {
+        let enclaves = self.keystore.as_ref()?.join("enclaves");
+        Some(match self.enclave.trim_start_matches('/') {
+            "" => enclaves,
+            relative => enclaves.join(relative),
+        })
+    }
+}
+
+/// Checks the name of an enclave, which must not lead out of the keystore.
+///
+/// # Errors
+/// It is not `/`, nor a sequence of parts that ROS accepts as a namespace.
+pub fn enclave_name(origin: &'static str, name: &str) -> Result<String, EnclaveNameError> {
+    let is_part = |part: &str| {
+        part.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+            && part
+                .chars()
+                .all(|it| it.is_ascii_alphanumeric() || it == '_')
+    };
+    let is_valid = name == DEFAULT_ENCLAVE
+        || name
+            .strip_prefix('/')
+            .is_some_and(|parts| parts.split('/').all(is_part));
+    if is_valid {
+        Ok(name.to_owned())
+    } else {
+        Err(EnclaveNameError {
+            origin,
+            name: name.escape_default().take(200).collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(variables: &[(&str, &str)]) -> Result<SecuritySettings, EnclaveNameError> {
+        SecuritySettings::from_variables(&|name| {
+            let found = variables.iter().find(|(known, _)| *known == name);
+            found.map(|(_, value)| (*value).to_owned())
+        })
+    }
+
+    #[test]
+    fn the_variables_are_read_as_in_rcl() {
+        assert_eq!(with(&[]), Ok(SecuritySettings::default()));
+        for (value, is_enabled) in [("true", true), ("True", false), ("1", false), ("", false)] {
+            let settings = with(&[("ROS_SECURITY_ENABLE", value)]).expect("valid");
+            assert_eq!(settings.is_enabled, is_enabled, "{value}");
+        }
+        for (value, strategy) in [
+            ("Enforce", SecurityStrategy::Enforce),
+            ("enforce", SecurityStrategy::Permissive),
+            ("Permissive", SecurityStrategy::Permissive),
+            ("", SecurityStrategy::Permissive),
+        ] {
+            let settings = with(&[("ROS_SECURITY_STRATEGY", value)]).expect("valid");
+            assert_eq!(settings.strategy, strategy, "{value}");
+        }
+    }
+
+    #[test]
+    fn the_override_wins_over_the_argument_and_the_argument_over_the_default() {
+        let keystore = ("ROS_SECURITY_KEYSTORE", "/keys");
+        let enabled = ("ROS_SECURITY_ENABLE", "true");
+        let settings = with(&[enabled, keystore]).expect("valid");
+        assert_eq!(
+            settings.enclave_directory(),
+            Some(PathBuf::from("/keys/enclaves"))
+        );
+        let named = settings.with_enclave(Some("/garage/twin"));
+        assert_eq!(
+            named.enclave_directory(),
+            Some(PathBuf::from("/keys/enclaves/garage/twin"))
+        );
+        let overridden = with(&[
+            enabled,
+            keystore,
+            ("ROS_SECURITY_ENCLAVE_OVERRIDE", "/other"),
+        ]);
+        let overridden = overridden.expect("valid").with_enclave(Some("/named"));
+        assert_eq!(
+            overridden.enclave_directory(),
+            Some(PathBuf::from("/keys/enclaves/other"))
+        );
+        assert_eq!(
+            with(&[enabled]).expect("valid").enclave_directory(),
+            None,
+            "without a keystore"
+        );
+    }
+
+    #[test]
+    fn the_name_of_an_enclave_does_not_lead_out_of_the_keystore() {
+        for valid in ["/", "/column_twin", "/garage/a_3/twin"] {
+            assert_eq!(enclave_name("-e", valid).as_deref(), Ok(valid));
+        }
+        for wrong in [
+            "", "twin", "//", "/a/", "/../b", "/a//b", "/a/..", "/3a", "/a b", "/a\0", "/\u{e4}",
+        ] {
+            assert!(enclave_name("-e", wrong).is_err(), "{wrong:?}");
+        }
+        assert!(
+            with(&[
+                ("ROS_SECURITY_ENABLE", "true"),
+                ("ROS_SECURITY_ENCLAVE_OVERRIDE", "../x")
+            ])
+            .is_err()
+        );
+        assert!(
+            with(&[("ROS_SECURITY_ENCLAVE_OVERRIDE", "../x")]).is_ok(),
+            "without effect while security is off"
+        );
+    }
+}

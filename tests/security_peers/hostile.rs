@@ -1,0 +1,239 @@
+//! A protected twin in its own process, an operator that it admits, and a third peer, which it must not admit.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use column_twin::column::ImpactSpecification;
+use column_twin::messages::column_twin::TwinStatus;
+use column_twin::ros::{
+    ClientError, Environment, ImpactOptions, ImpactOutcome, Names, Node, qos, send_impact,
+};
+
+use super::domain::{Domain, PATIENCE};
+use super::incoming::Incoming;
+use super::keystore::{
+    ALL_DOMAINS, Enclave, Governance, Identity, Keystore, NODE, Permissions, RECOMMENDED,
+    SROS_DEFAULT, everything,
+};
+use super::peer::Peer;
+use super::program::Program;
+
+/// A peer that is permitted exchanges its first messages within 1.5 s; so long does a hostile one try.
+const HOSTILE_TIME: Duration = Duration::from_secs(5);
+
+/// A protected twin and its operator.
+struct Bed {
+    keystore: Keystore,
+    domain: Domain,
+    twin: Program,
+    _folder: tempfile::TempDir,
+}
+
+impl Bed {
+    fn start(governance: &Governance<'_>) -> Self {
+        let (keystore, domain) = (Keystore::new(), Domain::fresh());
+        for name in ["/column_twin", "/operator"] {
+            keystore.write(&keystore.unrestricted(name, governance));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let mut twin = Program::spawn(&domain, folder.path(), twin(&keystore));
+        twin.wait_for("is ready in domain");
+        Self {
+            keystore,
+            domain,
+            twin,
+            _folder: folder,
+        }
+    }
+
+    fn operator(&self) -> Environment {
+        self.keystore
+            .environment(&self.domain.environment, "/operator")
+    }
+
+    /// Lets a peer try for a while, and returns how many messages it received, and how many of its events the twin has seen.
+    fn exchange(&mut self, files: Option<&Path>, time: Duration) -> (u64, u64) {
+        let names = Names::new("/", "operator", &[]).unwrap();
+        let mut node = Node::new(&self.operator(), names).unwrap();
+        let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+        let mut peer = Peer::start(self.domain.environment.domain_id, files);
+        peer.try_for(time);
+        // The twin is alive: it answers the operator, and counts its event with those of the peer.
+        match send(&self.operator(), "operator") {
+            Ok(ImpactOutcome::Forecast(_)) => {}
+            other => panic!("{other:?}\n{:#?}", self.twin.log_so_far()),
+        }
+        let status = statuses.find("the operator's event", |it| it.events_accepted > 0);
+        (
+            peer.received,
+            status.events_accepted + status.events_refused - 1,
+        )
+    }
+
+    /// Lets a hostile peer try for a while. Nothing gets through, in either direction, and the twin says why.
+    fn nothing_gets_through(mut self, files: Option<&Path>, reason: &str) {
+        assert_eq!(
+            self.exchange(files, HOSTILE_TIME),
+            (0, 0),
+            "messages to the hostile peer, and from it"
+        );
+        let line = self.twin.wait_for("was rejected: ");
+        assert!(line.contains(reason), "{line}");
+        let (status, _, log) = self.twin.terminate();
+        assert!(status.success(), "{log:#?}");
+        assert!(log.len() < 60, "the log is flooded: {} lines", log.len());
+    }
+}
+
+#[test]
+fn a_permitted_peer_gets_through_in_both_directions() {
+    let mut bed = Bed::start(&RECOMMENDED);
+    let files = bed
+        .keystore
+        .write(&bed.keystore.unrestricted("/monitor", &RECOMMENDED));
+    let (received, seen) = bed.exchange(Some(&files), HOSTILE_TIME);
+    assert!(
+        received > 0 && seen > 0,
+        "{received} messages to the peer, {seen} from it"
+    );
+    let (_, _, log) = bed.twin.terminate();
+    for name in ["/operator", "/monitor"] {
+        let joined = format!("joined with the identity CN={name}");
+        assert!(log.iter().any(|line| line.contains(&joined)), "{log:#?}");
+    }
+}
+
+#[test]
+fn the_governance_of_ros2_security_works_unchanged() {
+    let mut bed = Bed::start(&SROS_DEFAULT);
+    let files = bed
+        .keystore
+        .write(&bed.keystore.unrestricted("/monitor", &SROS_DEFAULT));
+    let (received, seen) = bed.exchange(Some(&files), HOSTILE_TIME);
+    assert!(
+        received > 0 && seen > 0,
+        "{received} messages to the peer, {seen} from it"
+    );
+    bed.twin.terminate();
+}
+
+#[test]
+fn a_peer_without_identity_gets_nothing_through() {
+    let bed = Bed::start(&RECOMMENDED);
+    bed.nothing_gets_through(None, "it has no DDS security");
+}
+
+/// The participant with the lower identifier, which follows from the name, begins the handshake. `/visitor` is lower than
+/// `/column_twin`, and `/operator` is higher: the twin meets them in different states.
+const BOTH_SIDES: [&str; 2] = ["/visitor", "/operator"];
+
+#[test]
+fn a_peer_of_another_authority_gets_nothing_through() {
+    for (name, reason) in BOTH_SIDES.into_iter().zip([
+        "Certificate signature verification failure",
+        "it did not complete the authentication, or rejected us",
+    ]) {
+        let bed = Bed::start(&RECOMMENDED);
+        let foreign = Keystore::new();
+        let files = foreign.write(&foreign.unrestricted(name, &RECOMMENDED));
+        bed.nothing_gets_through(Some(&files), reason);
+    }
+}
+
+#[test]
+fn a_peer_with_forged_permissions_gets_nothing_through() {
+    let bed = Bed::start(&RECOMMENDED);
+    let forger = Identity::authority("sros2CA");
+    let enclave = bed.keystore.unrestricted("/monitor", &RECOMMENDED);
+    let forged = enclave.with_permissions_of(&forger, &RECOMMENDED, &everything("/monitor"));
+    let files = bed.keystore.write(&forged);
+    bed.nothing_gets_through(Some(&files), "Could not verify signature");
+}
+
+#[test]
+fn a_peer_with_an_expired_certificate_gets_nothing_through() {
+    for name in BOTH_SIDES {
+        let reason = format!("The certificate of CN={name} expired on");
+        untimely_certificate(name, -30..-1, &reason);
+    }
+}
+
+#[test]
+fn a_peer_whose_certificate_is_not_valid_yet_gets_nothing_through() {
+    for name in BOTH_SIDES {
+        let reason = format!("The certificate of CN={name} is not valid before");
+        untimely_certificate(name, 1..30, &reason);
+    }
+}
+
+fn untimely_certificate(name: &str, days: std::ops::Range<i64>, reason: &str) {
+    let bed = Bed::start(&RECOMMENDED);
+    let authority = &bed.keystore.authority;
+    let identity = authority.issue(name, days);
+    let enclave = Enclave::of(authority, &identity, &RECOMMENDED, &everything(name));
+    let folder = tempfile::tempdir().unwrap();
+    let files = enclave.write_to(folder.path());
+    bed.nothing_gets_through(Some(&files), reason);
+}
+
+#[test]
+fn a_peer_without_permission_gets_nothing_through() {
+    let mut bed = Bed::start(&RECOMMENDED);
+    let authority = &bed.keystore.authority;
+    let identity = authority.issue("/attacker", -1..365);
+    // Its own stack lets it do everything: its governance document, though genuine, belongs to another domain of the
+    // operator without access control.
+    let lax = Governance {
+        access_control: false,
+        ..RECOMMENDED
+    };
+    let permissions = Permissions {
+        publish: &NODE,
+        subscribe: &NODE,
+        domains: ALL_DOMAINS,
+        ..everything("/attacker")
+    };
+    let files = bed
+        .keystore
+        .write(&Enclave::of(authority, &identity, &lax, &permissions));
+    assert_eq!(
+        bed.exchange(Some(&files), HOSTILE_TIME),
+        (0, 0),
+        "messages to the hostile peer, and from it"
+    );
+    let (_, _, log) = bed.twin.terminate();
+    let joined = |line: &&String| line.contains("joined with the identity CN=/attacker");
+    assert!(log.iter().any(|line| joined(&line)), "{log:#?}");
+}
+
+/// `column-twin run` in the enclave `/column_twin`.
+fn twin(keystore: &Keystore) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command
+        .args(["run", "--ros-args", "--enclave", "/column_twin"])
+        .args(["-p", "state.directory:=''", "-p", "real_time.priority:=0"])
+        .env("ROS_SECURITY_ENABLE", "true")
+        .env("ROS_SECURITY_STRATEGY", "Enforce")
+        .env("ROS_SECURITY_KEYSTORE", keystore.path())
+        .env_remove("ROS_SECURITY_ENCLAVE_OVERRIDE");
+    command
+}
+
+fn send(environment: &Environment, event_id: &str) -> Result<ImpactOutcome, ClientError> {
+    let options = ImpactOptions {
+        column_id: Some("column".to_owned()),
+        event_id: Some(event_id.to_owned()),
+        vehicle: String::new(),
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 1.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
+        match_timeout: PATIENCE,
+        answer_timeout: PATIENCE,
+    };
+    send_impact(environment, &[], &options, &mut |_| {})
+}

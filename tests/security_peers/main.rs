@@ -1,0 +1,17 @@
+//! DDS Security: enclaves on loopback, peers that must not get anything through, files that cannot be used.
+// A test may start an unnamed thread and listen without a bound: it ends with the test.
+#![allow(clippy::disallowed_methods)]
+
+#[path = "../ros/domain.rs"]
+mod domain;
+mod files;
+mod hostile;
+#[allow(dead_code)] // the tests of recordings use more of it
+#[path = "../ros/incoming.rs"]
+mod incoming;
+mod keystore;
+mod peer;
+#[allow(dead_code)] // the tests of the node use more of it
+#[path = "../ros/program.rs"]
+mod program;
+mod start;

@@ -1,0 +1,124 @@
+//! How the program starts in every case of `ROS_SECURITY_*`.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::domain::Domain;
+use super::keystore::{Keystore, RECOMMENDED};
+use super::program::Program;
+
+/// `column-twin run` with these variables and ROS arguments.
+fn command(variables: &[(&str, &str)], arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    for name in [
+        "ROS_SECURITY_ENABLE",
+        "ROS_SECURITY_STRATEGY",
+        "ROS_SECURITY_KEYSTORE",
+        "ROS_SECURITY_ENCLAVE_OVERRIDE",
+    ] {
+        command.env_remove(name);
+    }
+    command
+        .args(["run", "--ros-args", "-p", "state.directory:=''"])
+        .args(arguments)
+        .envs(variables.iter().copied());
+    command
+}
+
+/// The exit code and the log of a program that does not start.
+fn refused(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::spawn(domain, folder.path(), command(variables, arguments));
+    let (status, log) = program.end();
+    assert_eq!(status.code(), Some(2), "{log:#?}");
+    let written: Vec<_> = folder.path().read_dir().unwrap().collect();
+    assert!(written.is_empty(), "{written:?}");
+    log.join("\n")
+}
+
+/// The log of a program that starts, and is stopped as soon as it is ready.
+fn started(domain: &Domain, variables: &[(&str, &str)], arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = Program::spawn(domain, folder.path(), command(variables, arguments));
+    program.wait_for("is ready in domain");
+    let (status, _, log) = program.terminate();
+    assert!(status.success(), "{log:#?}");
+    log.join("\n")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+#[test]
+fn enforced_security_without_an_enclave_does_not_start_and_permissive_warns() {
+    let (domain, keystore) = (Domain::fresh(), Keystore::new());
+    keystore.write(&keystore.unrestricted("/column_twin", &RECOMMENDED));
+    let enable = ("ROS_SECURITY_ENABLE", "true");
+    let enforce = ("ROS_SECURITY_STRATEGY", "Enforce");
+    let path = ("ROS_SECURITY_KEYSTORE", text(keystore.path()));
+    let nobody = ["--enclave", "/nobody"];
+    let words = format!(
+        "SECURITY ERROR: directory '{}/enclaves/nobody' does not exist.",
+        keystore.path().display()
+    );
+    let log = refused(&domain, &[enable, enforce, path], &nobody);
+    assert!(log.contains(&words), "{log}");
+    let log = started(&domain, &[enable, path], &nobody);
+    assert!(
+        log.contains("[WARN]") && log.contains("neither signed nor encrypted"),
+        "{log}"
+    );
+    // The default enclave is the root, which has no files here.
+    let log = refused(&domain, &[enable, enforce, path], &[]);
+    assert!(
+        log.contains("contains none of the files of an enclave"),
+        "{log}"
+    );
+    let log = refused(&domain, &[enable, enforce], &[]);
+    assert!(log.contains("ROS_SECURITY_KEYSTORE is not set"), "{log}");
+    // Security is off: the other variables have no effect.
+    let log = started(&domain, &[enforce, path], &nobody);
+    assert!(!log.contains("security"), "{log}");
+}
+
+#[test]
+fn a_node_in_its_enclave_says_how_it_is_protected() {
+    let (domain, keystore) = (Domain::fresh(), Keystore::new());
+    keystore.write(&keystore.unrestricted("/column_twin", &RECOMMENDED));
+    let variables = [
+        ("ROS_SECURITY_ENABLE", "true"),
+        ("ROS_SECURITY_STRATEGY", "Enforce"),
+        ("ROS_SECURITY_KEYSTORE", text(keystore.path())),
+        ("ROS_SECURITY_ENCLAVE_OVERRIDE", "/column_twin"),
+    ];
+    let log = started(&domain, &variables, &["--enclave", "/nobody"]);
+    for words in [
+        "DDS security: enclave /column_twin (CN=/column_twin)",
+        "rtps SIGN, discovery ENCRYPT, liveliness ENCRYPT, metadata ENCRYPT, data NONE",
+        "expires first, on",
+    ] {
+        assert!(log.contains(words), "{log}");
+    }
+    assert!(!log.contains("[WARN]"), "{log}");
+}
+
+#[test]
+fn broken_files_are_refused_whatever_the_strategy() {
+    let (domain, keystore) = (Domain::fresh(), Keystore::new());
+    let mut enclave = keystore.unrestricted("/column_twin", &RECOMMENDED);
+    enclave.key = keystore.authority.key.private_key_to_pem_pkcs8().unwrap();
+    keystore.write(&enclave);
+    for strategy in ["Enforce", "Permissive"] {
+        let variables = [
+            ("ROS_SECURITY_ENABLE", "true"),
+            ("ROS_SECURITY_STRATEGY", strategy),
+            ("ROS_SECURITY_KEYSTORE", text(keystore.path())),
+        ];
+        let log = refused(&domain, &variables, &["--enclave", "/column_twin"]);
+        assert!(
+            log.contains("key.pem is not the private key of cert.pem"),
+            "{strategy}: {log}"
+        );
+    }
+}
