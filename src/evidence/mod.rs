@@ -17,6 +17,7 @@ mod journal_line;
 mod lines;
 mod losses;
 mod node_recording;
+mod parameter_events;
 mod replayer;
 mod simulated;
 mod topics;

@@ -11,6 +11,7 @@ use crate::column::ModelError;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
+use crate::parameters::Parameters;
 use crate::twin::{
     Checkpoint, CommandRecord, Journal, Output, Position, StateOutput, StatusRecord, Twin,
 };
@@ -134,6 +135,12 @@ impl Replayer {
             outputs.append(kept);
         }
         outputs
+    }
+
+    /// The parameters of the twin; `None` while they are unknown.
+    pub fn parameters(&self) -> Option<Arc<Parameters>> {
+        let replayed = self.replayed.as_ref()?;
+        Some(Arc::clone(replayed.twin.parameters()))
     }
 
     /// Takes what the number of a line tells about the lines before it. Without the missing lines the position of the twin may

@@ -8,6 +8,7 @@ use super::comparison::{Place, seconds};
 use super::inputs::{INPUTS, Inputs};
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::lines::{Gap, Lines};
+use super::parameter_events::ParameterEvents;
 use super::replayer::{RecordedBytes, Replayer};
 use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
@@ -124,6 +125,7 @@ struct VerifyingPass<'a, 'o> {
     lines: Lines,
     inputs: Inputs,
     replayer: Replayer,
+    parameter_events: ParameterEvents,
     found: Verification,
     /// Missing messages that were noted when the counts of the journal were last settled.
     settled: u64,
@@ -147,6 +149,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             inputs: Inputs::default(),
             replayer: Replayer::new(observe.is_some(), is_damaged || lost > 0),
             observe,
+            parameter_events: ParameterEvents::default(),
             found: Verification::default(),
             settled: 0,
             early: [0; Topic::COUNT],
@@ -208,6 +211,15 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             };
             self.replayer.message(&recorded, &mut self.found);
             self.show_outputs();
+        } else if topic_of(
+            self.found.about.as_ref(),
+            message,
+            [&endpoints::PARAMETER_EVENTS],
+        )
+        .is_some()
+        {
+            self.parameter_events
+                .message(&message.data, &place, &mut self.found);
         }
         Ok(())
     }
@@ -233,7 +245,12 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         self.lines.count(line, gap, is_first, place, found);
         match &line.entry {
             JournalEntry::Twin(entry) => {
+                let before = self.replayer.parameters();
                 let is_complete = self.replayer.journal(entry, place, found);
+                let after = self.replayer.parameters();
+                let before = before.or_else(|| after.clone());
+                self.parameter_events
+                    .entry(before.as_deref(), after.as_deref(), found);
                 if !is_complete {
                     self.inputs.restart(found);
                 }
@@ -299,6 +316,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         let is_stopped = self.lines.ended;
         let is_damaged = self.reader.damaged_records() > 0;
         std::mem::take(&mut self.replayer).finish(is_stopped, &place, &mut self.found);
+        std::mem::take(&mut self.parameter_events).finish(&mut self.found);
         let inputs = std::mem::take(&mut self.inputs);
         inputs.finish(self.last_log_time, is_stopped, &mut self.found);
         self.settle(&place);

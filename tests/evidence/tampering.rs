@@ -471,7 +471,8 @@ fn cannot_be_recomputed(topic: &str, path: &str) -> bool {
             "dropped_viewer",
         ]
         .contains(&path),
-        "/diagnostics" | "/rosout" | "/parameter_events" => true,
+        "/diagnostics" | "/rosout" => true,
+        "/parameter_events" => path.starts_with("stamp"),
         "/column_twin/journal" => {
             let ends = [
                 // Times of the twin's clock that decide about nothing.
