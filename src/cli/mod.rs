@@ -122,7 +122,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(split) => split,
         Err(faults) => {
             for fault in faults {
-                eprintln!("{fault}");
+                let fault = fault.to_string();
+                eprintln!("{}", column_twin::printable::PrintableLines(&fault));
             }
             return ExitCode::from(Exit::BadInput as u8);
         }
