@@ -301,7 +301,7 @@ fn a_cut_off_recording_is_verified_up_to_its_last_seal() {
     let begin = std::time::Instant::now();
     let file = loop {
         assert!(begin.elapsed() < super::domain::PATIENCE, "no seal");
-        let bag = fs::read_dir(&directory).unwrap().next();
+        let bag = fs::read_dir(directory).unwrap().next();
         let file = bag.and_then(|bag| fs::read_dir(bag.ok()?.path()).ok()?.next()?.ok());
         let sealed = file.as_ref().and_then(|it| Reader::open(&it.path()).ok());
         let seal = sealed.and_then(|it| it.seals()[0].clone());

@@ -504,8 +504,13 @@ fn differences(path: &str, one: &Json, other: &Json, into: &mut Vec<String>) {
                 differences(&format!("{path}[{index}]"), one, other, into);
             }
         }
-        _ if one.to_string() == other.to_string() => {}
-        _ => into.push(path.trim_start_matches('.').to_owned()),
+        _ => {
+            // As texts, because -0 equals 0.
+            let [one, other] = [one, other].map(Json::to_string);
+            if one != other {
+                into.push(path.trim_start_matches('.').to_owned());
+            }
+        }
     }
 }
 
