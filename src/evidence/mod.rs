@@ -18,6 +18,7 @@ mod lines;
 mod losses;
 mod node_recording;
 mod parameter_events;
+mod replayed_twin;
 mod replayer;
 mod simulated;
 mod topics;

@@ -69,7 +69,7 @@ fn a_datagram_of_160_bytes_does_not_cost_4_gb() {
     std::thread::sleep(Duration::from_millis(300));
     let grown = victim.program.megabytes() - before;
     assert!(grown < 64.0, "{grown} MB");
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// The fragments of writers that nobody knows are not assembled.
@@ -93,7 +93,7 @@ fn fragments_of_unknown_writers_cost_nothing() {
     });
     let grown = victim.program.megabytes() - before;
     assert!(grown < 32.0, "{grown} MB");
-    victim.is_well();
+    victim.assert_well();
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn a_range_of_2_to_the_63_samples_does_not_stop_the_node() {
         victim.user,
         &from().heartbeat(anyone, writer, i64::MAX, i64::MAX, i32::MAX),
     );
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// Fragment 0 does not exist, and RustDDS 0.15.1 panicked; the last one of 2^32 cost half a gigabyte.
@@ -155,7 +155,7 @@ fn requests_for_fragments_that_do_not_exist_are_ignored() {
     std::thread::sleep(Duration::from_millis(300));
     let grown = victim.program.megabytes() - before;
     assert!(grown < 32.0, "{grown} MB");
-    victim.is_well();
+    victim.assert_well();
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn a_flood_of_participants_does_not_fill_the_memory() {
         let (reader, writer) = (wire::SPDP_READER, wire::SPDP_WRITER);
         Datagram::from(prefix(number)).data(reader, writer, 1, &data)
     });
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// RustDDS 0.15.1 kept a record of the source of every datagram with a new prefix.
@@ -183,7 +183,7 @@ fn datagrams_of_a_million_prefixes_do_not_fill_the_memory() {
     });
     let grown = victim.program.megabytes() - before;
     assert!(grown < 16.0, "{grown} MB");
-    victim.is_well();
+    victim.assert_well();
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn a_flood_of_endpoints_with_long_names_does_not_fill_the_memory() {
         let data = endpoint(number, &format!("rt/topic_{number}"));
         Datagram::from(peer.prefix).data(reader, writer, 10_000 + i64::from(number), &data)
     });
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// The participant waited for its own acknowledgement, and sent HEARTBEATs of discovery ten times a second for ever.

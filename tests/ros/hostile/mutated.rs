@@ -263,7 +263,7 @@ fn survives(count: usize) -> f64 {
         victim.dropped()
     );
     assert!(highest < super::peer::MAX_MEGABYTES, "{highest} MB");
-    victim.is_well()
+    victim.assert_well()
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl Victim {
     }
 
     /// A new participant still gets an impact accepted, and the memory is bounded. Returns the memory \[MB\].
-    pub fn is_well(self) -> f64 {
+    pub fn assert_well(self) -> f64 {
         match impact(&self.domain, 1500.0, PATIENCE) {
             Ok(ImpactOutcome::Forecast(report)) => assert!(report.max_v1 > 0.0),
             other => panic!("{other:?}"),
