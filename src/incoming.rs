@@ -39,7 +39,7 @@ pub fn column_command(message: &ColumnParameters, own: &str) -> Command {
 }
 
 /// Converts invalid stamps too, so that their refusal can state the distance from the current time.
-fn nanos(stamp: Time) -> i64 {
+pub fn nanos(stamp: Time) -> i64 {
     i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec)
 }
 

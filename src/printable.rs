@@ -79,7 +79,8 @@ mod tests {
     fn lines_of_a_command_are_kept_and_escaped() {
         use io::Write;
         let mut writer = PrintableWriter(Vec::new());
-        writeln!(writer, "  a\u{1b}[2J\tb\n  {}", "c\u{202e}d\r").expect("written");
+        let name = "c\u{202e}d\r";
+        writeln!(writer, "  a\u{1b}[2J\tb\n  {name}").expect("written");
         let shown = String::from_utf8(writer.0).expect("text");
         assert_eq!(shown, "  a\\u{1b}[2J\tb\n  c\\u{202e}d\\r\n");
     }

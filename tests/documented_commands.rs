@@ -90,6 +90,18 @@ const COMMANDS: &[(&str, How)] = &[
         Elsewhere("tests/viewer/real_viewer.rs", "pictures_of_four_moments"),
     ),
     (".ci/run", Elsewhere(".ci/run", "passed, 0 failed")),
+    (
+        "apt-get install libssl-dev",
+        Elsewhere(".ci/run", "libssl-dev pkg-config"),
+    ),
+    (
+        "export ROS_SECURITY_ENABLE",
+        Elsewhere("tests/security/quick_start.rs", "the_quick_start"),
+    ),
+    (
+        "column-twin run --ros-args --enclave",
+        Elsewhere("tests/security/quick_start.rs", "the_quick_start"),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),

@@ -1,7 +1,8 @@
 //! The criteria as data: names, editions, tags, severities; and how each is evaluated.
 
 use super::rotation_limits::{HingeSlenderness, not_compact};
-use super::{AssessmentInput, Severity, Tag};
+use super::{AssessmentInput, Severity};
+use crate::parameters::Provenance;
 
 /// Spring constant of a vehicle in Annex C of EN 1991-1-7 \[N/m\] (JCSS Probabilistic Model Code, 2.18).
 const ANNEX_C_STIFFNESS: f64 = 300e3;
@@ -18,7 +19,7 @@ pub(super) enum Relation {
 pub(super) struct Definition {
     pub name: &'static str,
     pub edition: &'static str,
-    pub tag: Tag,
+    pub tag: Provenance,
     pub unit: &'static str,
     pub relation: Relation,
     pub severity: Severity,
@@ -50,7 +51,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "collapse",
         edition: PROGRAM,
-        tag: Tag::Computed,
+        tag: Provenance::Computed,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -64,7 +65,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "ultimate_rotation",
         edition: LIGNOS,
-        tag: Tag::Source,
+        tag: Provenance::Read,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -85,7 +86,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "capacity_reserve_1",
         edition: PROGRAM,
-        tag: Tag::Computed,
+        tag: Provenance::Computed,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Evacuate,
@@ -96,7 +97,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "remaining_resistance",
         edition: "EN 1993-1-1:2005, 6.3.1, times N_u / N_u virgin about the strong axis",
-        tag: Tag::Assumption,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Evacuate,
@@ -112,7 +113,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_80",
         edition: DAMAGE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -123,7 +124,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "capacity_reserve_1_5",
         edition: PROGRAM,
-        tag: Tag::Assumption,
+        tag: Provenance::Assumed,
         unit: "",
         relation: Relation::AtLeast,
         severity: Severity::Prop,
@@ -134,7 +135,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "capping_rotation",
         edition: LIGNOS,
-        tag: Tag::Source,
+        tag: Provenance::Read,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -148,7 +149,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_50",
         edition: DAMAGE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -159,7 +160,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "damage_20",
         edition: DAMAGE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "",
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -170,7 +171,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "plastic_flow",
         edition: PROGRAM,
-        tag: Tag::Assumption,
+        tag: Provenance::Assumed,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Inspect,
@@ -181,7 +182,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "asce41_cp",
         edition: ASCE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -192,7 +193,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "asce41_ls",
         edition: ASCE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -203,7 +204,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "asce41_io",
         edition: ASCE,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -214,7 +215,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "aisc342_cp",
         edition: AISC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -225,7 +226,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "aisc342_ls",
         edition: AISC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -236,7 +237,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "aisc342_io",
         edition: AISC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "rad",
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -247,7 +248,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "support_rotation_20",
         edition: PDC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
         severity: Severity::Evacuate,
@@ -258,7 +259,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "support_rotation_10",
         edition: PDC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
         severity: Severity::Prop,
@@ -269,7 +270,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "support_rotation_3",
         edition: PDC,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "deg",
         relation: Relation::AtMost,
         severity: Severity::Restrict,
@@ -280,7 +281,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "crush_force",
         edition: PROGRAM,
-        tag: Tag::Assumption,
+        tag: Provenance::Assumed,
         unit: "N",
         relation: Relation::AtMost,
         severity: Severity::Inspect,
@@ -297,7 +298,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     Definition {
         name: "equivalent_static_force",
         edition: "EN 1991-1-7:2006, annex C, v sqrt(k m) with k = 300 kN/m (JCSS 2.18)",
-        tag: Tag::Source,
+        tag: Provenance::Read,
         unit: "N",
         relation: Relation::AtMost,
         severity: Severity::Inspect,
@@ -325,7 +326,7 @@ const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluat
     Definition {
         name,
         edition: TABLE_4_1,
-        tag: Tag::Recalled,
+        tag: Provenance::Recalled,
         unit: "N",
         relation: Relation::AtMost,
         severity: Severity::Inspect,

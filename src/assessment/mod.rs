@@ -1,6 +1,6 @@
 //! Assessment of a column after an impact: criteria with value, limit, margin, edition and tag, and one severity.
 //!
-//! Every number that may decide over people carries where it comes from: [`Tag`]. `docs/assessment.md` lists the criteria.
+//! Every number that may decide over people carries where it comes from: [`Provenance`]. `docs/assessment.md` lists the criteria.
 //!
 //! ```
 //! use column_twin::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
@@ -36,6 +36,8 @@ pub use remaining::{
 };
 pub use rotation_limits::{HingeSlenderness, RotationLimits, ULTIMATE_ROTATION};
 
+use crate::parameters::Provenance;
+
 /// The criterion that decides whatever the user chooses.
 const ALWAYS_DECIDES: &str = "collapse";
 
@@ -55,23 +57,6 @@ pub enum Severity {
     Evacuate,
 }
 
-/// Where a number comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Tag {
-    /// Read in the source named.
-    #[serde(rename = "T")]
-    Source,
-    /// Computed.
-    #[serde(rename = "C")]
-    Computed,
-    /// Recalled and not verified against its source.
-    #[serde(rename = "M")]
-    Recalled,
-    /// An assumption of this program.
-    #[serde(rename = "A")]
-    Assumption,
-}
-
 /// One criterion with its values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Criterion {
@@ -80,7 +65,7 @@ pub struct Criterion {
     /// Document and edition, or what the criterion is based on.
     pub edition: &'static str,
     /// Where its limit comes from; the weakest link where several numbers enter.
-    pub tag: Tag,
+    pub tag: Provenance,
     /// The value; `None` if it could not be evaluated.
     pub value: Option<f64>,
     /// Its limit; `None` if it could not be evaluated.
@@ -187,6 +172,18 @@ fn evaluated(definition: &Definition, input: &AssessmentInput) -> Criterion {
     criterion
 }
 
+/// A margin in per cent, with as many digits as it takes to tell it from 0.
+fn percent(margin: f64) -> String {
+    let percent = 100.0 * margin;
+    match percent.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 0.01 => format!("{percent:+.0e}"),
+        size if size < 0.1 => format!("{percent:+.2}"),
+        size if size < 1.0 => format!("{percent:+.1}"),
+        _ => format!("{percent:+.0}"),
+    }
+}
+
 /// A sentence with the numbers, and with the consequence if the criterion is exceeded.
 fn statement(
     definition: &Definition,
@@ -208,7 +205,7 @@ fn statement(
         definition.tag
     );
     if limit != 0.0 {
-        text.push_str(&format!(", margin {:+.0} %", 100.0 * margin));
+        text.push_str(&format!(", margin {} %", percent(margin)));
     }
     if exceeded {
         text.push_str(&format!(". Exceeded: {}", definition.consequence));
@@ -300,17 +297,6 @@ impl Display for Severity {
             Self::Restrict => "restrict",
             Self::Prop => "prop",
             Self::Evacuate => "evacuate",
-        })
-    }
-}
-
-impl Display for Tag {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Source => "T",
-            Self::Computed => "C",
-            Self::Recalled => "M",
-            Self::Assumption => "A",
         })
     }
 }

@@ -297,3 +297,18 @@ fn the_document_lists_every_criterion() {
         );
     }
 }
+
+/// A value just beyond its limit once had a "margin -0 %".
+#[test]
+fn a_small_margin_is_not_minus_zero_per_cent() {
+    for (margin, text) in [
+        (0.0, "0"),
+        (-0.004, "-0.4"),
+        (0.000_4, "+0.04"),
+        (-2e-6, "-2e-4"),
+        (0.254, "+25"),
+        (-1.7, "-170"),
+    ] {
+        assert_eq!(percent(margin), text);
+    }
+}

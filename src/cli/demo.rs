@@ -61,6 +61,9 @@ const TIMEOUT: Duration = Duration::from_secs(15);
 /// Maximum time that the node may take to exit.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Interval at which the exit of another process is looked for.
+const CHILD_INTERVAL: Duration = Duration::from_millis(10);
+
 /// Maximum number of folders of demonstrations.
 const MAX_FOLDERS: u32 = 1000;
 
@@ -76,7 +79,7 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     let signals = StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let lines = LinePrinter::new(out);
     let folder = new_folder(&arguments.output)?;
-    match demonstrate(arguments, &folder, &lines) {
+    match demonstrate(arguments, &folder, &signals, &lines) {
         Err(_) if signals.asked() => Err(Failure::plain(
             Exit::Failed,
             format!(
@@ -89,7 +92,20 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     }
 }
 
-fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &LinePrinter<'_>) -> Result<(), Failure> {
+/// Fails once the program is asked to stop.
+fn unless_asked(signals: &StopSignals) -> Result<(), Failure> {
+    match signals.asked() {
+        true => Err(Failure::plain(Exit::Failed, "interrupted")),
+        false => Ok(()),
+    }
+}
+
+fn demonstrate(
+    arguments: &DemoArgs,
+    folder: &Path,
+    signals: &StopSignals,
+    out: &LinePrinter<'_>,
+) -> Result<(), Failure> {
     let started = Instant::now();
     let domain = FreshDomain::take().ok_or_else(|| {
         Failure::plain(
@@ -110,18 +126,20 @@ fn demonstrate(arguments: &DemoArgs, folder: &Path, out: &LinePrinter<'_>) -> Re
         folder.display()
     ));
     let mut node = NodeProcess::start(folder, environment, out)?;
-    let followed = follow(environment, arguments, out);
+    let followed = follow(environment, arguments, signals, out);
     let ended = node.stop();
+    unless_asked(signals)?;
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
     print_outcome(&forecast, &outcome, out);
     print_comparison(arguments, out)?;
+    unless_asked(signals)?;
     if !ended.is_some_and(|status| status.success()) {
         return Err(node.explain(Failure::plain(
             Exit::Failed,
             "the node did not exit cleanly",
         )));
     }
-    draw(folder, arguments)?;
+    draw(folder, arguments, signals)?;
     let recording = only_entry(&folder.join("recordings"))?;
     let verification =
         evidence::verify(&recording).map_err(|error| Failure::plain(Exit::Failed, error))?;
@@ -238,7 +256,7 @@ impl NodeProcess {
         while Instant::now() < deadline {
             match self.child.try_wait() {
                 Ok(Some(status)) => return Some(status),
-                Ok(None) => std::thread::sleep(Duration::from_millis(10)),
+                Ok(None) => std::thread::sleep(CHILD_INTERVAL),
                 Err(_) => break,
             }
         }
@@ -275,6 +293,7 @@ impl Drop for NodeProcess {
 fn follow(
     environment: &Environment,
     arguments: &DemoArgs,
+    signals: &StopSignals,
     out: &LinePrinter<'_>,
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
@@ -295,6 +314,7 @@ fn follow(
     follow_impact(
         environment,
         &options,
+        signals,
         &mut |line| out.print(format_args!("{line}\n")),
         &mut |seen, since| narration.take(seen, since),
     )
@@ -528,9 +548,10 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
 }
 
 /// Draws the figures of the same impact with the command that a user would run.
-fn draw(folder: &Path, arguments: &DemoArgs) -> Result<(), Failure> {
+fn draw(folder: &Path, arguments: &DemoArgs, signals: &StopSignals) -> Result<(), Failure> {
     let log = folder.join("figures.log");
-    let status = program(&log)?
+    let failed = |error: io::Error| Failure::plain(Exit::Failed, error);
+    let mut child = program(&log)?
         .arg("simulate")
         .arg("--config")
         .arg(folder.join("column.yaml"))
@@ -538,8 +559,19 @@ fn draw(folder: &Path, arguments: &DemoArgs) -> Result<(), Failure> {
         .args(["--velocity", &arguments.velocity.to_string()])
         .arg("--plots")
         .arg(folder.join("figures"))
-        .status()
-        .map_err(|error| Failure::plain(Exit::Failed, error))?;
+        .spawn()
+        .map_err(failed)?;
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        if let Err(asked) = unless_asked(signals) {
+            let _ = child.kill(); // it may have exited already
+            child.wait().map_err(failed)?;
+            return Err(asked);
+        }
+        std::thread::sleep(CHILD_INTERVAL);
+    };
     match status.success() {
         true => Ok(()),
         false => Err(Failure::plain(

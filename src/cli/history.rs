@@ -1,6 +1,6 @@
 //! The history of a response as a table.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use column_twin::column::{
     HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample,
@@ -86,7 +86,7 @@ impl<W: Write> HistoryWriter<W> {
     ///
     /// # Errors
     /// The target cannot be written to.
-    pub fn new(target: W, masses: usize) -> csv::Result<Self> {
+    pub fn new(target: W, masses: usize) -> io::Result<Self> {
         let mut table = csv::Writer::from_writer(target);
         let mut header: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect();
         for (before, unit, _) in HINGE_COLUMNS {
@@ -101,7 +101,7 @@ impl<W: Write> HistoryWriter<W> {
         if masses > 0 {
             header.push("vehicle_elastic_energy_J".to_owned());
         }
-        table.write_record(&header)?;
+        table.write_record(&header).map_err(cause)?;
         Ok(Self {
             table,
             row: csv::StringRecord::new(),
@@ -113,7 +113,7 @@ impl<W: Write> HistoryWriter<W> {
     ///
     /// # Errors
     /// The target cannot be written to.
-    pub fn write(&mut self, sample: &Sample) -> csv::Result<()> {
+    pub fn write(&mut self, sample: &Sample) -> io::Result<()> {
         self.row.clear();
         for (_, value) in COLUMNS {
             self.row.push_field(&exact(value(sample)));
@@ -132,17 +132,25 @@ impl<W: Write> HistoryWriter<W> {
             let stored = exact(sample.vehicle.elastic_energy);
             self.row.push_field(&stored);
         }
-        self.table.write_record(&self.row)
+        self.table.write_record(&self.row).map_err(cause)
     }
 
     /// Flushes the buffer and returns the target.
     ///
     /// # Errors
     /// The target cannot be written to.
-    pub fn finish(self) -> std::io::Result<W> {
+    pub fn finish(self) -> io::Result<W> {
         self.table
             .into_inner()
             .map_err(csv::IntoInnerError::into_error)
+    }
+}
+
+/// Why a row could not be written, with the kind of the error, by which a pipe is known that its reader has closed.
+fn cause(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(cause) => cause,
+        other => io::Error::other(format!("{other:?}")),
     }
 }
 

@@ -122,7 +122,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(split) => split,
         Err(faults) => {
             for fault in faults {
-                eprintln!("{fault}");
+                let fault = fault.to_string();
+                eprintln!("{}", column_twin::printable::PrintableLines(&fault));
             }
             return ExitCode::from(Exit::BadInput as u8);
         }
@@ -146,7 +147,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
-        CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut io::stdout().lock()),
+        CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "record")]
         CliCommand::Verify(arguments) => verify::run(arguments, &mut shown()),
         #[cfg(feature = "ros")]

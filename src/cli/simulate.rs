@@ -64,7 +64,7 @@ pub struct SimulateArgs {
     record: Option<PathBuf>,
     /// Time of the event in the recording [s since 1970]
     #[cfg(feature = "record")]
-    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "record")]
+    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "record", value_parser = stamp)]
     record_stamp: f64,
     /// Write a file for the Rerun viewer: the deforming column, its curves and its yield surfaces
     #[cfg(feature = "viewer")]
@@ -148,7 +148,7 @@ struct Case {
 
 /// Simulates the impact and writes the requested files; the summary or the history goes to `output`.
 pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<(), Failure> {
-    let history_to_output = arguments.csv.as_deref() == Some(Path::new("-"));
+    let history_to_output = arguments.csv.as_deref().is_some_and(is_standard_output);
     if arguments.json && history_to_output {
         return Err(SimulateError::OneOutput.into());
     }
@@ -219,6 +219,23 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     Ok(unless_closed(written).map_err(SimulateError::Output)?)
 }
 
+/// Whether a path names the standard output, which then belongs to the history alone.
+fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
+        .iter()
+        .any(|name| path == Path::new(name))
+}
+
+/// Reads a time that a ROS stamp can hold \[s since 1970\].
+#[cfg(feature = "record")]
+fn stamp(text: &str) -> Result<f64, String> {
+    let last = f64::from(i32::MAX);
+    text.parse()
+        .ok()
+        .filter(|secs| (0.0..=last).contains(secs))
+        .ok_or_else(|| format!("expected a time from 0 to {last} s"))
+}
+
 /// The line about the seal of a recording.
 #[cfg(feature = "record")]
 fn sealed_by(key: &SealKey) -> String {
@@ -266,9 +283,9 @@ impl Case {
             reason,
         };
         let file = WholeFile::create(path).map_err(fault)?;
-        self.write_history(file)
-            .and_then(WholeFile::commit)
-            .map_err(fault)
+        let written = self.write_history(file).and_then(WholeFile::commit);
+        // The file may be a pipe.
+        unless_closed(written).map_err(fault)
     }
 
     /// Writes the history and returns the target.
@@ -282,7 +299,7 @@ impl Case {
             }
         });
         match (fault, simulated) {
-            (Some(fault), _) => Err(fault.into()),
+            (Some(fault), _) => Err(fault),
             (None, Err(fault)) => Err(io::Error::other(fault)),
             (None, Ok(_)) => writer.finish(),
         }
@@ -298,7 +315,6 @@ impl Case {
             seal: key.clone(),
             ..column_twin::recording::writer_options(record.compression)
         };
-        // `as` saturates; a time out of range is rejected below.
         let origin = (stamp * 1e9).round() as i64;
         column_twin::evidence::record_impact(&self.parameters, origin, directory, &options)
             .map_err(SimulateError::Recording)?;

@@ -307,13 +307,12 @@ impl Summary<'_> {
                 Outcome::Elastic | Outcome::Plastic => unit.show(band.max_v1[index]),
             };
             let [without, with] = HARDENING_BAND.map(|it| 100.0 * it);
-            writeln!(
-                f,
-                "  {:<32}{} to {}",
-                format!("hardening of {without} to {with} %"),
-                one(0),
-                one(1),
-            )?;
+            let (from, to) = (one(0), one(1));
+            let name = format!("hardening of {without} to {with} %");
+            match from == to {
+                true => writeln!(f, "  {name:<32}{from} with both")?,
+                false => writeln!(f, "  {name:<32}{from} to {to}")?,
+            }
         }
         let factors = self.report().max_dynamic_factor;
         let largest = factors.into_iter().fold(1.0, f64::max);

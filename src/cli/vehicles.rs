@@ -40,13 +40,8 @@ fn list() -> String {
         text += &format!("\n{}", Described(vehicle).text());
     }
     text += "\nTags:";
-    for tag in [
-        Provenance::Read,
-        Provenance::Computed,
-        Provenance::Recalled,
-        Provenance::Assumed,
-    ] {
-        let _ = write!(text, " [{}] {};", tag.letter(), tag.meaning());
+    for tag in Provenance::ALL {
+        let _ = write!(text, " [{tag}] {};", tag.meaning());
     }
     text.truncate(text.len() - 1);
     text + ".\n"
@@ -77,12 +72,7 @@ impl Described<'_> {
         let vehicle = self.0;
         let mut text = format!("{}: {}\n", vehicle.name, vehicle.description);
         let mut line = |what: &str, value: String, tag: Provenance, source: &str| {
-            let _ = writeln!(
-                text,
-                "  {what:<16}{value}\n  {:<16}[{}] {source}",
-                "",
-                tag.letter()
-            );
+            let _ = writeln!(text, "  {what:<16}{value}\n  {:<16}[{}] {source}", "", tag);
         };
         let masses: Vec<_> = vehicle.masses.value.kg.iter().map(f64::to_string).collect();
         line(

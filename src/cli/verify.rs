@@ -66,32 +66,34 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
     if arguments.require_seal || !trusted.is_empty() {
         seal = seal.required(trusted);
     }
+    let bag = arguments.bag.display();
+    let seal_fault = seal.fault();
     let found = match evidence::verify_reader(&reader) {
         Ok(found) => found,
         Err(error) => {
             // What the seal proves holds for a recording that this program cannot recompute, too.
             printed(write!(out, "{seal}"))?;
-            return Err(bad_input(&error));
+            return Err(match seal_fault {
+                Some(fault) => Failure::plain(Exit::Failed, format!("{bag}: {fault}; {error}")),
+                None => bad_input(&error),
+            });
         }
     };
     printed(write!(out, "{found}{seal}"))?;
-    let bag = arguments.bag.display();
-    if let Some(fault) = seal.fault().filter(|_| found.is_equal()) {
-        return Err(Failure::plain(Exit::Failed, format!("{bag}: {fault}")));
+    let mut reasons = Vec::new();
+    if found.is_contradicted() {
+        reasons.push(format!(
+            "{bag} differs from the recomputation: {} differences, {} messages missing without a declared loss",
+            found.differences, found.undeclared
+        ));
+    } else if !found.is_equal() {
+        reasons.push(format!(
+            "nothing in {bag} could be checked, for the reasons above; verify the previous or the next recording"
+        ));
     }
-    if found.is_equal() {
-        return Ok(());
+    reasons.extend(seal_fault.map(|fault| format!("{bag}: {fault}")));
+    match reasons.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::plain(Exit::Failed, reasons.join("\n"))),
     }
-    Err(Failure::plain(
-        Exit::Failed,
-        match found.is_contradicted() {
-            true => format!(
-                "{bag} differs from the recomputation: {} differences, {} messages missing without a declared loss",
-                found.differences, found.undeclared
-            ),
-            false => format!(
-                "nothing in {bag} could be checked, for the reasons above; verify the previous or the next recording"
-            ),
-        },
-    ))
 }

@@ -177,6 +177,8 @@ impl Inputs {
         match code {
             // The message could not be recorded; its command follows all the same.
             None => waiting.unrecorded += 1,
+            // What a sender sends that is not allowed to, or sends too much, is not recorded.
+            Some(RefusalCode::SenderNotAllowed | RefusalCode::SenderTooFast) => {}
             Some(RefusalCode::NoAnswer) => {
                 if let Some(last) = waiting.messages.back_mut() {
                     last.optional = true;
@@ -215,8 +217,11 @@ impl Inputs {
         };
         let waiting = &mut self.topics[index];
         let column_id = self.column_id.as_deref().unwrap_or_default();
-        let follows =
-            |it: &Received| command(index, &it.bytes, column_id).is_ok_and(|it| it == *own);
+        let follows = |it: &Received| {
+            let recorded = command(index, &it.bytes, column_id);
+            // A number that is not one is equal to itself here.
+            recorded.is_ok_and(|it| Place::default().first_difference(&it, own).is_none())
+        };
         while waiting.messages.len() > 1
             && waiting.messages[0].optional
             && !follows(&waiting.messages[0])
@@ -237,7 +242,6 @@ impl Inputs {
         let Some(first) = first else { return };
         found.inputs_of[index].compared += 1;
         let difference = match command(index, &first.bytes, column_id) {
-            Ok(recorded) if recorded == *own => None,
             Ok(recorded) => {
                 first
                     .place_in(place)
@@ -271,6 +275,11 @@ impl Inputs {
         found.inputs_of[index].missing += 1;
         let present = "the message that led to this command";
         found.note_missing(1, place.difference(INPUTS[index].name, "absent", present));
+    }
+
+    /// The messages before this log time are in an earlier recording.
+    pub fn continue_at(&mut self, log_time: Nanos) {
+        self.earlier_until = Some(log_time.saturating_add(MAX_WAIT));
     }
 
     /// Forgets everything that waits: commands of the journal are missing here.

@@ -17,6 +17,8 @@ mod journal_line;
 mod lines;
 mod losses;
 mod node_recording;
+mod parameter_events;
+mod replayed_twin;
 mod replayer;
 mod simulated;
 mod topics;

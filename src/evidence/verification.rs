@@ -16,7 +16,7 @@ const MAX_REASONS: usize = 20;
 const MAX_EXAMPLES: usize = 5;
 
 /// Fields that depend on the machine or on other threads, by topic, and what was done with them instead.
-pub const NOT_RECOMPUTED: [(&str, &str); 6] = [
+pub const NOT_RECOMPUTED: [(&str, &str); 7] = [
     (
         "impact_forecast, impact_report",
         "compute_time; the time at which a forecast was complete",
@@ -25,8 +25,9 @@ pub const NOT_RECOMPUTED: [(&str, &str); 6] = [
         "twin_status",
         "overruns, worst_lateness and the dropped_ counts, which must not decrease",
     ),
+    ("parameter_events", "the stamp"),
     (
-        "rosout, diagnostics, parameter_events",
+        "rosout, diagnostics",
         "their contents; their number, order and log times are compared with the counts in the journal",
     ),
     (
@@ -39,7 +40,7 @@ pub const NOT_RECOMPUTED: [(&str, &str); 6] = [
     ),
     (
         "all",
-        "whether messages, journal, counts and times were computed afresh by a forger: only a seal shows that",
+        "whether a forger has recomputed messages, journal, counts and times: only a seal shows that",
     ),
 ];
 
@@ -75,6 +76,8 @@ pub struct Verification {
     pub examples: Vec<Difference>,
     /// The topics whose messages became commands, in the order `impact_event`, `column_parameters`.
     pub inputs_of: [TopicCheck; INPUTS.len()],
+    /// The messages on `parameter_events`; the journal counts them with the topics that cannot be recomputed.
+    pub parameter_events: TopicCheck,
     /// Missing messages on topics that cannot be recomputed, or where nothing could be recomputed.
     pub missing_others: u64,
     /// Missing messages and entries whose loss the recording does not declare.
@@ -204,7 +207,11 @@ impl Verification {
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &TopicCheck)> {
         let inputs = INPUTS.iter().map(|it| it.name).zip(&self.inputs_of);
         let twin = Topic::ALL.iter().map(|it| it.endpoint().name);
-        inputs.chain(twin.zip(&self.topics))
+        let events = [(
+            endpoints::PARAMETER_EVENTS.name.trim_start_matches('/'),
+            &self.parameter_events,
+        )];
+        inputs.chain(twin.zip(&self.topics)).chain(events)
     }
 }
 

@@ -8,6 +8,7 @@ use super::comparison::{Place, seconds};
 use super::inputs::{INPUTS, Inputs};
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::lines::{Gap, Lines};
+use super::parameter_events::ParameterEvents;
 use super::replayer::{RecordedBytes, Replayer};
 use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
@@ -91,6 +92,7 @@ fn verify_with(
         .map(|it| Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
     let mut pass = VerifyingPass::new(reader, &journal, observe);
+    pass.found.about = about(reader, &journal)?;
     for message in reader.messages() {
         match message {
             Ok(message) => pass.message(&message)?,
@@ -102,6 +104,18 @@ fn verify_with(
     pass.finish()
 }
 
+/// The program that made the recording, from the first checkpoint: the names of its topics are needed from the beginning.
+fn about(reader: &Reader, journal: &str) -> Result<Option<About>, VerifyError> {
+    let lines = reader.messages().filter_map(Result::ok);
+    for message in lines.filter(|it| *it.topic == *journal) {
+        let line = JournalLine::decode(&message.data)?;
+        if line.about.is_some() {
+            return Ok(line.about);
+        }
+    }
+    Ok(None)
+}
+
 /// One pass over the messages of a recording.
 struct VerifyingPass<'a, 'o> {
     reader: &'a Reader,
@@ -111,6 +125,7 @@ struct VerifyingPass<'a, 'o> {
     lines: Lines,
     inputs: Inputs,
     replayer: Replayer,
+    parameter_events: ParameterEvents,
     found: Verification,
     /// Missing messages that were noted when the counts of the journal were last settled.
     settled: u64,
@@ -134,6 +149,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             inputs: Inputs::default(),
             replayer: Replayer::new(observe.is_some(), is_damaged || lost > 0),
             observe,
+            parameter_events: ParameterEvents::default(),
             found: Verification::default(),
             settled: 0,
             early: [0; Topic::COUNT],
@@ -183,7 +199,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 &mut self.found,
             );
         } else if let Some(topic) = topic {
-            if self.found.about.is_none() {
+            if self.found.checkpoints == 0 {
                 self.early[topic] += 1;
                 return Ok(());
             }
@@ -195,15 +211,21 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             };
             self.replayer.message(&recorded, &mut self.found);
             self.show_outputs();
+        } else if topic_of(
+            self.found.about.as_ref(),
+            message,
+            [&endpoints::PARAMETER_EVENTS],
+        )
+        .is_some()
+        {
+            self.parameter_events
+                .message(&message.data, &place, &mut self.found);
         }
         Ok(())
     }
 
     fn line(&mut self, line: &JournalLine, publish_time: i64, place: &Place<'_>) {
         let found = &mut self.found;
-        if let Some(about) = &line.about {
-            found.about.get_or_insert_with(|| about.clone());
-        }
         let (first, last) = found.lines.unwrap_or((line.number, line.number));
         found.lines = Some((first, last.max(line.number)));
         let is_first = self.lines.next().is_none();
@@ -217,11 +239,21 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         self.replayer.gap(gap, place, found);
         match gap {
             Gap::Missing(_) => self.inputs.restart(found),
-            Gap::None | Gap::Earlier(_) => {}
+            Gap::Earlier(_) => self.inputs.continue_at(place.log_time),
+            Gap::None => {}
         }
         self.lines.count(line, gap, is_first, place, found);
         match &line.entry {
             JournalEntry::Twin(entry) => {
+                let before = self.replayer.parameters();
+                let is_complete = self.replayer.journal(entry, place, found);
+                let after = self.replayer.parameters();
+                let before = before.or_else(|| after.clone());
+                self.parameter_events
+                    .entry(before.as_deref(), after.as_deref(), found);
+                if !is_complete {
+                    self.inputs.restart(found);
+                }
                 match entry {
                     Journal::Checkpoint(checkpoint) => {
                         let column_id = &checkpoint.parameters.settings().column_id;
@@ -231,7 +263,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                     Journal::Command(record) => self.inputs.command(&record.command, place, found),
                     Journal::Status(_) => {}
                 }
-                self.replayer.journal(entry, place, found);
                 // The forecasts of a response are known to be missing at its end.
                 if matches!(entry, Journal::Checkpoint(_)) {
                     self.settle(place);
@@ -285,6 +316,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         let is_stopped = self.lines.ended;
         let is_damaged = self.reader.damaged_records() > 0;
         std::mem::take(&mut self.replayer).finish(is_stopped, &place, &mut self.found);
+        std::mem::take(&mut self.parameter_events).finish(&mut self.found);
         let inputs = std::mem::take(&mut self.inputs);
         inputs.finish(self.last_log_time, is_stopped, &mut self.found);
         self.settle(&place);

@@ -56,8 +56,8 @@ impl Role {
 }
 
 impl Access {
-    /// What an enclave with this role may do with these twins. A node that has the name of the enclave may offer its
-    /// parameter services.
+    /// What an enclave with this role may do with these twins. A node that has the name of the enclave may offer the
+    /// services that every node has.
     ///
     /// # Errors
     /// A name is invalid.
@@ -75,7 +75,7 @@ impl Access {
         Ok(access)
     }
 
-    /// What every node of ROS 2 does: log, announce changes of its parameters, follow the time, offer its parameters.
+    /// What every node of ROS 2 does: log, announce changes of its parameters, follow the time, describe itself.
     fn of_every_node(node: &Names) -> Result<Self, NameError> {
         let mut access = Self::default();
         let name = |endpoint: &Endpoint| node.resolve(endpoint.kind(), endpoint.name);
@@ -119,9 +119,10 @@ impl Access {
     }
 }
 
-/// The parameter services, which every node of ROS 2 offers.
+/// The services that every node of ROS 2 offers: about its parameters and about its types.
 fn is_of_every_node(endpoint: &Endpoint) -> bool {
-    endpoint.direction == Direction::Service && endpoint.package_and_type().0 == "rcl_interfaces"
+    let packages = ["rcl_interfaces", "type_description_interfaces"];
+    endpoint.direction == Direction::Service && packages.contains(&endpoint.package_and_type().0)
 }
 
 fn dds_topics(

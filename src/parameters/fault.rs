@@ -284,6 +284,13 @@ impl ParameterFaults {
         &self.0
     }
 
+    /// All faults in one line, for an answer or a log.
+    #[must_use]
+    pub fn in_one_line(&self) -> String {
+        let faults: Vec<_> = self.0.iter().map(ToString::to_string).collect();
+        faults.join("; ")
+    }
+
     /// A report for people: the lines of the files with the faults below them.
     #[must_use]
     pub fn report(&self) -> miette::Report {

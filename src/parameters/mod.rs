@@ -29,6 +29,7 @@ mod draft;
 mod fault;
 mod file;
 mod given;
+mod lookup;
 mod node_name;
 mod overrides;
 mod parameter;

@@ -122,13 +122,7 @@ fn vehicles() -> String {
          and its last slope continues; a narrow object meets half of it up to a crush of 0.40 m, rising to all of it at 0.55 m.\n\
          Every number has the tag of its source: ",
     );
-    let tags = [
-        Provenance::Read,
-        Provenance::Computed,
-        Provenance::Recalled,
-        Provenance::Assumed,
-    ]
-    .map(|tag| format!("[{}] {}", tag.letter(), tag.meaning()));
+    let tags = Provenance::ALL.map(|tag| format!("[{tag}] {}", tag.meaning()));
     let _ = writeln!(
         text,
         "{}.\n`column-twin vehicles` prints the sources.\n\n\
@@ -148,9 +142,9 @@ fn vehicles() -> String {
                 } else {
                     ""
                 },
-                vehicle.masses.tag.letter(),
+                vehicle.masses.tag,
                 curve.join(", "),
-                spring.tag.letter(),
+                spring.tag,
                 readable(spring.value.unloading_stiffness_n_m / 1e6),
             );
             let _ = match index {
@@ -162,11 +156,11 @@ fn vehicles() -> String {
                     } else {
                         "no"
                     },
-                    vehicle.narrow_object.tag.letter(),
+                    vehicle.narrow_object.tag,
                     vehicle.contact_height.value.height_m,
-                    vehicle.contact_height.tag.letter(),
+                    vehicle.contact_height.tag,
                     (100.0 * vehicle.force_variation.value.coefficient).round(),
-                    vehicle.force_variation.tag.letter(),
+                    vehicle.force_variation.tag,
                 ),
                 _ => writeln!(text, " | | |"),
             };

@@ -48,7 +48,8 @@ impl FromStr for AllowedSender {
         // As `ros2 topic info -v` separates the bytes.
         let digits: String = text.chars().filter(|it| !".:".contains(*it)).collect();
         let lengths = 2 * MIN_BYTES..=2 * GUID_PREFIX_BYTES;
-        if !lengths.contains(&digits.len()) || digits.len() % 2 != 0 || !digits.is_ascii() {
+        if !lengths.contains(&digits.len()) || !digits.len().is_multiple_of(2) || !digits.is_ascii()
+        {
             return Err(NotASender);
         }
         let byte = |index| {

@@ -1,5 +1,6 @@
 //! The catalogue of vehicles, from `config/vehicles.json`, and the vehicle that the parameters describe.
 
+use std::fmt;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -198,16 +199,8 @@ pub(super) fn nearest_vehicle_name(name: &str) -> Option<String> {
 }
 
 impl Provenance {
-    /// The letter that the project's documents use, such as `T`.
-    #[must_use]
-    pub fn letter(self) -> char {
-        match self {
-            Self::Read => 'T',
-            Self::Computed => 'C',
-            Self::Recalled => 'M',
-            Self::Assumed => 'A',
-        }
-    }
+    /// Every provenance.
+    pub const ALL: [Self; 4] = [Self::Read, Self::Computed, Self::Recalled, Self::Assumed];
 
     /// Its meaning in words.
     #[must_use]
@@ -218,6 +211,18 @@ impl Provenance {
             Self::Recalled => "recalled, not verified",
             Self::Assumed => "assumption of this project",
         }
+    }
+}
+
+/// The letter that the project's documents use, such as `T`.
+impl fmt::Display for Provenance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Read => "T",
+            Self::Computed => "C",
+            Self::Recalled => "M",
+            Self::Assumed => "A",
+        })
     }
 }
 

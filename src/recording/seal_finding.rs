@@ -128,10 +128,13 @@ impl SealFinding {
                     .to_owned(),
             );
         }
-        if seal.fresh_key && !self.is_trusted(seal) {
+        if seal.holds() && !self.is_trusted(seal) {
             lines.push(
-                "it does not prove who has recorded, unless the recorder's log line with this key was kept in another place"
-                    .to_owned(),
+                match seal.fresh_key {
+                    true => "it proves that nothing was changed since, but not who has recorded: compare the key with the recorder's log",
+                    false => "it proves that nothing was changed since, but not who has recorded, unless you know the key: --trusted-key",
+                }
+                .to_owned(),
             );
         }
         lines
@@ -212,6 +215,8 @@ fn extent(seal: &Seal) -> String {
         (Some(fault), covered, _) => format!(
             "it does NOT hold: {fault}; only the first {covered} messages{until} are proved to be unchanged"
         ),
+        (None, 0, 0) => "it holds, and there is no message".to_owned(),
+        (None, 0, uncovered) => format!("it covers none of the {uncovered} messages"),
         (None, covered, 0) => {
             format!("it holds: all {covered} messages{until} are as they were recorded")
         }

@@ -5,20 +5,10 @@ use maud::{Markup, html};
 use super::assessed::Assessed;
 use super::document::fact;
 use super::words::short;
-use crate::assessment::{Criterion, Tag};
+use crate::assessment::Criterion;
 use crate::column::{BucklingResistance, Capacity, CapacityEnd};
 use crate::figures::units::{Unit, significant};
-
-/// The meaning of the tags.
-const TAGS: [(Tag, &str); 4] = [
-    (Tag::Source, "read in the source named"),
-    (Tag::Computed, "computed"),
-    (
-        Tag::Recalled,
-        "recalled and not verified against its source",
-    ),
-    (Tag::Assumption, "an assumption of this program"),
-];
+use crate::parameters::Provenance;
 
 /// Every criterion with value, limit, margin and tag: first those that decide.
 pub(super) fn criteria(assessed: &Assessed) -> Markup {
@@ -41,9 +31,9 @@ pub(super) fn criteria(assessed: &Assessed) -> Markup {
         }
         p.note {
             "Tags: "
-            @for (index, (tag, meaning)) in TAGS.iter().enumerate() {
+            @for (index, tag) in Provenance::ALL.into_iter().enumerate() {
                 @if index > 0 { "; " }
-                "[" (tag) "] " (meaning)
+                "[" (tag) "] " (tag.meaning())
             }
             "."
         }

@@ -194,22 +194,12 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
 fn vehicle_sources(name: &str) -> Option<String> {
     let vehicle = CatalogueVehicle::named(name)?;
     let springs = vehicle.springs.iter().enumerate();
-    let sources = springs.map(|(index, spring)| {
-        format!(
-            "spring {} [{}] {}",
-            index + 1,
-            spring.tag.letter(),
-            spring.source
-        )
-    });
+    let sources = springs
+        .map(|(index, spring)| format!("spring {} [{}] {}", index + 1, spring.tag, spring.source));
     let masses = &vehicle.masses;
-    let all: Vec<_> = std::iter::once(format!(
-        "masses [{}] {}",
-        masses.tag.letter(),
-        masses.source
-    ))
-    .chain(sources)
-    .collect();
+    let all: Vec<_> = std::iter::once(format!("masses [{}] {}", masses.tag, masses.source))
+        .chain(sources)
+        .collect();
     Some(all.join("; "))
 }
 

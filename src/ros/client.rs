@@ -150,6 +150,7 @@ pub fn send_impact(
     options: &ImpactOptions,
     say: &mut dyn FnMut(&str),
 ) -> Result<ImpactOutcome, ClientError> {
+    let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_impact", rules)?;
     let mut node = Node::new(environment, names)?;
     let subscribed = Subscribed {
@@ -161,7 +162,7 @@ pub fn send_impact(
         node,
         environment,
         subscribed,
-        options,
+        (options, &signals),
         say,
         &mut |word, sent| match answer(word, sent.event_id, sent.refused_before) {
             Some(outcome) => Relation::Last(outcome),
@@ -221,10 +222,11 @@ pub fn watch(
 ///
 /// # Errors
 /// No twin is found, it rejects the event or is faulted, only its status arrives within `options.answer_timeout`, or the
-/// program is asked to stop.
+/// program is asked to stop by `signals`.
 pub fn follow_impact(
     environment: &Environment,
     options: &ImpactOptions,
+    signals: &StopSignals,
     say: &mut dyn FnMut(&str),
     hear: &mut dyn FnMut(&Seen, Duration),
 ) -> Result<(), ClientError> {
@@ -241,7 +243,7 @@ pub fn follow_impact(
         node,
         environment,
         subscribed,
-        options,
+        (options, signals),
         say,
         &mut |word, sent| {
             hear(word, sent.ago);
@@ -287,11 +289,10 @@ fn converse<T>(
     mut node: Node,
     environment: &Environment,
     subscribed: Subscribed,
-    options: &ImpactOptions,
+    (options, signals): (&ImpactOptions, &StopSignals),
     say: &mut dyn FnMut(&str),
     hear: &mut dyn FnMut(&Seen, &Sent<'_>) -> Relation<T>,
 ) -> Result<T, ClientError> {
-    let signals = StopSignals::listen()?;
     let publisher = node.publisher(&qos::IMPACT_EVENT)?;
     // The twin's first messages do not reach a reader that is not matched yet.
     let mut endpoints = subscribed.guids();
@@ -310,7 +311,7 @@ fn converse<T>(
             "waiting for a twin on {topic} in domain {}",
             environment.domain_id
         ));
-        wait_until(&signals, options.match_timeout, |until| {
+        wait_until(signals, options.match_timeout, |until| {
             let found = |guid: &_| matches.wait_for(*guid, 1, until);
             endpoints.iter().all(found).then_some(())
         })?
@@ -327,7 +328,7 @@ fn converse<T>(
             let twins = status.map_or(0, |status| matches.count(status));
             options.column_id.is_some() || columns.len() >= twins
         };
-        wait_until(&signals, STATUS_WAIT, |until| match next(&seen, until) {
+        wait_until(signals, STATUS_WAIT, |until| match next(&seen, until) {
             Some(Seen::Status(status)) => {
                 refused_before.get_or_insert(status.events_refused);
                 columns.insert(status.column_id);
@@ -354,7 +355,7 @@ fn converse<T>(
         let mut deadline = begun + options.answer_timeout;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
-            let word = wait_until(&signals, left, |until| next(&seen, until))?;
+            let word = wait_until(signals, left, |until| next(&seen, until))?;
             let Some(word) = word else {
                 return Err(ClientError::NoAnswer {
                     event_id,

@@ -45,17 +45,29 @@ impl NodeCounters {
     }
 }
 
+/// What the statuses of a node are made of.
+pub(super) struct Observed<'a> {
+    pub twin: &'a TwinStatus,
+    /// Parameters that wait for the end of the response.
+    pub waiting: &'a [&'a str],
+    pub health: &'a Health,
+    /// `None` without a recording.
+    pub recording: Option<&'a RecordingHealth>,
+    /// `None` if security is off.
+    pub security: Option<SecurityHealth>,
+    pub counters: &'a NodeCounters,
+}
+
 /// All statuses of a node.
-pub(super) fn diagnostics(
-    header: Header,
-    node: &str,
-    twin: &TwinStatus,
-    health: &Health,
-    recording: Option<&RecordingHealth>,
-    security: Option<SecurityHealth>,
-    waiting: &[&str],
-    counters: &NodeCounters,
-) -> DiagnosticArray {
+pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) -> DiagnosticArray {
+    let Observed {
+        twin,
+        waiting,
+        health,
+        recording,
+        security,
+        counters,
+    } = observed;
     let mut status = vec![
         twin_status(twin, waiting),
         solver_status(health),
@@ -63,8 +75,8 @@ pub(super) fn diagnostics(
         node_status(counters),
     ];
     status.extend(recording.map(recording_status));
-    status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(security.map(security_status));
+    status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
@@ -332,12 +344,14 @@ mod tests {
         let array = diagnostics(
             Header::default(),
             "column_twin",
-            twin,
-            health,
-            None,
-            None,
-            &[],
-            counters,
+            Observed {
+                twin,
+                waiting: &[],
+                health,
+                recording: None,
+                security: None,
+                counters,
+            },
         );
         array.status.iter().map(|it| it.level).collect()
     }
@@ -462,12 +476,14 @@ mod tests {
             diagnostics(
                 Header::default(),
                 "n",
-                &twin,
-                &Health::default(),
-                None,
-                None,
-                &[],
-                &counters,
+                Observed {
+                    twin: &twin,
+                    waiting: &[],
+                    health: &Health::default(),
+                    recording: None,
+                    security: None,
+                    counters: &counters,
+                },
             )
         };
         assert!(same_state(&of(1), &of(2)));

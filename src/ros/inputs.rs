@@ -8,7 +8,7 @@ use futures::{StreamExt, join, pin_mut};
 use ros2_client::rcl_interfaces as rcl;
 use ros2_client::{Gid, MessageInfo, Server, Subscription};
 
-use crate::incoming::{column_command, impact_command};
+use crate::incoming::{column_command, impact_command, nanos};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::column_twin::{
@@ -83,10 +83,7 @@ impl Subscriptions {
                     event.mass,
                     event.velocity,
                     event.gap,
-                    1e-9 * (twin
-                        .now()
-                        .saturating_sub(event.header.stamp.to_nanos().unwrap_or_default()))
-                        as f64,
+                    1e-9 * (twin.now().saturating_sub(nanos(event.header.stamp))) as f64,
                 );
                 if let Err(refusal) = twin.submit(impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
@@ -203,9 +200,9 @@ pub(super) struct Services {
     reset: Server<TriggerRequest, TriggerResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
     parameters: ParameterServers,
-    senders: Arc<Senders>,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
+    senders: Arc<Senders>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
@@ -222,8 +219,8 @@ impl Services {
     /// Offers all services.
     pub fn new(
         node: &mut Node,
-        senders: Arc<Senders>,
         parameters: &Parameters,
+        senders: Arc<Senders>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {

@@ -314,10 +314,7 @@ mod tests {
         let start = Instant::now();
         // The newest in the middle, as after a retransmission.
         for (sec, impacts) in [(1, 1), (3, 3), (2, 2)] {
-            assert_eq!(
-                lines.lines(Some(status(sec, impacts)), start),
-                [String::new(); 0]
-            );
+            assert!(lines.lines(Some(status(sec, impacts)), start).is_empty());
         }
         let shown = lines.lines(None, start + HISTORY_ARRIVES);
         assert_eq!(shown.len(), 1);

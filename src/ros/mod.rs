@@ -10,6 +10,7 @@
 mod arguments;
 mod client;
 mod clock_watch;
+mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
@@ -51,7 +52,6 @@ pub use node::{Node, NodeError};
 pub use raw::Raw;
 pub use rosout::{RosoutQueue, start_logging};
 pub use run::{RunEnd, RunError, RunOptions, run};
-pub use senders::{GuidPrefix, NoIdentities, SenderIdentity};
 pub use signals::StopSignals;
 pub use twin_node::TwinNode;
 

@@ -20,7 +20,7 @@ use crate::twin::{
 };
 
 use super::clock_watch::SeldomWarning;
-use super::diagnostics::{NodeCounters, diagnostics, same_state};
+use super::diagnostics::{NodeCounters, Observed, diagnostics, same_state};
 use super::live_twin::{Health, LiveTwin};
 use super::matches::Matches;
 use super::node::{Node, NodeError};
@@ -340,12 +340,14 @@ impl Publishing {
         let array = diagnostics(
             self.outgoing.header(self.twin.now()),
             &self.node_name,
-            &self.status,
-            &health,
-            self.recording_health(&health).as_ref(),
-            self.protection.health(&self.peers),
-            &self.waiting,
-            &self.counters,
+            Observed {
+                twin: &self.status,
+                waiting: &self.waiting,
+                health: &health,
+                recording: self.recording_health(&health).as_ref(),
+                security: self.protection.health(&self.peers),
+                counters: &self.counters,
+            },
         );
         let last = self.last_diagnostics.as_ref();
         if unconditionally || !last.is_some_and(|(_, last)| same_state(last, &array)) {

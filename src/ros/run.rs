@@ -9,6 +9,7 @@ use crate::parameters::{Fault, ParameterFaults, Parameters, Source};
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
+use super::dds_threads::DdsThreads;
 use super::environment::{DiscoveryRange, Environment};
 use super::live_twin::{LiveTwin, LiveTwinError};
 use super::names::{NameError, Names};
@@ -34,7 +35,7 @@ pub struct RunOptions {
 pub struct RunEnd {
     /// Messages missing in its recordings.
     pub lost_in_recording: u64,
-    /// A thread of the twin panicked.
+    /// A thread of the twin or of the DDS library panicked.
     pub has_panicked: bool,
 }
 
@@ -86,6 +87,7 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     for warning in &deprecated {
         tracing::warn!("{warning}");
     }
+    let dds_threads = DdsThreads::stop_on_panic();
     let recording = RunRecording::start(&parameters, &names)?;
     let (twin, outputs) = LiveTwin::start(parameters, LiveOptions::default())?;
     let node = TwinNode::start(
@@ -111,7 +113,7 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
     let health = twin.health();
     Ok(RunEnd {
         lost_in_recording: recording.stop(health.dropped_recording),
-        has_panicked: health.has_panicked,
+        has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
 }
 

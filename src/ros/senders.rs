@@ -42,45 +42,32 @@ impl fmt::Display for GuidPrefix {
     }
 }
 
-/// Knows the proven identities of participants; DDS security does.
-pub trait SenderIdentity: Send + Sync + 'static {
-    /// The enclave of a participant; `None` if it is not proven.
-    fn sender_identity(&self, sender: GuidPrefix) -> Option<String>;
-
-    /// Whether identities can be proven at all.
-    fn is_secure(&self) -> bool {
-        true
-    }
+/// Knows the proven identities of participants: DDS security does, and without it there are none.
+#[derive(Debug)]
+pub(super) struct Identities {
+    peers: Arc<Peers>,
+    is_secure: bool,
 }
 
-/// Without DDS security no identity is proven.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct NoIdentities;
-
-impl SenderIdentity for NoIdentities {
-    fn sender_identity(&self, _: GuidPrefix) -> Option<String> {
-        None
+impl Identities {
+    /// Those of the peers of a node; `is_secure` if it has an enclave.
+    pub fn new(peers: Arc<Peers>, is_secure: bool) -> Self {
+        Self { peers, is_secure }
     }
 
-    fn is_secure(&self) -> bool {
-        false
-    }
-}
-
-/// The peers that have proved an identity by DDS security. SROS 2 writes the enclave into the common name of a certificate.
-impl SenderIdentity for Peers {
-    fn sender_identity(&self, sender: GuidPrefix) -> Option<String> {
-        let subject = self.subject(&sender.0)?;
-        let mut parts = subject.split(',').map(str::trim);
-        let name = parts.find_map(|part| part.strip_prefix("CN="));
-        name.map(|name| name.trim().to_owned())
+    /// The enclave of a participant; `None` if it is not proven. SROS 2 makes it the common name of the certificate, which has
+    /// no other part.
+    fn enclave(&self, sender: GuidPrefix) -> Option<String> {
+        let subject = self.peers.subject(&sender.0).filter(|_| self.is_secure)?;
+        let enclave = subject.strip_prefix("CN=")?;
+        Some(enclave.to_owned())
     }
 }
 
 /// The allow-list, the rates of the senders, and what was rejected.
 pub(super) struct Senders {
     allowed: Vec<AllowedSender>,
-    identities: Arc<dyn SenderIdentity>,
+    identities: Identities,
     rates: Option<Mutex<Rates>>,
     not_allowed: AtomicU64,
     too_fast: AtomicU64,
@@ -103,7 +90,7 @@ pub(super) struct Rejected {
 }
 
 impl Senders {
-    pub fn new(settings: &SendersSettings, identities: Arc<dyn SenderIdentity>) -> Self {
+    pub fn new(settings: &SendersSettings, identities: Identities) -> Self {
         let SendersSettings {
             allowed,
             max_rate,
@@ -128,7 +115,7 @@ impl Senders {
     pub fn warn_of_enclaves(&self) {
         let enclaves = self.allowed.iter();
         let enclaves = enclaves.filter(|it| matches!(it, AllowedSender::Enclave(_)));
-        for enclave in enclaves.filter(|_| !self.identities.is_secure()) {
+        for enclave in enclaves.filter(|_| !self.identities.is_secure) {
             tracing::warn!(
                 "senders.allowed names the enclave {enclave}, but this node runs without DDS security, so that the entry \
                  matches nobody"
@@ -188,7 +175,7 @@ impl Senders {
         if self.allowed.is_empty() {
             return true;
         }
-        let enclave = self.identities.sender_identity(sender);
+        let enclave = self.identities.enclave(sender);
         let is = |it: &AllowedSender| it.is(&sender.0, enclave.as_deref());
         self.allowed.iter().any(is)
     }
@@ -313,7 +300,8 @@ mod tests {
     }
 
     fn senders(allowed: &[&str], max_rate: f64, burst: u32) -> Senders {
-        Senders::new(&settings(allowed, max_rate, burst), Arc::new(NoIdentities))
+        let nobody = Identities::new(Arc::default(), false);
+        Senders::new(&settings(allowed, max_rate, burst), nobody)
     }
 
     fn sender(number: u32) -> GuidPrefix {
@@ -331,15 +319,11 @@ mod tests {
 
     #[test]
     fn only_listed_senders_are_admitted() {
-        struct Known;
-        impl SenderIdentity for Known {
-            fn sender_identity(&self, of: GuidPrefix) -> Option<String> {
-                (of == sender(3)).then(|| "/operator".to_owned())
-            }
-        }
-        let settings = settings(&["00000001", "/operator"], 0.0, 10);
-        let senders = Senders::new(&settings, Arc::new(Known));
         let now = Instant::now();
+        let peers = Peers::default();
+        peers.take_joined(sender(3).0, "CN=/operator", now);
+        let settings = settings(&["00000001", "/operator"], 0.0, 10);
+        let senders = Senders::new(&settings, Identities::new(Arc::new(peers), true));
         let admitted = [1, 2, 3].map(|number| senders.admit(sender(number), now).is_ok());
         assert_eq!(admitted, [true, false, true]);
         let rejected = senders.admit(sender(2), now).expect_err("is not listed");
@@ -349,17 +333,6 @@ mod tests {
             "{rejected:?}"
         );
         assert_eq!((senders.not_allowed(), senders.too_fast()), (2, 0));
-    }
-
-    #[test]
-    fn a_peer_with_a_proven_identity_is_known_by_its_enclave() {
-        let peers = Peers::default();
-        let now = Instant::now();
-        peers.take_joined(sender(1).0, "CN=/garage/operator", now);
-        peers.take_joined(sender(2).0, "O=Owner, CN=/garage/monitor", now);
-        let known = [1, 2, 3].map(|number| peers.sender_identity(sender(number)));
-        let expected = [Some("/garage/operator"), Some("/garage/monitor"), None];
-        assert_eq!(known, expected.map(|it| it.map(str::to_owned)));
     }
 
     #[test]

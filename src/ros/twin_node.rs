@@ -33,8 +33,7 @@ use super::publishing::Publishing;
 use super::qos;
 use super::raw::Raw;
 use super::rosout::RosoutQueue;
-use super::security::Protection;
-use super::senders::{NoIdentities, SenderIdentity, Senders};
+use super::senders::{Identities, Senders};
 use super::task::Task;
 
 /// Maximum wait for a log message before the thread checks the stop flag.
@@ -68,11 +67,7 @@ impl TwinNode {
         let mut node = Node::new(environment, names)?;
         let is_simulated = twin.parameters().settings().use_sim_time;
         let parameters = twin.parameters();
-        let identities: Arc<dyn SenderIdentity> = match &*node.protection() {
-            Protection::Off | Protection::Unprotected(_) => Arc::new(NoIdentities),
-            #[cfg(feature = "security")]
-            Protection::Enclave(_) => node.security_peers(),
-        };
+        let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
         let senders = Senders::new(&parameters.settings().senders, identities);
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
@@ -98,7 +93,7 @@ impl TwinNode {
             Arc::clone(&senders),
             recording.clone(),
         )?;
-        let services = Services::new(&mut node, senders, &twin.parameters(), recording)?;
+        let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {

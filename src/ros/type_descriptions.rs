@@ -123,7 +123,11 @@ fn source(type_name: &str) -> TypeSource {
         None => part_of_service("_Request").map(|request| ("srv", request)),
     };
     let (encoding, text) = match file {
-        Some((encoding, interface)) => (encoding, interface.source_text().trim_end()),
+        // rosidl omits the last end of line.
+        Some((encoding, interface)) => {
+            let text = interface.source_text();
+            (encoding, text.strip_suffix('\n').unwrap_or(text))
+        }
         // The parts of a service have no files of their own.
         None => ("implicit", ""),
     };

@@ -134,7 +134,7 @@ fn names_of(parameters: &[&'static Parameter]) -> Vec<&'static str> {
 fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters, Refusal> {
     let changed = from
         .with_changes(changes.iter().cloned())
-        .map_err(|faults| Refusal::new(RefusalCode::ParametersInvalid, faults))?;
+        .map_err(|faults| Refusal::new(RefusalCode::ParametersInvalid, faults.in_one_line()))?;
     let mut read_only = changed.changed_from(from);
     read_only.retain(|parameter| parameter.applies == Applies::Restart);
     if read_only.is_empty() {

@@ -76,7 +76,7 @@ impl Twin {
             .map(|_| ())
             .map_err(|Refusal { code, reason }| {
                 let reason = format!(
-                    "the change cannot take effect when the response to the impact ends: {reason}"
+                    "the change cannot take effect when the response to the impact ends: by then, {reason}"
                 );
                 Refusal::new(code, reason)
             })

@@ -4,8 +4,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use column_twin::endpoints::Endpoint;
-use column_twin::evidence::{NodeRecording, Topics};
-use column_twin::live::{LiveOptions, OutputSource, QueueStats, RealTime, Receiver, WhenFull};
+use column_twin::evidence::{NodeRecording, Topics, verify};
+use column_twin::live::{
+    LiveOptions, OutputQueue, OutputSource, QueueStats, RealTime, Receiver, WhenFull,
+};
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
@@ -16,6 +18,7 @@ use column_twin::ros::{LiveTwin, Names, TwinNode, qos};
 use column_twin::twin::{Command, Journal, Output, Refusal, RefusalCode};
 
 use super::domain::{Domain, PATIENCE};
+use super::node::slow_impact;
 use super::recorded_twin::{START, parameters, the_one_recording};
 
 /// Keeps the messages that the node sends.
@@ -193,4 +196,71 @@ fn diagnostics_at_rest_are_recorded_when_a_level_changes() {
         .map(|it| cdr::decode::<DiagnosticArray>(&it.data).unwrap().status[1].level)
         .collect();
     assert_eq!(levels, [0, 2, 0]);
+}
+
+/// A source that pauses now and then, so that the queue before it overflows.
+struct Hesitant {
+    outputs: Receiver,
+    taken: u32,
+}
+
+impl OutputSource for Hesitant {
+    fn receive(&mut self, timeout: Duration) -> Option<Output> {
+        self.taken += 1;
+        if self.taken.is_multiple_of(20) {
+            std::thread::sleep(Duration::from_millis(60));
+        }
+        self.outputs.receive(timeout)
+    }
+}
+
+/// What the queue to the node drops is missing, and declared when it is dropped.
+#[test]
+fn a_recording_of_a_node_whose_queue_overflows_is_equal() {
+    let domain = Domain::fresh();
+    let directory = tempfile::TempDir::new().unwrap();
+    let record = RecordSettings {
+        mode: RecordMode::Always,
+        directory: directory.path().display().to_string(),
+        ..parameters().settings().record.clone()
+    };
+    let names = Names::new("/", "column_twin", &[]).unwrap();
+    let topics = Topics::resolved(|it| names.resolve(it.kind(), it.name)).unwrap();
+    let recording = NodeRecording::start(&record, &topics, |it| it)
+        .unwrap()
+        .unwrap();
+    let options = LiveOptions {
+        real_time: RealTime::none(),
+        outputs: vec![OutputQueue {
+            states: 16,
+            ..OutputQueue::ros()
+        }],
+        ..LiveOptions::default()
+    };
+    let (twin, outputs) = LiveTwin::start(parameters(), options).unwrap();
+    let node = TwinNode::start(
+        &domain.environment,
+        names,
+        Arc::clone(&twin),
+        Hesitant { outputs, taken: 0 },
+        None,
+        Some(Arc::clone(&recording) as _),
+    )
+    .unwrap();
+    for id in ["a", "b", "c"] {
+        slow_impact(&domain, id);
+        // Some of the responses end before.
+        std::thread::sleep(Duration::from_millis(300));
+        if id == "b" {
+            let source = "test".into();
+            twin.execute(Command::Reset { source }).unwrap();
+        }
+    }
+    assert!(twin.health().dropped_states > 0, "{:?}", twin.health());
+    node.stop();
+    recording.stop().unwrap();
+    let found = verify(&the_one_recording(directory.path())).unwrap();
+    assert!(found.is_equal(), "{found}");
+    assert!(found.missing() > 0 && found.undeclared == 0, "{found}");
+    assert!(found.compared() > 100, "{found}");
 }

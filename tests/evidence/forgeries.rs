@@ -27,7 +27,7 @@ fn recording() -> Finished {
 }
 
 /// Writes a copy of a recording in which `change` has changed or removed messages.
-fn forged(
+pub fn forged(
     original: &Path,
     mut change: impl FnMut(&Message) -> Option<Vec<u8>>,
 ) -> (TempDir, PathBuf) {

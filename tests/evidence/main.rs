@@ -17,6 +17,9 @@ mod full_disk;
 mod incoming;
 mod killed;
 mod node;
+#[allow(dead_code)] // the tests of the recordings use the rest
+#[path = "../../crates/recording/tests/recording/random_damage.rs"]
+mod random_damage;
 mod recorded_twin;
 mod replayed;
 mod scenarios;

@@ -10,6 +10,7 @@ use column_twin::evidence::{NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
+use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
@@ -18,6 +19,7 @@ use column_twin::twin::Command as TwinCommand;
 use tempfile::TempDir;
 
 use super::domain::{Domain, PATIENCE};
+use super::forgeries::forged;
 use super::incoming::{Incoming, reader};
 use super::recorded_twin::the_one_recording;
 
@@ -157,6 +159,26 @@ fn the_recording_has_the_published_bytes_and_is_verified() {
         (found.unchecked_messages(), found.missing()),
         (0, 0),
         "{found}"
+    );
+    // All parameters as new ones, and two changes.
+    assert_eq!(found.parameter_events.compared, 3, "{found}");
+    let mut events = 0;
+    let (_kept, forged) = forged(&path, |message| {
+        let is_event = *message.topic == *qos::PARAMETER_EVENTS.name;
+        events += usize::from(is_event);
+        if !is_event || events != 2 {
+            return Some(message.data.clone());
+        }
+        let mut event: ParameterEvent = cdr::decode(&message.data).unwrap();
+        assert_eq!(event.changed_parameters[0].name, "top.load");
+        event.changed_parameters[0].value.double_value *= 0.5;
+        Some(cdr::encode(&event).unwrap())
+    });
+    let first = verify(&forged).unwrap().first_difference.unwrap();
+    assert_eq!(
+        (first.topic.as_str(), first.by),
+        (qos::PARAMETER_EVENTS.name, Some(-1.5e5)),
+        "{first}"
     );
 }
 

@@ -210,6 +210,11 @@ impl RecordedTwin {
         }
     }
 
+    /// The directory of the recordings.
+    pub fn directory(&self) -> &Path {
+        self.directory.path()
+    }
+
     /// Ends the recording.
     pub fn finish(self) -> Finished {
         let statistics = self.recording.stop().expect("it ran");

@@ -245,7 +245,7 @@ fn the_mode_events_records_little_while_the_column_is_at_rest() {
 }
 
 /// Bytes of the recording of one impact.
-fn size_of_one_impact() -> u64 {
+pub fn size_of_one_impact() -> u64 {
     let mut twin = RecordedTwin::new(parameters());
     twin.hit(event("a", twin.now));
     twin.until_rest();

@@ -63,6 +63,17 @@ impl Program {
         self.child.id()
     }
 
+    /// Resident memory \[MB\].
+    #[allow(dead_code)] // for the tests of the transport
+    pub fn megabytes(&self) -> f64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.id()));
+        let status = status.expect("the program runs");
+        let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+        let kilobytes = line.and_then(|line| line.split_whitespace().nth(1));
+        let kilobytes = kilobytes.and_then(|it| it.parse::<u32>().ok());
+        f64::from(kilobytes.expect("a number")) / 1024.0
+    }
+
     /// Waits for a line of the log that contains this text.
     pub fn wait_for(&mut self, text: &str) -> String {
         loop {

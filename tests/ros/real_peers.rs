@@ -19,6 +19,7 @@ use super::domain::{Domain, PATIENCE};
 use super::loopback::{Outgoing, event, now};
 use super::program::Program;
 use super::simulation;
+use super::transport::{MANY, Sender, report, status};
 
 const MASS: f64 = 1500.0;
 const VELOCITY: f64 = 10.0;
@@ -136,6 +137,29 @@ fn rclpy_plays_the_clock() {
     let program = Program::ready(&domain, folder.path(), &["-p", "use_sim_time:=true"]);
     finish(script(&domain, "clock_with_rclpy.py", Some(&expected)));
     assert!(program.terminate().0.success());
+}
+
+/// `ros2 topic echo --once /twin_status` showed a status of minutes ago: all that had ever been sent came first.
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn rclpy_joins_late_and_gets_what_is_offered() {
+    let domain = Domain::fresh();
+    let statuses = Sender::start(&domain, &qos::TWIN_STATUS);
+    let forecasts = Sender::start(&domain, &qos::IMPACT_FORECAST);
+    for number in 1..=MANY {
+        statuses.publisher.publish(status(number)).unwrap();
+        forecasts.publisher.publish(report(number)).unwrap();
+    }
+    let output = script(&domain, "late_joiner_with_rclpy.py", None)
+        .wait_with_output()
+        .unwrap();
+    assert!(output.status.success(), "{}", output.status);
+    let last_ten = (MANY - 9..=MANY).map(|it| it.to_string());
+    let expected = format!(
+        "twin_status {MANY}\nimpact_forecast {}\n",
+        Vec::from_iter(last_ten).join(" ")
+    );
+    assert_eq!(String::from_utf8_lossy(&output.stdout), expected);
 }
 
 #[test]

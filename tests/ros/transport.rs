@@ -16,20 +16,20 @@ use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
 
 /// More than any depth that the table offers.
-const MANY: i32 = 500;
+pub const MANY: i32 = 500;
 
 /// Time in which nothing more comes.
 const QUIET: Duration = Duration::from_millis(500);
 
 /// A publisher in a node of its own, whose events are followed.
-struct Sender<M: Serialize> {
-    publisher: Publisher<M>,
+pub struct Sender<M: Serialize> {
+    pub publisher: Publisher<M>,
     abort: AbortHandle,
     node: Node,
 }
 
 impl<M: Serialize> Sender<M> {
-    fn start(domain: &Domain, endpoint: &Endpoint) -> Self {
+    pub fn start(domain: &Domain, endpoint: &Endpoint) -> Self {
         let mut node = reader(domain);
         let publisher = node.publisher::<M>(endpoint).unwrap();
         let (abort, registration) = AbortHandle::new_pair();
@@ -56,7 +56,7 @@ impl<M: Serialize> Drop for Sender<M> {
     }
 }
 
-fn status(number: i32) -> TwinStatus {
+pub fn status(number: i32) -> TwinStatus {
     let mut status = TwinStatus::default();
     status.header.stamp = Time {
         sec: number,
@@ -65,7 +65,7 @@ fn status(number: i32) -> TwinStatus {
     status
 }
 
-fn report(number: i32) -> ImpactReport {
+pub fn report(number: i32) -> ImpactReport {
     let mut report = ImpactReport::default();
     report.header.stamp = Time {
         sec: number,

@@ -1,4 +1,4 @@
-//! The quick start of docs/security.md, as a user types it.
+//! The commands of docs/security.md, as a user types them.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -6,28 +6,74 @@ use std::process::{Command, Output};
 use super::domain::Domain;
 use super::program::Program;
 
-/// The commands of the first code block after this heading.
-fn commands(heading: &str) -> Vec<String> {
+/// The commands of every code block.
+fn blocks() -> Vec<Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("docs/security.md")).expect("the document");
-    let (_, section) = text.split_once(heading).expect(heading);
-    let block = section.split("```").nth(1).expect("a code block");
-    let lines = block.strip_prefix("sh\n").expect("shell").lines();
-    lines
-        .map(|line| {
-            line.split("  #")
-                .next()
-                .unwrap_or_default()
-                .trim()
-                .to_owned()
-        })
-        .collect()
+    let command = |line: &str| {
+        let command = line.split("  #").next().unwrap_or_default();
+        command.trim().to_owned()
+    };
+    let commands = |block: &str| {
+        let lines = block.strip_prefix("sh\n").expect("shell").lines();
+        lines.map(command).collect()
+    };
+    text.split("```").skip(1).step_by(2).map(commands).collect()
+}
+
+/// The beginnings of commands that are not run here, and why.
+const ELSEWHERE: [(&str, &str); 3] = [
+    ("apt-get install ", ".ci/run installs the packages"),
+    ("cargo build ", "it compiles everything again"),
+    (
+        "ros2 security ",
+        "it needs an installed ROS 2; another test compares what it makes of the policy",
+    ),
+];
+
+/// The beginnings of the commands of the quick start, which has a test of its own.
+const QUICK_START: [&str; 4] = [
+    "export ",
+    "column-twin run ",
+    "column-twin watch ",
+    "column-twin impact ",
+];
+
+#[test]
+fn every_command_about_keystores_in_the_documentation_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = 0;
+    for command in blocks().into_iter().flatten() {
+        if !command.starts_with("column-twin keystore ") {
+            let mut known = ELSEWHERE
+                .iter()
+                .map(|(begins, _)| *begins)
+                .chain(QUICK_START);
+            assert!(
+                known.any(|begins| command.starts_with(begins)),
+                "`{command}` is documented and not run"
+            );
+            continue;
+        }
+        let line = command.replacen("column-twin", env!("CARGO_BIN_EXE_column-twin"), 1);
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output()
+            .expect("runs");
+        assert!(output.status.success(), "{command}: {output:?}");
+        run += 1;
+    }
+    assert!(run >= 9, "{run}");
 }
 
 #[test]
 fn the_quick_start_of_the_documentation_works_as_written() {
-    let commands = commands("## Quick start");
-    let [create, export, run, watch, impact] = commands.as_slice() else {
+    let blocks = blocks();
+    let commands = blocks
+        .iter()
+        .find(|block| block[0].contains("keystore create"));
+    let Some([create, export, run, watch, impact]) = commands.map(Vec::as_slice) else {
         panic!("expected five commands: {commands:#?}");
     };
     let domain = Domain::fresh();
@@ -66,6 +112,13 @@ fn the_quick_start_of_the_documentation_works_as_written() {
 
     let refused = output(&impact.replace("/operator", "/monitor"));
     assert_eq!(refused.status.code(), Some(1), "{}", text(&refused));
+    let forgotten = output(&watch.replace("--ros-args --enclave /monitor", ""));
+    assert_eq!(forgotten.status.code(), Some(2));
+    assert!(
+        text(&forgotten).contains("Choose an enclave of the keystore with --ros-args --enclave"),
+        "{}",
+        text(&forgotten)
+    );
     let (status, _, log) = stranger.terminate();
     assert!(status.success());
     assert!(

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::messages::column_twin::TwinStatus;
+use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::ros::{
     ClientError, Environment, ImpactOptions, ImpactOutcome, Names, Node, qos, send_impact,
 };
@@ -32,10 +33,21 @@ struct Bed {
 
 impl Bed {
     fn start(governance: &Governance<'_>) -> Self {
+        Self::with_certificate_for(governance, 365)
+    }
+
+    /// The certificate of the twin is valid for so many days.
+    fn with_certificate_for(governance: &Governance<'_>, days: i64) -> Self {
         let (keystore, domain) = (Keystore::new(), Domain::fresh());
-        for name in ["/column_twin", "/operator"] {
-            keystore.write(&keystore.unrestricted(name, governance));
-        }
+        keystore.write(&keystore.unrestricted("/operator", governance));
+        let identity = keystore.authority.issue("/column_twin", -1..days);
+        let permissions = everything("/column_twin");
+        keystore.write(&Enclave::of(
+            &keystore.authority,
+            &identity,
+            governance,
+            &permissions,
+        ));
         let folder = tempfile::tempdir().unwrap();
         let mut twin = Program::spawn(&domain, folder.path(), twin(&keystore));
         twin.wait_for("is ready in domain");
@@ -116,6 +128,60 @@ fn the_governance_of_ros2_security_works_unchanged() {
         "{received} messages to the peer, {seen} from it"
     );
     bed.twin.terminate();
+}
+
+/// The status `security` of the twin, when `is_it` says yes to it.
+fn security_status(
+    bed: &Bed,
+    what: &str,
+    is_it: impl Fn(&DiagnosticStatus) -> bool,
+) -> DiagnosticStatus {
+    let names = Names::new("/", "monitor", &[]).unwrap();
+    let mut node = Node::new(&bed.operator(), names).unwrap();
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+    let of = |array: &DiagnosticArray| {
+        let mut statuses = array.status.iter();
+        let status = statuses.find(|it| it.name == "column_twin: security");
+        status.expect("a status of security").clone()
+    };
+    of(&diagnostics.find(what, |array| is_it(&of(array))))
+}
+
+fn value(status: &DiagnosticStatus, key: &str) -> String {
+    let value = status.values.iter().find(|it| it.key == key);
+    value.expect(key).value.clone()
+}
+
+#[test]
+fn who_joined_and_who_was_rejected_is_counted_in_diagnostics() {
+    let bed = Bed::start(&RECOMMENDED);
+    let stranger = Peer::start(bed.domain.environment.domain_id, None);
+    let status = security_status(&bed, "a rejected peer", |it| {
+        value(it, "peers rejected") != "0"
+    });
+    assert_eq!(status.level, DiagnosticStatus::OK, "{status:?}");
+    assert_eq!(value(&status, "peers joined"), "1", "{status:?}");
+    assert_eq!(value(&status, "peers rejected"), "1", "{status:?}");
+    assert_eq!(value(&status, "subject"), "CN=/column_twin");
+    drop(stranger);
+    bed.twin.terminate();
+}
+
+#[test]
+fn a_certificate_that_ends_within_thirty_days_is_announced_in_diagnostics() {
+    let bed = Bed::with_certificate_for(&RECOMMENDED, 20);
+    let status = security_status(&bed, "any", |_| true);
+    assert_eq!(status.level, DiagnosticStatus::WARN, "{status:?}");
+    assert!(
+        status
+            .message
+            .starts_with("cert.pem of the enclave expires in "),
+        "{status:?}"
+    );
+    let (_, _, log) = bed.twin.terminate();
+    let announced =
+        |line: &String| line.contains("[WARN]") && line.contains("cert.pem of the enclave expires");
+    assert!(log.iter().any(announced), "{log:#?}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod hostile;
 #[path = "../ros/incoming.rs"]
 mod incoming;
 mod keystore;
+mod payload;
 mod peer;
 #[allow(dead_code)] // the tests of the node use more of it
 #[path = "../ros/program.rs"]

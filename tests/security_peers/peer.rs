@@ -26,19 +26,7 @@ pub struct Peer {
 impl Peer {
     /// With the files of an enclave, or without any.
     pub fn start(domain_id: u16, enclave: Option<&Path>) -> Self {
-        let localhost = IpAddr::V4(Ipv4Addr::LOCALHOST);
-        let builder = DomainParticipantBuilder::new(domain_id).with_only_networks([localhost]);
-        let builder = match enclave {
-            Some(folder) => {
-                let files = DomainParticipantSecurityConfigFiles::with_ros_default_names(
-                    folder,
-                    String::new(),
-                );
-                builder.builtin_security(files)
-            }
-            None => builder,
-        };
-        let participant = builder.build().expect("a participant");
+        let participant = participant(domain_id, enclave);
         let publisher = participant
             .create_publisher(&QosPolicies::default())
             .unwrap();
@@ -77,6 +65,21 @@ impl Peer {
         let _ = self.events.write(event, None);
         self.received += taken(&mut self.statuses) + taken(&mut self.states);
     }
+}
+
+/// A participant on loopback.
+pub fn participant(domain_id: u16, enclave: Option<&Path>) -> DomainParticipant {
+    let localhost = IpAddr::V4(Ipv4Addr::LOCALHOST);
+    let builder = DomainParticipantBuilder::new(domain_id).with_only_networks([localhost]);
+    let builder = match enclave {
+        Some(folder) => {
+            let files =
+                DomainParticipantSecurityConfigFiles::with_ros_default_names(folder, String::new());
+            builder.builtin_security(files)
+        }
+        None => builder,
+    };
+    builder.build().expect("a participant")
 }
 
 fn topic(participant: &DomainParticipant, endpoint: &Endpoint) -> (Topic, QosPolicies) {

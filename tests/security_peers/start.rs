@@ -122,3 +122,32 @@ fn broken_files_are_refused_whatever_the_strategy() {
         );
     }
 }
+
+#[test]
+fn every_command_that_opens_a_participant_enforces_security() {
+    let folder = tempfile::tempdir().unwrap();
+    let keystore = text(folder.path());
+    for arguments in [
+        &["impact", "--mass", "1500", "--velocity", "1"][..],
+        &["watch"],
+        &["replay", "bag"],
+        &["run"],
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+            .args(arguments)
+            .args(["--ros-args", "-e", "/nobody"])
+            .current_dir(&folder)
+            .env("ROS_SECURITY_ENABLE", "true")
+            .env("ROS_SECURITY_STRATEGY", "Enforce")
+            .env("ROS_SECURITY_KEYSTORE", keystore)
+            .env_remove("ROS_SECURITY_ENCLAVE_OVERRIDE")
+            .output()
+            .unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(
+            error.contains("/enclaves/nobody' does not exist."),
+            "{arguments:?}: {error}"
+        );
+    }
+}

@@ -223,7 +223,12 @@ impl<S: NonlinearSystem> Search<'_, S> {
 /// Where a force that does not decrease with `x` falls to `enough`, searched from 0 with a first step for its elastic
 /// stiffness, up to `reach`; `None` if it keeps its sign up to there. Secants that halve the bracket in two evaluations, and
 /// bisections, because next to a corner of the yield surface the force is a staircase.
-fn root(mut force: impl FnMut(f64) -> f64, stiffness: f64, reach: f64, enough: f64) -> Option<f64> {
+pub(crate) fn root(
+    mut force: impl FnMut(f64) -> f64,
+    stiffness: f64,
+    reach: f64,
+    enough: f64,
+) -> Option<f64> {
     let start = force(0.0);
     if start.abs() <= enough {
         return Some(0.0);

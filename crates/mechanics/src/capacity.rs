@@ -29,9 +29,9 @@ pub const MAX_IMPERFECTION: f64 = 0.1;
 /// Bound of the attempted increments of one push-down; 100 to 500 are usual.
 pub const MAX_PUSH_DOWN_INCREMENTS: u32 = 3_000;
 
-/// Bound of the evaluations of the forces in one push-down, which is what it costs: a few hundred nanoseconds each. 500 to
-/// 2 000 are usual.
-const MAX_EVALUATIONS: u32 = 40_000;
+/// Bound of the evaluations of the forces in one push-down, which is what it costs: 0.2 to 2.5 microseconds each, so that no
+/// push-down takes longer than about 15 ms. 500 to 2 000 are usual. The last increment may exceed the bound.
+pub const MAX_PUSH_DOWN_EVALUATIONS: u32 = 6_000;
 
 /// The push-down ends when the force has fallen to this share of its largest value: the hinges have then formed a
 /// mechanism, whose force `2 M(N) / w` decreases with its displacement `w`.
@@ -48,6 +48,10 @@ const MAX_INCREMENT: f64 = 0.002;
 
 /// Largest increment after it.
 const MAX_INCREMENT_AFTER: f64 = 0.1;
+
+/// Increments that must succeed after one that could not be solved before their size grows again: a failure costs as much
+/// as a hundred of them.
+const INCREMENTS_BEFORE_GROWTH: u32 = 16;
 
 /// Smallest increment.
 const MIN_INCREMENT: f64 = 1e-9;
@@ -180,6 +184,8 @@ pub struct PushDown {
     /// Increment of the displacements and its size on the scale of [`PathStep`], for the prediction of the next one.
     last: Option<(Displacement, f64)>,
     increment: f64,
+    /// How many increments must succeed before their size grows again.
+    until_growth: u32,
     /// `dN` over the size of the last increment \[N\].
     slope: f64,
     /// The force that a plateau starts from, and the length of the path since then.
@@ -223,6 +229,7 @@ impl PushDown {
             unloaded: Displacement::default(),
             last: None,
             increment: MAX_ELASTIC_INCREMENT,
+            until_growth: 0,
             slope: f64::INFINITY,
             plateau: (0.0, 0.0),
             fallen: FALLEN,
@@ -323,7 +330,7 @@ impl PushDown {
     /// One increment: accepted, or repeated later with half its size.
     fn try_increment(&mut self) {
         if self.capacity.increments >= MAX_PUSH_DOWN_INCREMENTS
-            || self.capacity.evaluations >= MAX_EVALUATIONS
+            || self.capacity.evaluations >= MAX_PUSH_DOWN_EVALUATIONS
         {
             return self.finish(CapacityEnd::BoundReached);
         }
@@ -422,7 +429,12 @@ impl PushDown {
         } else {
             MAX_ELASTIC_INCREMENT
         };
-        self.increment = (2.0 * size).min(max);
+        self.increment = if self.until_growth > 0 {
+            self.until_growth -= 1;
+            size.min(max)
+        } else {
+            (2.0 * size).min(max)
+        };
     }
 
     fn halve(&mut self, reason: CapacityEnd) {
@@ -430,6 +442,7 @@ impl PushDown {
             self.finish(reason);
         } else {
             self.increment *= 0.5;
+            self.until_growth = INCREMENTS_BEFORE_GROWTH;
         }
     }
 

@@ -6,10 +6,10 @@ use std::cell::Cell;
 use nalgebra::{Matrix4, Vector4};
 
 use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
+use super::bracketing;
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
-use super::newton::zero_near;
 use super::strength::BarStress;
 
 /// Bound of the Newton iterations of one increment; two to four are usual.
@@ -32,6 +32,9 @@ const MAX_HALVED_CORRECTIONS: u32 = 4;
 
 /// Bound of the searches for `beta1` alone in one increment.
 const MAX_JOINT_BALANCES: u32 = 6;
+
+/// Share of [`TOLERANCE`] to which the joint is balanced.
+const BALANCE_SHARE: f64 = 0.05;
 
 /// Row of `beta1`.
 const BETA1: usize = 2;
@@ -277,7 +280,8 @@ impl Equations<'_> {
         };
         let [joint, _] = self.model.frame.massless_stiffness();
         let unbalanced = |turn: f64| self.evaluate(&turned(turn), point)[BETA1];
-        turned(zero_near(unbalanced, joint, MAX_ROTATION))
+        let enough = BALANCE_SHARE * TOLERANCE * self.model.properties.resistance_moment;
+        turned(bracketing::root(unbalanced, joint, MAX_ROTATION, enough).unwrap_or(0.0))
     }
 }
 

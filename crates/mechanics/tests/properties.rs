@@ -7,8 +7,8 @@
 
 use column_mechanics::{
     Capacity, ColumnProperties, CrushCurve, CrushSpring, ElasticLaw, Impact,
-    MAX_PUSH_DOWN_INCREMENTS, Model, Phase, Progress, PushDown, Response, Sample, Scheme, State,
-    StepError, Support, Vehicle, YieldExponents, residual_state,
+    MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, Model, Phase, Progress, PushDown,
+    Response, Sample, Scheme, State, StepError, Support, Vehicle, YieldExponents, residual_state,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -22,6 +22,9 @@ const STEPS: u32 = 300;
 
 /// Push-downs of random columns, virgin and after an impact.
 const PUSH_DOWNS: u32 = 1_000;
+
+/// Most evaluations of one increment of a push-down.
+const LAST_INCREMENT: u32 = 2_000;
 
 /// Minimum length of a bar in the parameter table \[m\].
 const MIN_BAR: f64 = 0.02;
@@ -335,6 +338,11 @@ fn push_down(model: &Model, state: &State, imperfection: f64) -> Result<Capacity
         prop_assert!(slices <= MAX_PUSH_DOWN_INCREMENTS / 100, "it does not end");
     };
     prop_assert!(capacity.force.is_finite() && capacity.force >= 0.0);
+    // Some columns once took 1.2 s.
+    prop_assert!(
+        capacity.evaluations <= MAX_PUSH_DOWN_EVALUATIONS + LAST_INCREMENT,
+        "{capacity:?}"
+    );
     prop_assert!(capacity.v1.is_finite() && capacity.shortening.is_finite());
     Ok(capacity)
 }

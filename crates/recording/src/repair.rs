@@ -73,6 +73,7 @@ impl fmt::Display for Repaired {
                 f,
                 " Its seal covers the first {covered} messages only, and does not hold beyond them: {reason}."
             )?,
+            Some(Seal { covered: 0, .. }) => f.write_str(" Its seal covers none of them.")?,
             Some(Seal {
                 covered,
                 uncovered: 0,

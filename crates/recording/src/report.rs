@@ -46,7 +46,7 @@ pub enum RecorderReport {
         directory: PathBuf,
     },
     /// A recording that a crash had cut off was repaired.
-    Repaired(Repaired),
+    Repaired(Box<Repaired>),
     /// A recording that a crash had cut off could not be repaired.
     NotRepaired {
         /// Its directory.

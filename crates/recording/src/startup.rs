@@ -25,7 +25,7 @@ pub(crate) fn repair_unfinished(options: &RecorderOptions, stop: &AtomicBool) {
     for directory in unfinished.into_iter().rev().take(MAX_REPAIRS) {
         let report = match repair_unless(&directory, None, stop) {
             Ok(None) => continue,
-            Ok(Some(repaired)) => RecorderReport::Repaired(repaired),
+            Ok(Some(repaired)) => RecorderReport::Repaired(Box::new(repaired)),
             Err(_) if stop.load(Ordering::Relaxed) => return,
             Err(error) => RecorderReport::NotRepaired {
                 directory,

@@ -289,9 +289,10 @@ impl Enclave {
         if !directory.is_dir() {
             return Err(SecurityError::NoDirectory(directory.to_owned()));
         }
-        let is_present = |(_, name): &(EnclaveFile, &str)| {
-            // A dangling link is a file that cannot be read, not a missing enclave.
-            directory.join(name).symlink_metadata().is_ok()
+        let is_present = |(file, name): &(EnclaveFile, &str)| {
+            // The folder above all enclaves, which a program without `--enclave` names, has a governance and nothing else. A
+            // dangling link is a file that cannot be read, not a missing enclave.
+            *file != EnclaveFile::Governance && directory.join(name).symlink_metadata().is_ok()
         };
         if !ENCLAVE_FILES.iter().any(is_present) {
             return Err(SecurityError::NoFiles(directory.to_owned()));

@@ -155,6 +155,11 @@ fn listed(faults: &[EnclaveFault]) -> String {
 }
 
 impl Protection {
+    /// Whether the participant belongs to an enclave, so that its peers have to prove who they are.
+    pub(super) fn has_enclave(&self) -> bool {
+        !matches!(self, Self::Off | Self::Unprotected(_))
+    }
+
     /// Logs what holds from now on.
     pub(super) fn announce(&self) {
         match self {

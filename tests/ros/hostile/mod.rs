@@ -40,7 +40,7 @@ fn a_datagram_of_160_bytes_does_not_cost_4_gb() {
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
     let writer = peer.publish(EVENT.0, EVENT.1);
-    let before = victim.megabytes();
+    let before = victim.program.megabytes();
     for (number, sample_size) in [(1, u32::MAX), (2, 1 << 30), (3, 100 << 20)] {
         let fragment = Fragment {
             number,
@@ -67,9 +67,9 @@ fn a_datagram_of_160_bytes_does_not_cost_4_gb() {
         Datagram::from(peer.prefix).data_frag(wire::UNKNOWN, writer, &fragment)
     });
     std::thread::sleep(Duration::from_millis(300));
-    let grown = victim.megabytes() - before;
-    assert!(grown < 64, "{grown} MB");
-    victim.is_well();
+    let grown = victim.program.megabytes() - before;
+    assert!(grown < 64.0, "{grown} MB");
+    victim.assert_well();
 }
 
 /// The fragments of writers that nobody knows are not assembled.
@@ -79,7 +79,7 @@ fn fragments_of_unknown_writers_cost_nothing() {
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
     let writer = peer.publish(EVENT.0, EVENT.1);
-    let before = victim.megabytes();
+    let before = victim.program.megabytes();
     flood(&peer, victim.user, 20_000, |number| {
         let fragment = Fragment {
             number: 1,
@@ -91,9 +91,9 @@ fn fragments_of_unknown_writers_cost_nothing() {
         };
         Datagram::from(prefix(number)).data_frag(wire::UNKNOWN, writer, &fragment)
     });
-    let grown = victim.megabytes().saturating_sub(before);
-    assert!(grown < 32, "{grown} MB");
-    victim.is_well();
+    let grown = victim.program.megabytes() - before;
+    assert!(grown < 32.0, "{grown} MB");
+    victim.assert_well();
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn a_range_of_2_to_the_63_samples_does_not_stop_the_node() {
         victim.user,
         &from().heartbeat(anyone, writer, i64::MAX, i64::MAX, i32::MAX),
     );
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// Fragment 0 does not exist, and RustDDS 0.15.1 panicked; the last one of 2^32 cost half a gigabyte.
@@ -135,7 +135,7 @@ fn requests_for_fragments_that_do_not_exist_are_ignored() {
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
     let (reader, writer) = peer.subscribe(STATUS.0, STATUS.1);
-    let before = victim.megabytes();
+    let before = victim.program.megabytes();
     let mut count = 0;
     for number in [i64::MIN, -1, 0, 1, 2, 3, 1000, i64::MAX] {
         for base in [0, 1, i64::from(u32::MAX) - 255] {
@@ -153,9 +153,9 @@ fn requests_for_fragments_that_do_not_exist_are_ignored() {
         }
     }
     std::thread::sleep(Duration::from_millis(300));
-    let grown = victim.megabytes().saturating_sub(before);
-    assert!(grown < 32, "{grown} MB");
-    victim.is_well();
+    let grown = victim.program.megabytes() - before;
+    assert!(grown < 32.0, "{grown} MB");
+    victim.assert_well();
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn a_flood_of_participants_does_not_fill_the_memory() {
         let (reader, writer) = (wire::SPDP_READER, wire::SPDP_WRITER);
         Datagram::from(prefix(number)).data(reader, writer, 1, &data)
     });
-    victim.is_well();
+    victim.assert_well();
 }
 
 /// RustDDS 0.15.1 kept a record of the source of every datagram with a new prefix.
@@ -177,13 +177,13 @@ fn datagrams_of_a_million_prefixes_do_not_fill_the_memory() {
     let folder = tempfile::tempdir().unwrap();
     let victim = Victim::start(folder.path());
     let peer = Peer::join(&victim, 1);
-    let before = victim.megabytes();
+    let before = victim.program.megabytes();
     flood(&peer, victim.user, 200_000, |number| {
         Datagram::from(prefix(number)).stamp(1, 2)
     });
-    let grown = victim.megabytes().saturating_sub(before);
-    assert!(grown < 16, "{grown} MB");
-    victim.is_well();
+    let grown = victim.program.megabytes() - before;
+    assert!(grown < 16.0, "{grown} MB");
+    victim.assert_well();
 }
 
 #[test]
@@ -205,5 +205,46 @@ fn a_flood_of_endpoints_with_long_names_does_not_fill_the_memory() {
         let data = endpoint(number, &format!("rt/topic_{number}"));
         Datagram::from(peer.prefix).data(reader, writer, 10_000 + i64::from(number), &data)
     });
-    victim.is_well();
+    victim.assert_well();
+}
+
+/// The participant waited for its own acknowledgement, and sent HEARTBEATs of discovery ten times a second for ever.
+#[test]
+fn discovery_is_silent_when_everything_is_acknowledged() {
+    let folder = tempfile::tempdir().unwrap();
+    let victim = Victim::start(folder.path());
+    let peer = Peer::join(&victim, 1);
+    let writers = [
+        (wire::PUBLICATIONS_READER, wire::PUBLICATIONS_WRITER),
+        (wire::SUBSCRIPTIONS_READER, wire::SUBSCRIPTIONS_WRITER),
+        (wire::TOPICS_READER, wire::TOPICS_WRITER),
+        ([0, 2, 0, 0xc7], [0, 2, 0, 0xc2]),
+    ];
+    let heartbeats = || {
+        let received = peer.received();
+        let all = received.iter().flat_map(|it| wire::submessages(it));
+        let of_discovery = all.filter(|(id, _, content)| {
+            let writer = content.get(4..8);
+            *id == wire::HEARTBEAT && writers.iter().any(|(_, it)| writer == Some(&it[..]))
+        });
+        of_discovery.count()
+    };
+    // The reader has what it asks for when it asks for nothing below a number that is beyond the last one.
+    let mut count = 0;
+    for last in 0..200 {
+        for (reader, writer) in writers {
+            count += 1;
+            let all =
+                Datagram::from(peer.prefix).acknack(reader, writer, &Set::empty(last + 1), count);
+            peer.send(victim.discovery, &all);
+        }
+        if last % 20 == 0 {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    heartbeats();
+    std::thread::sleep(Duration::from_secs(2));
+    let heartbeats = heartbeats();
+    assert!(heartbeats <= 4, "{heartbeats} in two seconds");
 }

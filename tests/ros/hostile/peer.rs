@@ -12,7 +12,7 @@ use crate::loopback::impact;
 use crate::program::Program;
 
 /// Highest memory of a node that was attacked \[MB\].
-pub const MAX_MEGABYTES: u64 = 300;
+pub const MAX_MEGABYTES: f64 = 300.0;
 
 /// A node in a process of its own, the first participant of its domain.
 pub struct Victim {
@@ -38,18 +38,6 @@ impl Victim {
         }
     }
 
-    /// Resident memory \[MB\].
-    pub fn megabytes(&self) -> u64 {
-        let status = format!("/proc/{}/status", self.program.id());
-        let status = std::fs::read_to_string(status).expect("the node runs");
-        let line = status.lines().find(|line| line.starts_with("VmRSS:"));
-        let kilobytes = line.and_then(|line| line.split_whitespace().nth(1));
-        kilobytes
-            .and_then(|it| it.parse::<u64>().ok())
-            .expect("a number")
-            / 1024
-    }
-
     /// Datagrams that the sockets of the node have dropped, because they were full.
     pub fn dropped(&self) -> u64 {
         let ports = [self.discovery, self.user].map(|port| format!(":{port:04X}"));
@@ -64,13 +52,13 @@ impl Victim {
     }
 
     /// A new participant still gets an impact accepted, and the memory is bounded. Returns the memory \[MB\].
-    pub fn is_well(self) -> u64 {
+    pub fn assert_well(self) -> f64 {
         match impact(&self.domain, 1500.0, PATIENCE) {
             Ok(ImpactOutcome::Forecast(report)) => assert!(report.max_v1 > 0.0),
             other => panic!("{other:?}"),
         }
-        let megabytes = self.megabytes();
-        println!("{megabytes} MB");
+        let megabytes = self.program.megabytes();
+        println!("{megabytes:.0} MB");
         assert!(megabytes < MAX_MEGABYTES, "{megabytes} MB");
         let (status, ..) = self.program.terminate();
         assert!(status.success(), "{status}");

@@ -8,6 +8,8 @@ use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader};
 use mcap::sans_io::{LinearReadEvent, LinearReader};
 use mcap::{Attachment, WriteOptions};
 
+use super::random_damage::Random;
+
 pub const BEGIN: &str = "rosbag2_mcap/seal_begin";
 pub const SEAL: &str = "rosbag2_mcap/seal";
 
@@ -33,8 +35,11 @@ impl Kept {
     }
 }
 
+/// Number of kinds of [changes](Parts::change_one).
+pub const KINDS: usize = 8;
+
 /// A file, taken apart.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parts {
     pub schemas: BTreeMap<u16, (SchemaHeader, Vec<u8>)>,
     pub channels: BTreeMap<u16, Channel>,
@@ -144,11 +149,17 @@ impl Parts {
         }
     }
 
-    pub fn channel_ids(&self) -> Vec<u16> {
-        self.channels.keys().copied().collect()
+    /// The channels of messages.
+    fn used_channels(&self) -> Vec<u16> {
+        let used = |id: &u16| {
+            let is_of_it =
+                |it: &Kept| matches!(it, Kept::Message(header, _) if header.channel_id == *id);
+            self.records.iter().any(is_of_it)
+        };
+        self.channels.keys().copied().filter(used).collect()
     }
 
-    pub fn channel(&mut self, id: u16) -> &mut Channel {
+    fn channel(&mut self, id: u16) -> &mut Channel {
         self.channels.get_mut(&id).unwrap()
     }
 
@@ -159,5 +170,56 @@ impl Parts {
             _ => None,
         });
         seals.nth(index).unwrap()
+    }
+
+    /// One change of one message, or of the definition of its topic.
+    pub fn change_one(&mut self, kind: usize, random: &mut Random) {
+        let positions = self.messages();
+        let index = random.below(positions.len());
+        let position = positions[index];
+        let step = 1 + random.next() % 1_000_000_000;
+        match kind {
+            0 => {
+                let (_, data) = self.message(index);
+                let at = random.below(data.len());
+                data[at] ^= 1 << random.below(8);
+            }
+            1 => {
+                self.records.remove(position);
+            }
+            2 => {
+                let twice = self.records[position].clone();
+                let to = positions[random.below(positions.len())];
+                self.records.insert(to, twice);
+            }
+            3 => {
+                let moved = self.records.remove(position);
+                let to = self.messages()[random.below(positions.len() - 1)];
+                self.records.insert(to, moved);
+            }
+            4 => self.message(index).0.log_time += step,
+            5 => self.message(index).0.publish_time -= step,
+            6 => {
+                let (header, data) = self.message(index);
+                match random.below(3) {
+                    0 => header.sequence ^= 1 << random.below(32),
+                    1 => data.push(0),
+                    _ => data.truncate(data.len() - 1),
+                }
+            }
+            _ => {
+                let ids = self.used_channels();
+                let channel = self.channel(ids[random.below(ids.len())]);
+                match random.below(4) {
+                    0 => channel.topic.push('x'),
+                    1 => channel.message_encoding.push('x'),
+                    2 => channel
+                        .metadata
+                        .insert("note".to_owned(), "x".to_owned())
+                        .map_or((), |_| ()),
+                    _ => channel.metadata.clear(),
+                }
+            }
+        }
     }
 }

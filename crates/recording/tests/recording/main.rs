@@ -15,4 +15,6 @@ mod resealing;
 mod sample;
 mod seal;
 mod seal_keys;
+mod sealed_repairs;
+mod sealed_sessions;
 mod small_disk;

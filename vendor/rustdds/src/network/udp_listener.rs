@@ -10,8 +10,9 @@ use bytes::{Bytes, BytesMut};
 
 use crate::{
   network::util::{
-    build_ifindex_to_interface_map, get_local_multicast_ip_addrs_filtered,
-    get_local_multicast_locators, get_local_unicast_locators_filtered, is_loopback_only,
+    addresses_of_this_machine, build_ifindex_to_interface_map,
+    get_local_multicast_ip_addrs_filtered, get_local_multicast_locators,
+    get_local_unicast_locators_filtered, is_loopback_only,
   },
   rtps::transmit::InterfaceSelector,
   serialization::padding_needed_for_alignment_4,
@@ -52,9 +53,10 @@ pub struct UDPListener {
   receive_buffer: BytesMut,
   multicast_group: Option<Ipv4Addr>,
   has_multicast_join: bool,
-  // Discard what does not come from this machine. A multicast listener cannot be
-  // bound to a loopback address, because its datagrams are addressed to the group.
-  loopback_only: bool,
+  // If this is set, discard what does not come from one of these addresses, which
+  // are those of this machine. A multicast listener cannot be bound to a loopback
+  // address, because its datagrams are addressed to the group.
+  only_from: Option<Vec<IpAddr>>,
   // Cached OS interface-index -> local interface map, used to resolve the
   // receiving interface reported by IP_PKTINFO. Built once at construction.
   ifindex_map: HashMap<u32, InterfaceSelector>,
@@ -199,7 +201,7 @@ impl UDPListener {
       receive_buffer: BytesMut::with_capacity(MESSAGE_BUFFER_ALLOCATION_CHUNK),
       multicast_group: None,
       has_multicast_join: false,
-      loopback_only: false, // by its bind address
+      only_from: None, // the bind address says it
       ifindex_map: build_ifindex_to_interface_map(),
     })
   }
@@ -265,7 +267,7 @@ impl UDPListener {
       receive_buffer: BytesMut::with_capacity(MESSAGE_BUFFER_ALLOCATION_CHUNK),
       multicast_group: Some(multicast_group),
       has_multicast_join: joined_multicast,
-      loopback_only: is_loopback_only(only_networks),
+      only_from: is_loopback_only(only_networks).then(addresses_of_this_machine),
       ifindex_map: build_ifindex_to_interface_map(),
     })
   }
@@ -358,7 +360,11 @@ impl UDPListener {
         }
       };
       // Something was received.
-      if self.loopback_only && !origin.source.is_some_and(|s| s.ip().is_loopback()) {
+      if self.only_from.as_ref().is_some_and(|own| {
+        !origin
+          .source
+          .is_some_and(|s| s.ip().is_loopback() || own.contains(&s.ip()))
+      }) {
         debug!("Discarding a datagram from {:?}, it is not from this machine", origin.source);
         self.receive_buffer.clear();
         continue;

@@ -206,9 +206,7 @@ impl UDPSender {
   /// IPv6 interface addresses seen via loopback discovery), so this is normal.
   fn socket_can_reach(&self, id: SocketId, addr: SocketAddr) -> bool {
     match id {
-      // Peers may announce any address. From a loopback address, the kernel refuses
-      // to send beyond this machine.
-      SocketId::Unicast => addr.is_ipv4() && (!self.loopback_only || addr.ip().is_loopback()),
+      SocketId::Unicast => addr.is_ipv4(),
       SocketId::Multicast(i) => match self.multicast_sockets.get(i) {
         Some((InterfaceSelector::Ip(iface_ip), _)) => iface_ip.is_ipv4() == addr.is_ipv4(),
         None => false,
@@ -237,6 +235,12 @@ impl UDPSender {
         SendOutcome::Sent
       }
       Err(e) if e.kind() == io::ErrorKind::WouldBlock => SendOutcome::WouldBlock,
+      Err(e) if self.loopback_only && e.kind() == io::ErrorKind::InvalidInput => {
+        // Peers announce all their addresses, or any address. From a loopback address,
+        // the kernel refuses to send beyond this machine.
+        trace!("raw_send: {id:?} to {addr}, which is not on this machine, dropping");
+        SendOutcome::Dropped
+      }
       Err(e) => {
         warn!("raw_send: {id:?} to {addr} : {e:?} len={}", buffer.len());
         SendOutcome::Dropped

@@ -152,6 +152,15 @@ pub fn is_loopback_only(only_networks: Option<&[IpAddr]>) -> bool {
   only_networks.is_some_and(|nets| !nets.is_empty() && nets.iter().all(IpAddr::is_loopback))
 }
 
+/// All addresses of this machine. The kernel delivers no datagram from elsewhere
+/// that has one of them as its source.
+pub fn addresses_of_this_machine() -> Vec<IpAddr> {
+  local_interface_table()
+    .into_iter()
+    .map(|ifa| ifa.ip)
+    .collect()
+}
+
 /// The address to bind unicast sockets to. A socket that is bound to a loopback
 /// address neither gets nor sends anything beyond this machine. Otherwise all
 /// interfaces are served by one socket, which cannot be bound to any of them.

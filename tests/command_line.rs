@@ -1,0 +1,190 @@
+//! The program as a shell and its user meet it: signals, pipes, links and devices.
+#![cfg(all(feature = "cli", target_os = "linux"))]
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+use rustix::process::{Pid, Signal, kill_process};
+
+/// A response of which the history takes several seconds to write.
+const LONG: [&str; 6] = [
+    "-p",
+    "solver.dt:=1.0e-6",
+    "-p",
+    "response.duration:=1.0",
+    "--csv",
+    "history.csv",
+];
+
+fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    program(folder, arguments)
+        .output()
+        .expect("the program that was built with this test")
+}
+
+fn interrupt(child: &Child) {
+    let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+    kill_process(id.expect("a process id"), Signal::INT).expect("a running process");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name())
+        .map(|name| name.into_string().expect("a plain name"))
+        .collect();
+    names.sort();
+    names
+}
+
+/// Bytes that a process has handed to the system to write.
+fn written(child: &Child) -> u64 {
+    let counts = fs::read_to_string(format!("/proc/{}/io", child.id())).unwrap_or_default();
+    let line = counts.lines().find_map(|line| line.strip_prefix("wchar: "));
+    line.and_then(|count| count.parse().ok()).unwrap_or(0)
+}
+
+#[test]
+fn ctrl_c_while_a_history_is_written_leaves_no_partial_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut arguments = vec!["simulate"];
+    arguments.extend(LONG);
+    let mut child = program(folder.path(), &arguments)
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program");
+    while written(&child) < 100_000 {
+        assert!(child.try_wait().expect("a child").is_none());
+        std::thread::yield_now();
+    }
+    interrupt(&child);
+    assert!(!child.wait().expect("a child").success());
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn a_history_into_a_pipe_that_head_closes_is_no_failure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for target in ["-", "/dev/stdout", "/proc/self/fd/1"] {
+        let mut child = program(folder.path(), &["simulate", "--csv", target])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program");
+        let mut reader = BufReader::new(child.stdout.take().expect("piped"));
+        let mut header = String::new();
+        reader.read_line(&mut header).expect("a header");
+        assert!(header.starts_with("t_s,"), "{target}: {header}");
+        drop(reader);
+        let ended = child.wait_with_output().expect("a child");
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(0), "{target}: {errors}");
+        // The summary is there, and no complaint.
+        assert!(
+            errors.contains("Residual") || errors.contains("residual"),
+            "{errors}"
+        );
+        assert!(!errors.contains("Broken pipe"), "{errors}");
+    }
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn a_history_is_written_to_dev_stdout_as_to_a_minus() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [minus, device] = ["-", "/dev/stdout"].map(|target| {
+        let ended = run(folder.path(), &["simulate", "--csv", target]);
+        assert!(ended.status.success());
+        ended.stdout
+    });
+    assert!(minus.starts_with(b"t_s,") && minus == device);
+}
+
+#[test]
+fn a_history_is_written_into_a_pipe_with_a_name_and_through_a_link() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let inside = |name: &str| folder.path().join(name);
+    assert!(
+        run(folder.path(), &["simulate", "--csv", "plain.csv"])
+            .status
+            .success()
+    );
+    let plain = fs::read(inside("plain.csv")).expect("a history");
+
+    symlink("target.csv", inside("link.csv")).expect("a link");
+    assert!(
+        run(folder.path(), &["simulate", "--csv", "link.csv"])
+            .status
+            .success()
+    );
+    assert!(inside("link.csv").is_symlink());
+    assert!(fs::read(inside("target.csv")).expect("a history") == plain);
+
+    let made = Command::new("mkfifo").arg(inside("pipe")).status();
+    assert!(made.expect("mkfifo").success());
+    let mut child = program(folder.path(), &["simulate", "--csv", "pipe"])
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program");
+    let mut piped = Vec::new();
+    fs::File::open(inside("pipe"))
+        .and_then(|mut pipe| pipe.read_to_end(&mut piped))
+        .expect("a history");
+    assert!(child.wait().expect("a child").success());
+    assert!(piped == plain);
+    assert_eq!(
+        names(folder.path()),
+        ["link.csv", "pipe", "plain.csv", "target.csv"]
+    );
+}
+
+#[cfg(feature = "record")]
+#[test]
+fn a_record_stamp_that_no_ros_stamp_can_hold_is_rejected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for stamp in ["nan", "inf", "-1", "2147483648", "today"] {
+        let stamp = format!("--record-stamp={stamp}");
+        let ended = run(folder.path(), &["simulate", "--record", "bag", &stamp]);
+        assert_eq!(ended.status.code(), Some(2), "{stamp}");
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert!(errors.contains("expected a time from 0"), "{errors}");
+    }
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+/// Only the demonstration itself gets the signal, and not its children, as from `kill` and unlike from a terminal.
+#[cfg(all(feature = "ros", feature = "record"))]
+#[test]
+fn a_signal_to_the_demonstration_alone_is_not_ignored() {
+    // While the node starts; during the last work before the figures.
+    for line_before in ["Node started", "absorbed by the vehicle"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut child = program(folder.path(), &["demo"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program");
+        let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+        let found = lines.by_ref().map_while(Result::ok);
+        assert!(found.into_iter().any(|line| line.contains(line_before)));
+        interrupt(&child);
+        assert!(
+            lines
+                .map_while(Result::ok)
+                .all(|line| !line.contains("Finished"))
+        );
+        let ended = child.wait_with_output().expect("a child");
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(1), "{line_before}: {errors}");
+        assert!(errors.contains("interrupted; the files"), "{errors}");
+    }
+}

@@ -1,0 +1,94 @@
+//! The memory of a node with readers over many impacts and resets.
+
+use std::time::Instant;
+
+use column_twin::messages::column_twin::{
+    ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+};
+use column_twin::messages::diagnostic_msgs::DiagnosticArray;
+use column_twin::messages::sensor_msgs::JointState;
+use column_twin::messages::std_srvs::{TriggerRequest, TriggerResponse};
+use column_twin::messages::visualization_msgs::MarkerArray;
+use column_twin::ros::qos::{self, Endpoint};
+use futures::executor::block_on;
+
+use super::domain::Domain;
+use super::incoming::{Incoming, reader};
+use super::loopback::{Outgoing, event, now};
+use super::program::Program;
+
+/// Impacts until buffers and caches have the size that they keep.
+const SETTLED: u32 = 500;
+
+/// Memory that comes and goes with the load of the machine \[MB\]. RustDDS 0.15.1 grew by 6 to 20 kB at each impact.
+const MAX_GROWTH: f64 = 2.0;
+
+/// Lets a column be hit and reset so many times, with a reader of every topic, and prints the memory as a table.
+fn flat_over(impacts: u32, every: u32) {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "-p",
+        "state.directory:=\"\"",
+        "-p",
+        "real_time.priority:=0",
+        "-p",
+        "response.duration:=0.02",
+    ];
+    let program = Program::ready(&domain, folder.path(), &arguments);
+    let mut node = reader(&domain);
+    let states = Incoming::<ColumnState>::start(&mut node, &qos::COLUMN_STATE);
+    let forces = Incoming::<HingeForces>::start(&mut node, &qos::HINGE_FORCES);
+    let forecasts = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_FORECAST);
+    let reports = Incoming::<ImpactReport>::start(&mut node, &qos::IMPACT_REPORT);
+    let statuses = Incoming::<TwinStatus>::start(&mut node, &qos::TWIN_STATUS);
+    let joints = Incoming::<JointState>::start(&mut node, &qos::JOINT_STATES);
+    let markers = Incoming::<MarkerArray>::start(&mut node, &qos::MARKERS);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut node, &qos::DIAGNOSTICS);
+    let reset = Endpoint {
+        name: "/column_twin/reset",
+        ..qos::RESET
+    };
+    let reset = node
+        .client::<TriggerRequest, TriggerResponse>(&reset)
+        .unwrap();
+    let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
+    let begin = Instant::now();
+    let (mut settled, mut last) = (None, 0.0);
+    println!("{:>8} {:>10} {:>8}", "impacts", "MB", "s");
+    for number in 1..=impacts {
+        let id = format!("e{number}");
+        assert!(events.publish(event(&id, now(), 1500.0, 10.0)));
+        reports.find("the report", |report| report.event_id == id);
+        let answer = block_on(reset.async_call_service(TriggerRequest::default())).unwrap();
+        assert!(answer.success, "{}", answer.message);
+        drop((states.newest(), forces.newest(), forecasts.newest()));
+        drop((statuses.newest(), joints.newest(), markers.newest()));
+        drop(diagnostics.newest());
+        if number % every == 0 {
+            last = program.megabytes();
+            let took = begin.elapsed().as_secs_f64();
+            println!("{number:>8} {last:>10.2} {took:>8.1}");
+        }
+        if number == SETTLED {
+            // What the last impacts have left is given back within seconds.
+            settled = Some(program.megabytes());
+        }
+    }
+    let growth = last - settled.expect("enough impacts");
+    println!("{growth:.2} MB since impact {SETTLED}");
+    assert!(growth < MAX_GROWTH, "{growth} MB");
+    drop(events);
+    assert!(program.terminate().0.success());
+}
+
+#[test]
+fn impacts_and_resets_do_not_grow_the_memory() {
+    flat_over(1500, 100);
+}
+
+#[test]
+#[ignore = "slow: ten thousand impacts take ten minutes"]
+fn ten_thousand_impacts_and_resets_do_not_grow_the_memory() {
+    flat_over(10_000, 1000);
+}
