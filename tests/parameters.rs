@@ -211,7 +211,7 @@ const WRONG_LISTED: &str = r#"17 faults in the parameters
   wrong.yaml:19:7: impact.gap has no value; allowed: 0 to 100 m
   wrong.yaml:20:16: solver.dt: `1.00005e-5` is not a whole number of nanoseconds; the nearest is 1.0001e-5
   wrong.yaml:21:5: colour is not a parameter; docs/parameters.md lists all parameters
-  wrong.yaml:22:5: record is a group of parameters, not a parameter; it contains record.mode, record.directory, record.max_file_size, record.max_duration, record.max_files, record.max_total_size, record.max_age, record.compression, record.sync
+  wrong.yaml:22:5: record is a group of parameters, not a parameter; it contains record.mode, record.directory, record.max_file_size, record.max_duration, record.max_files, record.max_total_size, record.max_age, record.compression, record.sync, record.seal, record.seal_key
   wrong.yaml:23:5: yield_surface.alpha is a list; allowed: 1 to 50
   wrong.yaml:24:18: viewer.port: `98765` is out of range; allowed: a whole number from 1 to 65535 (TCP port to serve on or to connect to)"#;
 
