@@ -102,6 +102,17 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin run --ros-args --enclave",
         Elsewhere("tests/security/quick_start.rs", "the_quick_start"),
     ),
+    (
+        "openssl",
+        Elsewhere(
+            "crates/recording/tests/recording/seal_keys.rs",
+            "openssl genpkey -algorithm ed25519",
+        ),
+    ),
+    (
+        "column-twin verify RECORDING --trusted-key",
+        Elsewhere("tests/evidence/sealed.rs", "--trusted-key"),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
