@@ -9,12 +9,14 @@ use std::process::{Child, Command, Output, Stdio};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-/// A response of which the history takes several seconds to write.
-const LONG: [&str; 6] = [
+/// A heavy and slow vehicle: contact lasts a third of a second, and its history takes many seconds to write.
+const LONG: [&str; 8] = [
     "-p",
-    "solver.dt:=1.0e-6",
-    "-p",
-    "response.duration:=1.0",
+    "solver.dt:=2.0e-7",
+    "--mass",
+    "1e6",
+    "--velocity",
+    "0.04",
     "--csv",
     "history.csv",
 ];
