@@ -463,9 +463,6 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
         Admissible::Processors => prop::sample::select(vec!["", "0", "1,3-5"])
             .prop_map(Value::from)
             .boxed(),
-        Admissible::Sender => prop::sample::select(vec!["010fab00", "/garage/operator"])
-            .prop_map(Value::from)
-            .boxed(),
         Admissible::List {
             of,
             min_len,

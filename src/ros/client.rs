@@ -32,6 +32,10 @@ const SHOWN_QUEUE: usize = 1024;
 /// Interval at which a wait checks whether the program is asked to stop.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
+/// How long the rejection by the twin of another column is not taken for the answer: several twins may share a topic, and each
+/// but one rejects the event.
+const OTHER_COLUMN_TIMEOUT: Duration = Duration::from_millis(800);
+
 /// Timeout for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
 
@@ -165,6 +169,10 @@ pub fn send_impact(
         (options, &signals),
         say,
         &mut |word, sent| match answer(word, sent.event_id, sent.refused_before) {
+            // The status comes again, if no other twin has accepted the event by then.
+            Some(_) if is_of_other_column(word) && sent.ago < OTHER_COLUMN_TIMEOUT => {
+                Relation::None
+            }
             Some(outcome) => Relation::Last(outcome),
             None => Relation::None,
         },
@@ -483,6 +491,11 @@ fn event(options: &ImpactOptions, column_id: String) -> ImpactEvent {
         vehicle: options.vehicle.clone(),
         ..ImpactEvent::from(&options.impact)
     }
+}
+
+/// Whether a twin has rejected an event because it is meant for another column, whose twin may be on the same topic.
+fn is_of_other_column(seen: &Seen) -> bool {
+    matches!(seen, Seen::Status(it) if it.last_refusal_code == TwinStatus::REFUSED_OTHER_COLUMN)
 }
 
 /// The outcome of the event in a message, if any; `before` is the number of rejections before the event was sent.
