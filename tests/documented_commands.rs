@@ -102,6 +102,17 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin run --ros-args --enclave",
         Elsewhere("tests/security/quick_start.rs", "the_quick_start"),
     ),
+    (
+        "openssl",
+        Elsewhere(
+            "crates/recording/tests/recording/seal_keys.rs",
+            "openssl genpkey -algorithm ed25519",
+        ),
+    ),
+    (
+        "column-twin verify RECORDING --trusted-key",
+        Elsewhere("tests/evidence/sealed.rs", "--trusted-key"),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),
@@ -208,6 +219,13 @@ fn blocks(document: &str) -> Vec<Vec<String>> {
     blocks
 }
 
+/// What `openssl genpkey -algorithm ed25519` writes.
+const SEAL_KEY: &str = "\
+-----BEGIN PRIVATE KEY-----
+MC4CAQAwBQYDK2VwBCIEIGrJEbjRgeB96JKCHzdL3tOtD6suGiIer9pIoWzHeQC5
+-----END PRIVATE KEY-----
+";
+
 /// A folder as a reader of the documents would have it: the files, and the programs in the PATH.
 struct Place {
     folder: TempDir,
@@ -226,6 +244,7 @@ impl Place {
             let column = column.replace("column_id: heb220_s355", &format!("column_id: {name}"));
             std::fs::write(at(&format!("{name}.yaml")), column).expect("written");
         }
+        std::fs::write(at("seal_key.pem"), SEAL_KEY).expect("written");
         std::fs::create_dir(at("bin")).expect("a folder");
         link(env!("CARGO_BIN_EXE_column-twin").into(), "bin/column-twin");
         // The real viewer opens a window; here it is enough that the file exists. tests/viewer opens it.

@@ -72,6 +72,11 @@ impl Lines {
         self.next
     }
 
+    /// Whether the recording begins with a copy of a checkpoint that no other line has followed.
+    pub fn is_continuation(&self) -> bool {
+        self.repeats_checkpoint
+    }
+
     /// Compares the number and the time of a line with its place.
     pub fn place(
         &mut self,

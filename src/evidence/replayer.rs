@@ -433,15 +433,22 @@ impl Replayer {
         }
     }
 
-    /// Ends the recording at this place. `is_stopped` if its journal has an end: everything is recorded then.
-    pub fn finish(mut self, is_stopped: bool, place: &Place<'_>, found: &mut Verification) {
+    /// Ends the recording at this place. `is_stopped` if its journal has an end: everything is recorded then. `is_continuation` if
+    /// it has nothing but the end of what an earlier recording began.
+    pub fn finish(
+        mut self,
+        is_stopped: bool,
+        is_continuation: bool,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) {
         if let Some(replayed) = &mut self.replayed {
             if is_stopped {
                 replayed.pass(replayed.due.len(), place, found);
             }
             replayed.note_passed(place, found);
         }
-        self.end_replay(!self.declares_losses, found);
+        self.end_replay(!self.declares_losses && !is_continuation, found);
     }
 }
 

@@ -315,7 +315,9 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         };
         let is_stopped = self.lines.ended;
         let is_damaged = self.reader.damaged_records() > 0;
-        std::mem::take(&mut self.replayer).finish(is_stopped, &place, &mut self.found);
+        let is_continuation = self.lines.is_continuation();
+        let replayer = std::mem::take(&mut self.replayer);
+        replayer.finish(is_stopped, is_continuation, &place, &mut self.found);
         std::mem::take(&mut self.parameter_events).finish(&mut self.found);
         let inputs = std::mem::take(&mut self.inputs);
         inputs.finish(self.last_log_time, is_stopped, &mut self.found);

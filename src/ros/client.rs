@@ -32,10 +32,6 @@ const SHOWN_QUEUE: usize = 1024;
 /// Interval at which a wait checks whether the program is asked to stop.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How long the rejection by the twin of another column is not taken for the answer: several twins may share a topic, and each
-/// but one rejects the event.
-const OTHER_COLUMN_TIMEOUT: Duration = Duration::from_millis(800);
-
 /// Timeout for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
 
@@ -168,11 +164,7 @@ pub fn send_impact(
         subscribed,
         (options, &signals),
         say,
-        &mut |word, sent| match answer(word, sent.event_id, sent.refused_before) {
-            // The status comes again, if no other twin has accepted the event by then.
-            Some(_) if is_of_other_column(word) && sent.ago < OTHER_COLUMN_TIMEOUT => {
-                Relation::None
-            }
+        &mut |word, sent| match answer(word, sent) {
             Some(outcome) => Relation::Last(outcome),
             None => Relation::None,
         },
@@ -255,7 +247,7 @@ pub fn follow_impact(
         say,
         &mut |word, sent| {
             hear(word, sent.ago);
-            match (word, answer(word, sent.event_id, sent.refused_before)) {
+            match (word, answer(word, sent)) {
                 (Seen::Report(report), _) if report.event_id == sent.event_id => {
                     Relation::Last(Ok(()))
                 }
@@ -277,6 +269,8 @@ pub fn follow_impact(
 /// An event that the client has sent.
 struct Sent<'a> {
     event_id: &'a str,
+    /// The column that it is for, if its twin is known: every other twin on the topic rejects the event, which is no answer.
+    column_id: Option<&'a str>,
     /// Number of rejections before the event; `None` if unknown.
     refused_before: Option<u64>,
     ago: Duration,
@@ -334,11 +328,16 @@ fn converse<T>(
         let mut columns = BTreeSet::new();
         let all_are_known = |columns: &BTreeSet<String>| {
             let twins = status.map_or(0, |status| matches.count(status));
-            options.column_id.is_some() || columns.len() >= twins
+            let wanted = options.column_id.as_ref();
+            wanted.is_some_and(|it| columns.contains(it)) || columns.len() >= twins
         };
         wait_until(signals, STATUS_WAIT, |until| match next(&seen, until) {
             Some(Seen::Status(status)) => {
-                refused_before.get_or_insert(status.events_refused);
+                if options.column_id.as_ref() == Some(&status.column_id) {
+                    refused_before = Some(status.events_refused);
+                } else {
+                    refused_before.get_or_insert(status.events_refused);
+                }
                 columns.insert(status.column_id);
                 all_are_known(&columns).then_some(())
             }
@@ -346,9 +345,10 @@ fn converse<T>(
         })?;
         let column_id = match &options.column_id {
             Some(column_id) => column_id.clone(),
-            None => only(columns)?,
+            None => only(&columns)?,
         };
-        let event = event(options, column_id);
+        let is_known = columns.contains(&column_id);
+        let event = event(options, column_id.clone());
         let event_id = event.event_id.clone();
         say(&format!(
             "sending impact {event_id:?} to column {:?}: {} kg at {} m/s",
@@ -372,6 +372,7 @@ fn converse<T>(
             };
             let sent = Sent {
                 event_id: &event_id,
+                column_id: is_known.then_some(&*column_id),
                 refused_before,
                 ago: begun.elapsed(),
             };
@@ -464,12 +465,14 @@ fn wait_until<T>(
 }
 
 /// The only column.
-fn only(columns: BTreeSet<String>) -> Result<String, ClientError> {
-    let mut columns: Vec<_> = columns.into_iter().collect();
-    match columns.len() {
-        0 => Err(ClientError::NoColumn),
-        1 => Ok(columns.remove(0)),
-        _ => Err(ClientError::SeveralColumns(columns)),
+fn only(columns: &BTreeSet<String>) -> Result<String, ClientError> {
+    let mut found = columns.iter();
+    match (found.next(), found.next()) {
+        (None, _) => Err(ClientError::NoColumn),
+        (Some(column), None) => Ok(column.clone()),
+        _ => Err(ClientError::SeveralColumns(
+            columns.iter().cloned().collect(),
+        )),
     }
 }
 
@@ -493,23 +496,22 @@ fn event(options: &ImpactOptions, column_id: String) -> ImpactEvent {
     }
 }
 
-/// Whether a twin has rejected an event because it is meant for another column, whose twin may be on the same topic.
-fn is_of_other_column(seen: &Seen) -> bool {
-    matches!(seen, Seen::Status(it) if it.last_refusal_code == TwinStatus::REFUSED_OTHER_COLUMN)
-}
-
-/// The outcome of the event in a message, if any; `before` is the number of rejections before the event was sent.
-fn answer(seen: &Seen, event_id: &str, before: Option<u64>) -> Option<ImpactOutcome> {
+/// The outcome of the event in a message, if any.
+fn answer(seen: &Seen, sent: &Sent<'_>) -> Option<ImpactOutcome> {
+    let is_addressee = |column: &str| sent.column_id.is_none_or(|wanted| wanted == column);
     match seen {
-        Seen::Forecast(report) if report.event_id == event_id => Some(match report.kind {
+        Seen::Forecast(report) if report.event_id == sent.event_id => Some(match report.kind {
             ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN => {
                 ImpactOutcome::NoForecast(report.severity_reason.clone())
             }
             _ => ImpactOutcome::Forecast(Box::new(report.clone())),
         }),
         Seen::Status(status)
-            if status.last_refusal_event_id == event_id
-                && before.is_none_or(|before| status.events_refused > before) =>
+            if status.last_refusal_event_id == sent.event_id
+                && is_addressee(&status.column_id)
+                && sent
+                    .refused_before
+                    .is_none_or(|before| status.events_refused > before) =>
         {
             Some(ImpactOutcome::Refused(status.last_refusal_reason.clone()))
         }
@@ -534,13 +536,19 @@ mod tests {
 
     #[test]
     fn an_answer_belongs_to_this_event() {
+        let sent = |event_id, refused_before| Sent {
+            event_id,
+            column_id: None,
+            refused_before,
+            ago: Duration::ZERO,
+        };
         let forecast = Seen::Forecast(ImpactReport {
             event_id: "a".to_owned(),
             ..ImpactReport::default()
         });
-        assert!(answer(&forecast, "b", None).is_none());
+        assert!(answer(&forecast, &sent("b", None)).is_none());
         assert!(matches!(
-            answer(&forecast, "a", None),
+            answer(&forecast, &sent("a", None)),
             Some(ImpactOutcome::Forecast(_))
         ));
         let none = Seen::Forecast(ImpactReport {
@@ -550,19 +558,25 @@ mod tests {
             ..ImpactReport::default()
         });
         assert_eq!(
-            answer(&none, "a", None),
+            answer(&none, &sent("a", None)),
             Some(ImpactOutcome::NoForecast("superseded".to_owned()))
         );
-        assert!(answer(&refused("a", 3), "a", Some(3)).is_none());
+        assert!(answer(&refused("a", 3), &sent("a", Some(3))).is_none());
         assert_eq!(
-            answer(&refused("a", 4), "a", Some(3)),
+            answer(&refused("a", 4), &sent("a", Some(3))),
             Some(ImpactOutcome::Refused("too fast".to_owned()))
         );
+        // A twin of another column on the same topic rejects the event.
+        let for_a3 = Sent {
+            column_id: Some("a3"),
+            ..sent("a", Some(3))
+        };
+        assert!(answer(&refused("a", 4), &for_a3).is_none());
     }
 
     #[test]
     fn the_only_column_is_found_and_several_are_listed() {
-        let of = |columns: &[&str]| only(columns.iter().map(|it| (*it).to_owned()).collect());
+        let of = |columns: &[&str]| only(&columns.iter().map(|it| (*it).to_owned()).collect());
         assert!(of(&["a3"]).is_ok_and(|column| column == "a3"));
         let none = of(&[]).expect_err("no column").to_string();
         assert!(none.contains("name it with --column"), "{none}");

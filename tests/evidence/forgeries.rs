@@ -403,6 +403,48 @@ fn a_recording_without_any_comparable_message_is_not_equal() {
     assert!(!found.is_equal(), "{found}");
 }
 
+/// What is left of a response when its recording had to end, and the next one ends at its first checkpoint.
+#[test]
+fn a_recording_of_the_end_of_a_response_is_no_forgery() {
+    let original = recording();
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("rest");
+    let note = ("repeated_checkpoint".to_owned(), String::new());
+    let options = WriterOptions {
+        notes: [note].into(),
+        ..WriterOptions::default()
+    };
+    let declared = Topics::of_default_node().declared().unwrap();
+    let mut writer = Writer::create(&path, &options, &declared).unwrap();
+    let all: Vec<_> = Reader::open(&original.path())
+        .unwrap()
+        .messages()
+        .map(Result::unwrap)
+        .collect();
+    let of = |topic: &str| all.iter().find(|it| it.topic.ends_with(topic)).unwrap();
+    for message in [of("/journal"), of("/impact_report")] {
+        let entry = Entry {
+            topic: declared
+                .iter()
+                .position(|it| *it.name == *message.topic)
+                .unwrap(),
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+            data: message.data.clone().into(),
+            checkpoint: false,
+        };
+        writer.write(&entry).unwrap();
+    }
+    writer.finish().unwrap();
+    // The recorder did not stop here.
+    let bytes = std::fs::read(path.join("rest_0.mcap")).unwrap();
+    let cut = directory.path().join("cut.mcap");
+    std::fs::write(&cut, &bytes[..bytes.len() - 100]).unwrap();
+    let found = verify(&cut).unwrap();
+    assert!(!found.is_contradicted() && found.is_unchecked(), "{found}");
+    assert_eq!(found.unchecked_messages(), 1, "{found}");
+}
+
 #[test]
 fn a_recording_without_a_journal_cannot_be_verified() {
     let original = recording();
