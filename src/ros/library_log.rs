@@ -25,6 +25,18 @@ const MAX_CHARS: usize = 300;
 /// a peer that is not known yet.
 const NOISE: [&str; 2] = ["rustdds::network::udp_sender", "ros2_client::node"];
 
+/// Beginnings of warnings that come at every start, on loopback or without an installed ROS 2. They are shown at the level
+/// `debug` of the target `rustdds`.
+const EXPECTED: [&str; 3] = [
+    "No multicast joins succeeded",
+    "ROS_DISTRO is not set",
+    "send_message_to_readers: No locators",
+];
+
+fn is_expected(text: &str) -> bool {
+    EXPECTED.iter().any(|it| text.starts_with(it))
+}
+
 /// Forwards what passes.
 #[derive(Debug, Default)]
 struct LibraryLog {
@@ -94,6 +106,9 @@ impl Log for LibraryLog {
             _ => format!(" ({hidden} similar messages in the last minute are not shown)"),
         };
         match record.level() {
+            _ if is_expected(&text) => {
+                tracing::debug!(target: "rustdds", "{module}: {text}{hidden}");
+            }
             Level::Error => tracing::error!(target: "rustdds", "{module}: {text}{hidden}"),
             _ => tracing::warn!(target: "rustdds", "{module}: {text}{hidden}"),
         }
@@ -118,6 +133,14 @@ mod tests {
         assert!(!is_enabled("rustdds::rtps::reader", Level::Info));
         assert!(!is_enabled("rustdds::network::udp_sender", Level::Warn));
         assert!(!is_enabled("wgpu_core::device", Level::Error));
+    }
+
+    #[test]
+    fn what_comes_at_every_start_is_no_warning() {
+        assert!(is_expected(
+            "ROS_DISTRO is not set; ros2-client was built for 'jazzy'."
+        ));
+        assert!(!is_expected("a peer said: ROS_DISTRO is not set"));
     }
 
     #[test]

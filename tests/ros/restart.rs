@@ -81,6 +81,27 @@ fn sigterm_during_a_response_keeps_its_damage() {
 }
 
 #[test]
+fn the_log_level_debug_shows_inputs_commands_and_forecasts() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [&QUIET[..], &["--log-level", "column_twin:=debug"]].concat();
+    let mut program = Program::ready(&domain, folder.path(), &arguments);
+    assert!(impact(&domain, 1500.0, PATIENCE).is_ok());
+    for shown in ["received impact event", "accepted", "of computing"] {
+        program.wait_for(shown);
+    }
+}
+
+#[test]
+fn use_sim_time_without_a_clock_is_told_after_some_seconds() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [&QUIET[..], &["-p", "use_sim_time:=true"]].concat();
+    let mut program = Program::ready(&domain, folder.path(), &arguments);
+    program.wait_for("no message has arrived on /clock for 5 s");
+}
+
+#[test]
 fn a_truncated_state_file_is_kept_aside_and_said() {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().unwrap();
