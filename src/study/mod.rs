@@ -1,0 +1,22 @@
+//! Studies: many impacts on a column, computed on all processors.
+//!
+//! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::screen`] follows one impact and
+//! reduces it to the numbers that a study compares, a [`Screening`]. [`Batch`] spreads any number of them over the
+//! processors, in an order that does not depend on how many there are, and can be interrupted.
+//!
+//! ```
+//! use column_twin::parameters::Parameters;
+//! use column_twin::study::StudyColumn;
+//!
+//! let column = StudyColumn::virgin(&Parameters::default())?;
+//! let impact = column.impact(Some("mid_car"), None, 10.0)?;
+//! let screening = column.screen(&impact)?;
+//! assert!(screening.max_v1 > 0.0);
+//! # Ok::<(), column_twin::study::StudyError>(())
+//! ```
+
+mod batch;
+mod study_column;
+
+pub use batch::{Batch, BatchEnd};
+pub use study_column::{Screening, StudyColumn, StudyError};
