@@ -16,6 +16,7 @@
 //! ```
 
 mod batch;
+pub mod risk;
 mod study_column;
 
 pub use batch::{Batch, BatchEnd};
