@@ -7,7 +7,7 @@ use column_twin::column::ImpactSpecification;
 use column_twin::parameters::{CatalogueVehicle, Value};
 
 /// The impact of a vehicle, as far as it is given on the command line; parameters give the rest.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct ImpactSpecificationArgs {
     /// Vehicle: rigid, or one that `column-twin vehicles` lists; default: parameter vehicle.name

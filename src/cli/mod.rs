@@ -5,6 +5,7 @@ mod capacity;
 mod capacity_tests;
 #[cfg(all(feature = "ros", feature = "record"))]
 mod demo;
+mod estimate;
 #[cfg(feature = "record")]
 mod export;
 mod failure;
@@ -74,6 +75,8 @@ enum CliCommand {
     Simulate(SimulateArgs),
     /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
     Capacity(CapacityArgs),
+    /// Estimate what struck the column, and what remains of it, from the readings of its sensors
+    Estimate(estimate::EstimateArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -145,6 +148,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Demo(arguments) => demo::run(arguments, &mut shown()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Estimate(arguments) => estimate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),

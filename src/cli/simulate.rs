@@ -31,6 +31,7 @@ use column_twin::recording::{RecordingError, SealKey, WriterOptions};
 use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
+use column_twin::senses::simulate_sensors;
 use column_twin::whole_file::{self, WholeFile};
 
 /// Arguments of `column-twin simulate`.
@@ -52,6 +53,12 @@ pub struct SimulateArgs {
     /// the standard error
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write what the sensors of sensors.names read, with their errors, as CSV; docs/estimation.md describes them
+    #[arg(long, value_name = "FILE")]
+    sensors: Option<PathBuf>,
+    /// Seed of the errors of the sensors; the same seed gives the same readings
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "sensors")]
+    sensor_seed: u64,
     /// Draw the figures into this folder, as SVG and PNG
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
@@ -99,6 +106,14 @@ enum SimulateError {
     #[error("cannot write the history to {}: {reason}", path.display())]
     #[diagnostic(help("name a file in an existing, writable folder"))]
     History { path: PathBuf, reason: io::Error },
+    #[error("there are no sensors whose readings could be written")]
+    #[diagnostic(help(
+        "declare them in a parameter file: config/sensors_industrial.yaml is an example"
+    ))]
+    NoSensors,
+    #[error("cannot write the readings to {}: {reason}", path.display())]
+    #[diagnostic(help("name a file in an existing, writable folder"))]
+    Readings { path: PathBuf, reason: io::Error },
     #[error("cannot write the report to {}: {reason}", path.display())]
     #[diagnostic(help("name a file in an existing, writable folder"))]
     Report { path: PathBuf, reason: io::Error },
@@ -119,7 +134,9 @@ enum SimulateError {
 impl From<SimulateError> for Failure {
     fn from(fault: SimulateError) -> Self {
         let exit = match &fault {
-            SimulateError::Height { .. } | SimulateError::OneOutput => Exit::BadInput,
+            SimulateError::Height { .. } | SimulateError::OneOutput | SimulateError::NoSensors => {
+                Exit::BadInput
+            },
             SimulateError::Simulation(SimulationError::Model(_) | SimulationError::Impact(_)) => {
                 Exit::BadInput
             }
@@ -169,6 +186,10 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
     } else if let Some(path) = &arguments.csv {
         case.write_history_file(path)?;
         files += &format!("History    {}\n", path.display());
+    }
+    if let Some(path) = &arguments.sensors {
+        case.write_readings(path, arguments.sensor_seed)?;
+        files += &format!("Readings   {}\n", path.display());
     }
     #[cfg(feature = "record")]
     if let Some(directory) = &arguments.record {
@@ -286,6 +307,30 @@ impl Case {
         let written = self.write_history(file).and_then(WholeFile::commit);
         // The file may be a pipe.
         unless_closed(written).map_err(fault)
+    }
+
+    /// Writes what the sensors read.
+    fn write_readings(&self, path: &Path, seed: u64) -> Result<(), SimulateError> {
+        let sensors = self.parameters.sensors();
+        if sensors.is_empty() {
+            return Err(SimulateError::NoSensors);
+        }
+        let readings = simulate_sensors(
+            &self.properties,
+            &self.impact,
+            self.max_duration,
+            &sensors,
+            seed,
+        )?;
+        let fault = |reason| SimulateError::Readings {
+            path: path.to_path_buf(),
+            reason,
+        };
+        let mut file = WholeFile::create(path).map_err(fault)?;
+        let written = readings
+            .write_csv(&mut file, &sensors)
+            .map_err(io::Error::other);
+        unless_closed(written.and_then(|()| file.commit())).map_err(fault)
     }
 
     /// Writes the history and returns the target.

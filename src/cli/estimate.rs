@@ -1,0 +1,297 @@
+//! `column-twin estimate`: what struck the column and what remains of it, from the readings of its sensors.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufReader, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
+
+use super::failure::{Exit, Failure, unless_closed};
+use super::impact_args::ImpactSpecificationArgs;
+use super::simulate::parameters_of;
+use column_twin::senses::{
+    CredibleInterval, EstimatorError, ImpactEstimate, Readings, ReadingsError, RecordedImpact,
+    estimate_recorded,
+};
+
+/// Arguments of `column-twin estimate`.
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true, after_help = EXAMPLE)]
+pub struct EstimateArgs {
+    /// Parameter file (ROS 2 YAML), may be repeated: later files win; one of them declares the sensors
+    #[arg(long, short, value_name = "FILE", required = true)]
+    config: Vec<PathBuf>,
+    /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
+    #[arg(long = "param", short, value_name = "NAME:=VALUE")]
+    parameter: Vec<String>,
+    /// Readings as CSV: a column `time` [s] and one column for each sensor, by its name; - is the standard input
+    #[arg(long, value_name = "FILE")]
+    measurements: PathBuf,
+    /// Print the estimate as JSON (SI units), with its history, and nothing else
+    #[arg(long)]
+    json: bool,
+    /// Seed of the random numbers; the same seed gives the same estimate
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+const EXAMPLE: &str = "\
+The column is assumed to be virgin before the impact. docs/estimation.md describes the method and its limits.
+
+Example: simulate what the sensors of a column read when a car hits it, and estimate the car from that
+  column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
+    --vehicle mid_car --velocity 12 --sensors readings.csv
+  column-twin estimate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
+    --measurements readings.csv
+
+Exit codes: 0 done (also if no impact was detected), 1 failed, 2 bad input or usage.";
+
+/// Why nothing can be estimated.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+enum EstimateCommandError {
+    #[error("cannot read {}: {reason}", path.display())]
+    #[diagnostic(help("name a readable CSV file"))]
+    Unreadable { path: PathBuf, reason: io::Error },
+    #[error("{}: {fault}", path.display())]
+    #[diagnostic(help(
+        "the first line names the columns: time, and the sensors as in sensors.names"
+    ))]
+    Table { path: PathBuf, fault: ReadingsError },
+    #[error(transparent)]
+    #[diagnostic(help(
+        "declare the sensors in a parameter file: config/sensors_industrial.yaml is an example"
+    ))]
+    Estimator(#[from] EstimatorError),
+    #[error("cannot write to the standard output: {0}")]
+    Output(io::Error),
+}
+
+impl From<EstimateCommandError> for Failure {
+    fn from(fault: EstimateCommandError) -> Self {
+        let exit = match &fault {
+            EstimateCommandError::Output(_) => Exit::Failed,
+            _ => Exit::BadInput,
+        };
+        Self::new(exit, fault)
+    }
+}
+
+/// Reads the readings, estimates, and prints the result to `output`.
+pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<(), Failure> {
+    let parameters = parameters_of(
+        &arguments.config,
+        &arguments.parameter,
+        &ImpactSpecificationArgs::default(),
+    )?;
+    let sensors = parameters.sensors();
+    if sensors.is_empty() {
+        return Err(EstimateCommandError::from(EstimatorError::NoSensors).into());
+    }
+    let path = &arguments.measurements;
+    let read = |source: &mut dyn io::Read| Readings::from_csv(source, &sensors);
+    let readings = if path == Path::new("-") {
+        read(&mut io::stdin().lock())
+    } else {
+        let file = File::open(path).map_err(|reason| EstimateCommandError::Unreadable {
+            path: path.clone(),
+            reason,
+        })?;
+        read(&mut BufReader::new(file))
+    };
+    let readings = readings.map_err(|fault| EstimateCommandError::Table {
+        path: path.clone(),
+        fault,
+    })?;
+    let bar = progress_bar();
+    let estimated = estimate_recorded(
+        &parameters,
+        &sensors,
+        &readings,
+        arguments.seed,
+        &mut |share| bar.set_position((100.0 * share) as u64),
+    );
+    bar.finish_and_clear();
+    let estimated = estimated.map_err(EstimateCommandError::from)?;
+    let text = if arguments.json {
+        let fields = fields(estimated.as_ref());
+        serde_json::to_string_pretty(&fields)
+            .map_err(|fault| EstimateCommandError::Output(fault.into()))?
+            + "\n"
+    } else {
+        match &estimated {
+            Some(impact) => summary(impact, &sensors[impact.detection.sensor].name),
+            None => nothing(&readings),
+        }
+    };
+    let written = output
+        .write_all(text.as_bytes())
+        .and_then(|()| output.flush());
+    Ok(unless_closed(written).map_err(EstimateCommandError::Output)?)
+}
+
+fn progress_bar() -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{wide_bar} {percent} % of the responses computed");
+    let bar = ProgressBar::new(100);
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+/// The result in SI units.
+fn fields(impact: Option<&RecordedImpact>) -> Json {
+    let Some(impact) = impact else {
+        return json!({ "detected": false });
+    };
+    let last = impact.estimates.last().map(estimate_fields);
+    let mut all = last.unwrap_or_default();
+    all.insert("detected".into(), true.into());
+    all.insert(
+        "history".into(),
+        impact.estimates.iter().map(estimate_fields).collect(),
+    );
+    Json::Object(all)
+}
+
+fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
+    let named = |pairs: &mut dyn Iterator<Item = (String, f64)>| -> Json {
+        Json::Object(pairs.map(|(name, value)| (name, value.into())).collect())
+    };
+    let severity = |(severity, probability): &(_, f64)| (name_of(severity), *probability);
+    let fields = json!({
+        "data_until_s": estimate.data_until,
+        "contact_time_s": estimate.contact_time.mean,
+        "contact_time_interval_s": interval(&estimate.contact_time),
+        "mass_kg": interval(&estimate.mass),
+        "velocity_m_s": interval(&estimate.velocity),
+        "momentum_n_s": interval(&estimate.momentum),
+        "mass_velocity_correlation": estimate.mass_velocity_correlation,
+        "peak_v1_m": interval(&estimate.peak_v1),
+        "residual_v1_m": interval(&estimate.residual_v1),
+        "capacity_ratio": interval(&estimate.capacity_ratio),
+        "yielded": estimate.yielded,
+        "collapsed": estimate.collapsed,
+        "severity": named(&mut estimate.severity.iter().map(severity)),
+        "vehicle_probabilities": named(&mut estimate.vehicle_probabilities.iter().cloned()),
+        "effective_responses": estimate.effective_responses,
+    });
+    match fields {
+        Json::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
+
+/// The name of a severity in parameters and messages.
+fn name_of(severity: &impl Serialize) -> String {
+    match serde_json::to_value(severity) {
+        Ok(Json::String(name)) => name,
+        _ => String::new(),
+    }
+}
+
+fn interval(interval: &CredibleInterval) -> Json {
+    json!({ "mean": interval.mean, "low": interval.low, "high": interval.high })
+}
+
+fn nothing(readings: &Readings) -> String {
+    let first = readings.times.first().copied().unwrap_or_default();
+    let last = readings.times.last().copied().unwrap_or_default();
+    format!("No impact was detected between {first} s and {last} s.\n")
+}
+
+fn summary(impact: &RecordedImpact, sensor: &str) -> String {
+    let mut text = String::new();
+    let Some(last) = impact.estimates.last() else {
+        return text;
+    };
+    let detection = &impact.detection;
+    let milliseconds = 1e3 * (detection.confirmed_at - detection.contact.time);
+    let _ = writeln!(
+        text,
+        "Impact at {:.4} s, confirmed {milliseconds:.0} ms later by {sensor}\n",
+        detection.contact.time,
+    );
+    let rows = [
+        ("Mass", last.mass, 1.0, "kg"),
+        ("Speed", last.velocity, 1.0, "m/s"),
+        ("Momentum", last.momentum, 1e-3, "kN s"),
+        ("Peak v1", last.peak_v1, 1e3, "mm"),
+        ("Residual v1", last.residual_v1, 1e3, "mm"),
+        ("Remaining capacity", last.capacity_ratio, 100.0, "% of the virgin column's"),
+    ];
+    for (name, interval, factor, unit) in rows {
+        let CredibleInterval { mean, low, high } = interval;
+        let _ = writeln!(
+            text,
+            "{name:<19}{} {unit}, 90 % interval {} to {}",
+            short(factor * mean),
+            short(factor * low),
+            short(factor * high),
+        );
+    }
+    let list = |pairs: &mut dyn Iterator<Item = (String, f64)>| {
+        let mut listed: Vec<_> = pairs.filter(|(_, probability)| *probability >= 0.005).collect();
+        listed.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let each = listed
+            .iter()
+            .map(|(name, probability)| format!("{name} {:.0} %", 100.0 * probability));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let severity = last.severity.iter().map(|(severity, p)| (severity.to_string(), *p));
+    let _ = writeln!(text, "Severity           {}", list(&mut severity.into_iter()));
+    let _ = writeln!(
+        text,
+        "Vehicle            {}",
+        list(&mut last.vehicle_probabilities.iter().cloned())
+    );
+    text += "\nData until [ms]   mass [kg]              speed [m/s]            peak v1 [mm]           severity\n";
+    for estimate in &impact.estimates {
+        let cell = |interval: &CredibleInterval, factor: f64| {
+            let CredibleInterval { mean, low, high } = interval;
+            let text = format!(
+                "{} ({} to {})",
+                short(factor * mean),
+                short(factor * low),
+                short(factor * high)
+            );
+            format!("{text:<23}")
+        };
+        let likely = estimate.severity.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let _ = writeln!(
+            text,
+            "{:>15.0}   {}{}{}{}",
+            1e3 * (estimate.data_until - detection.contact.time),
+            cell(&estimate.mass, 1.0),
+            cell(&estimate.velocity, 1.0),
+            cell(&estimate.peak_v1, 1e3),
+            likely.map_or_else(String::new, |(severity, p)| format!("{severity} {:.0} %", 100.0 * p)),
+        );
+    }
+    if last.effective_responses < 20.0 {
+        let _ = writeln!(
+            text,
+            "\nWarning: the estimate rests on {:.0} effective responses; its intervals are unreliable.",
+            last.effective_responses
+        );
+    }
+    text += "\nThe estimate knows the model's own error as docs/estimation.md describes it, and the column as it was when new.\n";
+    text
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        _ if !size.is_finite() => "unknown".into(),
+        _ if size >= 1000.0 => format!("{:.0}", (value / 10.0).round() * 10.0),
+        _ if size >= 100.0 => format!("{value:.0}"),
+        _ if size >= 10.0 => format!("{value:.1}"),
+        _ if size < 0.005 => "0".into(),
+        _ => format!("{value:.2}"),
+    }
+}

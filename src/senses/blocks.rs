@@ -1,0 +1,188 @@
+//! Readings averaged over blocks of time that grow with the time after contact.
+//!
+//! Vibrations whose phase the model cannot predict for long average out, and the number of blocks grows with the logarithm
+//! of the time only.
+
+use super::sensor::{Quantity, Sensor};
+
+/// Before contact, from which the blocks begin \[s\].
+const LEAD: f64 = 2e-3;
+
+/// Shortest block \[s\].
+const LEAST: f64 = 1e-3;
+
+/// A block is as long as this share of the time from contact to its beginning, in whole milliseconds.
+const SHARE: f64 = 0.2;
+
+/// Strain, relative to the yield strain, beyond which a gauge no longer reads the elastic bar.
+const ELASTIC_LIMIT: f64 = 0.9;
+
+/// Strain, relative to the yield strain, beyond which hinges nearby have probably yielded.
+const NEAR_YIELD: f64 = 0.5;
+
+/// A span of time after contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// Its beginning \[s\]; negative before contact.
+    pub start: f64,
+    /// \[s\]
+    pub length: f64,
+}
+
+/// What a sensor has read over a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlockMean {
+    /// Its mean, relative to the column at rest.
+    pub mean: f64,
+    /// Variance of the mean by noise and by the learned zero.
+    pub variance: f64,
+    /// Largest magnitude of such means so far.
+    pub largest: f64,
+    /// Whether hinges have probably yielded.
+    pub yielded: bool,
+}
+
+/// The readings of all sensors, by block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocks {
+    contact: f64,
+    yield_strain: f64,
+    layout: Vec<Block>,
+    /// For each sensor its declared noise, its zero, the variance of that, and the sums.
+    channels: Vec<Channel>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Channel {
+    quantity: Quantity,
+    noise: f64,
+    zero: f64,
+    zero_variance: f64,
+    sums: Vec<f64>,
+    counts: Vec<u32>,
+    /// Block from which on the gauge no longer reads the elastic bar.
+    lost_from: usize,
+}
+
+impl Blocks {
+    /// For a contact at `contact` \[s\], on a column that yields at `yield_strain`, until `horizon` after it \[s\]. `zeros` are
+    /// the readings at rest with their standard deviations, sensor by sensor.
+    #[must_use]
+    pub fn new(
+        contact: f64,
+        horizon: f64,
+        yield_strain: f64,
+        sensors: &[Sensor],
+        zeros: &[(f64, f64)],
+    ) -> Self {
+        let mut layout = Vec::new();
+        let mut start = -LEAD;
+        while start < horizon {
+            let milliseconds = (1e3 * SHARE * start.max(0.0)).floor();
+            let length = (1e-3 * milliseconds).max(LEAST);
+            layout.push(Block { start, length });
+            start += length;
+        }
+        let channels = sensors
+            .iter()
+            .zip(zeros)
+            .map(|(sensor, &(zero, deviation))| Channel {
+                quantity: sensor.quantity,
+                noise: sensor.noise,
+                zero,
+                zero_variance: deviation * deviation,
+                sums: vec![0.0; layout.len()],
+                counts: vec![0; layout.len()],
+                lost_from: usize::MAX,
+            })
+            .collect();
+        Self {
+            contact,
+            yield_strain,
+            layout,
+            channels,
+        }
+    }
+
+    /// The instant of contact to which the blocks refer \[s\].
+    #[must_use]
+    pub fn contact(&self) -> f64 {
+        self.contact
+    }
+
+    /// The blocks.
+    #[must_use]
+    pub fn layout(&self) -> &[Block] {
+        &self.layout
+    }
+
+    /// Takes a sample of a sensor: its time \[s\] and its value. One that is not a number, or outside of all blocks, is ignored.
+    pub fn push(&mut self, sensor: usize, time: f64, value: f64) {
+        let time = time - self.contact;
+        let index = self.layout.partition_point(|block| block.start <= time);
+        let Some(index) = index.checked_sub(1) else {
+            return;
+        };
+        let block = self.layout[index];
+        let channel = &mut self.channels[sensor];
+        if !value.is_finite() || time >= block.start + block.length {
+            return;
+        }
+        let reading = value - channel.zero;
+        channel.sums[index] += reading;
+        channel.counts[index] += 1;
+        if channel.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
+            channel.lost_from = channel.lost_from.min(index);
+        }
+    }
+
+    /// How many blocks are complete with data until `until` \[s\].
+    #[must_use]
+    pub fn complete(&self, until: f64) -> usize {
+        let until = until - self.contact;
+        // Half a nanosecond for the round-off of times.
+        let is_complete = |block: &Block| block.start + block.length <= until + 5e-10;
+        self.layout.partition_point(is_complete)
+    }
+
+    /// What a sensor has read over a block; `None` where it has no samples, or no longer reads the elastic bar.
+    #[must_use]
+    pub fn mean(&self, sensor: usize, index: usize) -> Option<BlockMean> {
+        let channel = &self.channels[sensor];
+        if index >= channel.lost_from {
+            return None;
+        }
+        let mean = channel.mean(index)?;
+        let means = (0..=index).filter_map(|index| channel.mean(index));
+        let largest = means.fold(0.0, |largest: f64, mean| largest.max(mean.abs()));
+        let count = f64::from(channel.counts[index]);
+        // The least noise is that of one digit, so that a noiseless sensor does not decide alone.
+        let yielded = self.channels.iter().any(|other| {
+            other.is_strain()
+                && (other.lost_from <= index
+                    || (0..=index)
+                        .filter_map(|index| other.mean(index))
+                        .any(|mean| mean.abs() > NEAR_YIELD * self.yield_strain))
+        });
+        Some(BlockMean {
+            mean,
+            variance: channel.noise * channel.noise / count + channel.zero_variance,
+            largest,
+            yielded: yielded && channel.is_strain(),
+        })
+    }
+}
+
+impl Channel {
+    fn is_strain(&self) -> bool {
+        matches!(
+            self.quantity,
+            Quantity::BendingStrain | Quantity::AxialStrain
+        )
+    }
+
+    fn mean(&self, index: usize) -> Option<f64> {
+        let count = self.counts[index];
+        (count > 0).then(|| self.sums[index] / f64::from(count))
+    }
+}

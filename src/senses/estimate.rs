@@ -1,0 +1,74 @@
+//! An estimate: what struck the column and how it ends, with its uncertainty.
+
+use serde::Serialize;
+
+use crate::assessment::Severity;
+
+/// A quantity with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CredibleInterval {
+    /// Its mean.
+    pub mean: f64,
+    /// Lower end of the 90 % interval.
+    pub low: f64,
+    /// Upper end of the 90 % interval.
+    pub high: f64,
+}
+
+/// Probability outside of an interval, on each side.
+const TAIL: f64 = 0.05;
+
+impl CredibleInterval {
+    /// Of weighted values; NaN without any. Values that are not finite do not count.
+    pub(super) fn of(values: impl Iterator<Item = (f64, f64)>) -> Self {
+        let mut values: Vec<(f64, f64)> = values
+            .filter(|(value, weight)| value.is_finite() && *weight > 0.0)
+            .collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+        let quantile = |share: f64| {
+            let mut sum = 0.0;
+            let found = values.iter().find(|(_, weight)| {
+                sum += weight / total;
+                sum >= share
+            });
+            found.or(values.last()).map_or(f64::NAN, |(value, _)| *value)
+        };
+        let (low, high) = (quantile(TAIL), quantile(1.0 - TAIL));
+        let mean = values.iter().map(|(value, weight)| value * weight).sum::<f64>() / total;
+        Self { mean, low, high }
+    }
+}
+
+/// What struck the column and how it ends, by the data up to an instant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImpactEstimate {
+    /// Data up to this instant are used \[s\].
+    pub data_until: f64,
+    /// Instant of contact \[s\].
+    pub contact_time: CredibleInterval,
+    /// Mass of the vehicle \[kg\].
+    pub mass: CredibleInterval,
+    /// Its speed \[m/s\].
+    pub velocity: CredibleInterval,
+    /// Its momentum \[N s\].
+    pub momentum: CredibleInterval,
+    /// Correlation of the logarithms of mass and speed.
+    pub mass_velocity_correlation: f64,
+    /// Largest `v1`, past or still to come \[m\].
+    pub peak_v1: CredibleInterval,
+    /// `v1` that remains \[m\]; among the responses after which the column stands.
+    pub residual_v1: CredibleInterval,
+    /// Probability that the column has yielded.
+    pub yielded: f64,
+    /// Probability that it collapses or is torn.
+    pub collapsed: f64,
+    /// Remaining axial capacity over that of the virgin column.
+    pub capacity_ratio: CredibleInterval,
+    /// Probability of each severity, the least severe first.
+    pub severity: Vec<(Severity, f64)>,
+    /// Probabilities of the hypotheses, the most probable first.
+    pub vehicle_probabilities: Vec<(String, f64)>,
+    /// Effective number of responses behind the estimate; below about 20 the intervals are unreliable.
+    pub effective_responses: f64,
+}

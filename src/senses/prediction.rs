@@ -1,0 +1,216 @@
+//! What one conceivable impact would have let the sensors read, and how it would have ended.
+
+use super::probe::Probe;
+use super::sensor::{Quantity, Sensor};
+use crate::column::{
+    ColumnProperties, End, Impact, Model, Outcome, Progress, Response, State, residual_state,
+};
+
+/// Time after contact that a prediction covers \[s\].
+pub(super) const HORIZON: f64 = 0.5;
+
+/// Shortest cell of a prediction, and longest time step \[ns\].
+const CELL_NANOS: u64 = 100_000;
+
+/// Cells grow with the time after contact, of which they are this share.
+const CELL_SHARE: f64 = 0.02;
+
+/// Shortest averaging that a prediction resolves \[s\].
+const LEAST_CELL: f64 = 0.5e-3;
+
+/// Times the recommended step by which a response may be stepped here: its error is small beside that of the model.
+const STEPS_OF_RECOMMENDED: u64 = 5;
+
+/// The instants after contact at which predictions are known \[s\], the same for all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TimeGrid {
+    edges: Vec<f64>,
+    nanos: Vec<u64>,
+}
+
+/// A place between two edges of a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    index: usize,
+    share: f64,
+    /// Time after the last edge \[s\].
+    beyond: f64,
+}
+
+impl TimeGrid {
+    pub fn new() -> Self {
+        let mut nanos = vec![0];
+        let mut last = 0;
+        while (last as f64) < HORIZON * 1e9 {
+            let cell = (CELL_SHARE * last as f64).max(LEAST_CELL * 1e9);
+            last += (cell / CELL_NANOS as f64).round().max(1.0) as u64 * CELL_NANOS;
+            nanos.push(last);
+        }
+        let edges = nanos.iter().map(|&nanos| 1e-9 * nanos as f64).collect();
+        Self { edges, nanos }
+    }
+
+    /// The place of an instant \[s\]; those before contact are at contact.
+    pub fn place(&self, time: f64) -> Place {
+        let last = self.edges.len() - 1;
+        let time = time.max(0.0);
+        if time >= self.edges[last] {
+            return Place {
+                index: last - 1,
+                share: 1.0,
+                beyond: time - self.edges[last],
+            };
+        }
+        let index = self.edges.partition_point(|&edge| edge <= time) - 1;
+        Place {
+            index,
+            share: (time - self.edges[index]) / (self.edges[index + 1] - self.edges[index]),
+            beyond: 0.0,
+        }
+    }
+}
+
+/// What one impact lets the sensors read, and how it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Prediction {
+    /// For each sensor, the integral of its reading from contact to each edge of the grid.
+    integrals: Vec<Vec<f64>>,
+    /// Reading of each sensor after the last edge.
+    at_end: Vec<f64>,
+    /// Largest `v1` \[m\].
+    pub peak_v1: f64,
+    /// `v1` of the residual equilibrium \[m\]; `None` if there is none.
+    pub residual_v1: Option<f64>,
+    pub outcome: Outcome,
+    /// The column at rest afterwards, and its model; `None` if it does not stand.
+    pub rest: Option<Box<State>>,
+    pub report: crate::column::Report,
+}
+
+impl Prediction {
+    /// Follows an impact. `None` if the properties make no column or a step does not converge.
+    pub fn compute(
+        properties: &ColumnProperties,
+        impact: &Impact,
+        sensors: &[Sensor],
+        grid: &TimeGrid,
+    ) -> Option<Self> {
+        let mut properties = *properties;
+        let recommended = Model::new(&ColumnProperties {
+            step_nanos: 0,
+            ..properties
+        })
+        .ok()?
+        .properties
+        .step_nanos;
+        let parts = CELL_NANOS.div_ceil(STEPS_OF_RECOMMENDED * recommended);
+        properties.step_nanos = CELL_NANOS / parts;
+        let model = Model::new(&properties).ok()?;
+        let secs = 1e-9 * properties.step_nanos as f64;
+        let mut state = State::at_rest(&model);
+        let probes: Vec<_> = sensors
+            .iter()
+            .map(|sensor| Probe::new(&model, sensor))
+            .collect();
+        let at_rest: Vec<f64> = probes.iter().map(|probe| probe.read(&state)).collect();
+        let mut readers: Vec<_> = sensors.iter().map(Reader::new).collect();
+        let mut response = Response::begin(&model, &mut state, *impact, 2.0 * HORIZON).ok()?;
+        let mut integrals: Vec<Vec<f64>> = sensors.iter().map(|_| vec![0.0]).collect();
+        let mut end = None;
+        let mut sums = vec![0.0; sensors.len()];
+        let mut last_nanos = 0;
+        for &edge in &grid.nanos[1..] {
+            for _ in 0..(edge - last_nanos) * parts / CELL_NANOS {
+                if end.is_none()
+                    && let Progress::Over(over) =
+                        response.advance(&model, &mut state, u64::MAX).ok()?
+                {
+                    end = Some(over);
+                }
+                for (k, reader) in readers.iter_mut().enumerate() {
+                    let reading = probes[k].read(&state) - at_rest[k];
+                    sums[k] += secs * reader.read(reading, secs, end.is_some());
+                }
+            }
+            last_nanos = edge;
+            for (integral, sum) in integrals.iter_mut().zip(&sums) {
+                integral.push(*sum);
+            }
+        }
+        let end = loop {
+            match end {
+                Some(end) => break end,
+                None => {
+                    if let Progress::Over(over) =
+                        response.advance(&model, &mut state, u64::MAX).ok()?
+                    {
+                        end = Some(over);
+                    }
+                }
+            }
+        };
+        let report = response.report(&model, &state, end);
+        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let rest = stands.then(|| residual_state(&model, &state)).flatten();
+        Some(Self {
+            at_end: readers.iter().map(|reader| reader.last).collect(),
+            integrals,
+            peak_v1: report.max_v1,
+            residual_v1: rest.as_ref().map(|rest| rest.displacement.v1),
+            outcome: report.outcome,
+            rest: rest.map(Box::new),
+            report,
+        })
+    }
+
+    /// Mean reading of a sensor between two places that lie `length` apart \[s\].
+    pub fn mean(&self, sensor: usize, from: Place, to: Place, length: f64) -> f64 {
+        (self.integral(sensor, to) - self.integral(sensor, from)) / length
+    }
+
+    fn integral(&self, sensor: usize, place: Place) -> f64 {
+        let integrals = &self.integrals[sensor];
+        let (a, b) = (integrals[place.index], integrals[place.index + 1]);
+        a + place.share * (b - a) + place.beyond * self.at_end[sensor]
+    }
+}
+
+/// Turns the displacement at an accelerometer into its reading, and clips.
+struct Reader {
+    is_acceleration: bool,
+    range: f64,
+    displacement: f64,
+    velocity: f64,
+    last: f64,
+}
+
+impl Reader {
+    fn new(sensor: &Sensor) -> Self {
+        Self {
+            is_acceleration: sensor.quantity == Quantity::Acceleration,
+            range: if sensor.range > 0.0 {
+                sensor.range
+            } else {
+                f64::INFINITY
+            },
+            displacement: 0.0,
+            velocity: 0.0,
+            last: 0.0,
+        }
+    }
+
+    fn read(&mut self, reading: f64, secs: f64, is_over: bool) -> f64 {
+        let reading = if !self.is_acceleration {
+            reading
+        } else if is_over {
+            0.0
+        } else {
+            let velocity = (reading - self.displacement) / secs;
+            let acceleration = (velocity - self.velocity) / secs;
+            (self.displacement, self.velocity) = (reading, velocity);
+            acceleration
+        };
+        self.last = reading.clamp(-self.range, self.range);
+        self.last
+    }
+}

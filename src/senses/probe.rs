@@ -1,0 +1,91 @@
+//! What the model says that a sensor reads.
+//!
+//! The bars of the model are beams whose end moments are those of its hinges. Between the ends the bending moment is
+//! linear, so that the elastic deflection from the chord of a bar is a cubic. With `s` from the end away from the impact
+//! point (the base, the top) to the impact point, `x = s / L`, and the moments `M_e` at the end and `M_i` at the impact
+//! point, positive as in the mechanics:
+//!
+//! ```text
+//! turns of the ends from the chord   a_e = L (2 M_e - M_i) / (6 EI)      a_i = L (2 M_i - M_e) / (6 EI)
+//! deflection                         v = v1 x + L (a_i x^2 (1 - x) - a_e x (1 - x)^2)
+//! curvature                          v'' = (M_e (1 - x) - M_i x) / EI
+//! ```
+//!
+//! The bars have no mass of their own between their ends: the flexural waves of the first milliseconds are not in these
+//! readings.
+
+use super::sensor::{Quantity, Sensor};
+use crate::column::{Model, State};
+
+/// Reads one sensor in a state of the column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    quantity: Quantity,
+    below: bool,
+    /// `x`.
+    position: f64,
+    length: f64,
+    bending_stiffness: f64,
+    axial_rigidity: f64,
+    fibre: f64,
+    sign: f64,
+}
+
+impl Probe {
+    /// A sensor on this column, whose height lies on it.
+    #[must_use]
+    pub fn new(model: &Model, sensor: &Sensor) -> Self {
+        let p = &model.properties;
+        let below = sensor.height <= p.length_below;
+        let (length, from_end) = match below {
+            true => (p.length_below, sensor.height),
+            false => (
+                p.length_above,
+                p.length_below + p.length_above - sensor.height,
+            ),
+        };
+        Self {
+            quantity: sensor.quantity,
+            below,
+            position: from_end / length,
+            length,
+            bending_stiffness: p.bending_stiffness,
+            axial_rigidity: p.axial_rigidity,
+            fibre: sensor.fibre,
+            sign: if sensor.reversed { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// The reading; for an acceleration the displacement, whose second derivative in time it is. It is not relative to the
+    /// column at rest.
+    #[must_use]
+    pub fn read(&self, state: &State) -> f64 {
+        let forces = match self.below {
+            true => &state.forces.below,
+            false => &state.forces.above,
+        };
+        let (x, length, v1) = (self.position, self.length, state.displacement.v1);
+        let [at_impact, at_end] = forces.moment;
+        let flexibility = length / (6.0 * self.bending_stiffness);
+        let turn_end = flexibility * (2.0 * at_end - at_impact);
+        let turn_impact = flexibility * (2.0 * at_impact - at_end);
+        let reading = match self.quantity {
+            Quantity::Displacement | Quantity::Acceleration => {
+                let rest = 1.0 - x;
+                v1 * x + length * (turn_impact * x * x * rest - turn_end * x * rest * rest)
+            }
+            Quantity::Rotation => {
+                let slope = turn_impact * (2.0 * x - 3.0 * x * x)
+                    - turn_end * (1.0 - 4.0 * x + 3.0 * x * x);
+                let rotation = v1 / length + slope;
+                if self.below { rotation } else { -rotation }
+            }
+            Quantity::BendingStrain => {
+                -self.fibre * (at_end * (1.0 - x) - at_impact * x) / self.bending_stiffness
+            }
+            Quantity::AxialStrain => forces.normal / self.axial_rigidity,
+            Quantity::ContactForce => state.contact_force,
+        };
+        self.sign * reading
+    }
+}
