@@ -31,7 +31,9 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, Relation};
-pub use evaluation::{HARDENING_BAND, HardeningBand, ImpactEvaluation, respond_and_rest};
+pub use evaluation::{
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
+};
 pub use input::{AssessedImpact, AssessmentInput};
 pub use prepared::{PreparedAssessment, Verdict};
 pub use remaining::{

@@ -7,7 +7,7 @@ use crate::column::{
     CapacityError, Impact, ImpactSpecification, Model, Outcome, Progress, Response,
     SimulationError, State, residual_state,
 };
-use crate::parameters::{Parameters, VehicleFault};
+use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
 /// A column that is prepared once for many impacts.
 #[derive(Debug, Clone)]
@@ -93,10 +93,9 @@ impl StudyColumn {
         velocity: f64,
     ) -> Result<Impact, StudyError> {
         let defaults = self.parameters.impact();
-        let default_mass = match vehicle {
-            Some(_) => f64::NAN,
-            None => defaults.mass,
-        };
+        // The rigid mass has none of its own.
+        let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
+        let default_mass = if own_mass { f64::NAN } else { defaults.mass };
         let specification = ImpactSpecification {
             mass: mass.unwrap_or(default_mass),
             velocity,
