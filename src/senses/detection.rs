@@ -9,14 +9,17 @@ use super::sensor::{Quantity, Sensor};
 /// Standard deviations of the noise beyond which a reading opens a candidate.
 const OPENING: f64 = 8.0;
 
-/// Standard deviations of the noise of a mean that a candidate has to keep in each of its two halves.
-const KEEPING: f64 = 5.0;
+/// Standard deviations of the noise that a candidate has to keep, as a root mean square, in each of its two parts.
+const KEEPING: f64 = 4.0;
 
-/// Share of its first half that the second half of a candidate has to keep.
-const KEEPING_SHARE: f64 = 0.2;
+/// Share of its first part that the second part of a candidate has to keep.
+const KEEPING_SHARE: f64 = 0.1;
+
+/// Share of a candidate that is its first part: pulses that are shorter leave nothing in the second.
+const FIRST_PART: f64 = 0.6;
 
 /// Duration of a candidate of a sensor that reads a displacement, a strain or a force \[s\].
-const LEVEL_WINDOW: f64 = 8e-3;
+const LEVEL_WINDOW: f64 = 10e-3;
 
 /// Duration of a candidate of an accelerometer \[s\]: longer, because it feels pulses that do not move the column.
 const SHAKING_WINDOW: f64 = 30e-3;
@@ -87,8 +90,8 @@ struct Channel {
 #[derive(Debug, Clone)]
 struct Candidate {
     opened_at: f64,
-    /// Of each half: number, sum, sum of squares.
-    halves: [[f64; 3]; 2],
+    /// Of each part: number of readings, sum of their squares.
+    parts: [[f64; 2]; 2],
     slope_known: bool,
     level_at_opening: f64,
     noise: f64,
@@ -199,7 +202,7 @@ impl Channel {
             });
             self.candidate = Some(Candidate {
                 opened_at: time,
-                halves: [[0.0; 3]; 2],
+                parts: [[0.0; 2]; 2],
                 slope_known: false,
                 level_at_opening: reading,
                 noise,
@@ -249,36 +252,34 @@ impl Channel {
                 }
             }
         }
-        let half = usize::from(elapsed >= 0.5 * window);
-        let sums = &mut candidate.halves[half];
+        let part = usize::from(elapsed >= FIRST_PART * window);
+        let sums = &mut candidate.parts[part];
         sums[0] += 1.0;
-        sums[1] += reading;
-        sums[2] += reading * reading;
+        sums[1] += reading * reading;
         if elapsed < window {
             return false;
         }
-        let sizes = candidate.halves.map(|[count, sum, squares]| {
-            if count == 0.0 {
-                0.0
-            } else if is_level {
-                (sum / count).abs() * count.sqrt()
-            } else {
-                (squares / count).sqrt()
-            }
-        });
-        let kept = sizes.iter().all(|size| *size > KEEPING * candidate.noise)
-            && sizes[1] > KEEPING_SHARE * sizes[0];
+        let [first, second] = candidate
+            .parts
+            .map(|[count, squares]| (squares / f64::max(count, 1.0)).sqrt());
+        let least = KEEPING * candidate.noise;
+        let kept = first > least && second > least && second > KEEPING_SHARE * first;
         self.candidate = None;
         kept
     }
 
     fn learn(&mut self, reading: f64) {
-        self.samples += 1.0;
-        // A mean at first, and later one that forgets.
-        let judged_per_learning = self.samples_per_learning();
-        let share = 1.0 / self.samples.min(judged_per_learning);
+        // A mean at first, and later one that forgets. A reading that begins to rise may not draw the zero after it.
+        let limit = QUIET * self.noise();
+        let reading = if self.samples < LEAST_SAMPLES {
+            reading
+        } else {
+            reading.clamp(-limit, limit)
+        };
+        let most = self.samples_per_learning();
+        self.samples = (self.samples + 1.0).min(most);
+        let share = 1.0 / self.samples;
         self.zero += share * reading;
-        self.samples = self.samples.min(judged_per_learning);
         self.variance += share * (reading * reading - self.variance);
     }
 

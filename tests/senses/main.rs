@@ -1,0 +1,6 @@
+//! Sensors: what they read, detection, and estimates, against signals of a fibre-beam model of other authorship.
+
+mod detection;
+mod estimation;
+mod readings;
+mod signals;
