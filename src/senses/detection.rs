@@ -78,6 +78,8 @@ struct Channel {
     zero: f64,
     variance: f64,
     samples: f64,
+    /// The reading that was learned last.
+    last: f64,
     averaging: usize,
     group: Vec<(f64, f64)>,
     candidate: Option<Candidate>,
@@ -147,6 +149,7 @@ impl Channel {
             zero: 0.0,
             variance: 0.0,
             samples: 0.0,
+            last: 0.0,
             averaging: if is_level { averaging } else { 1 },
             group: Vec::with_capacity(averaging),
             candidate: None,
@@ -280,7 +283,10 @@ impl Channel {
         self.samples = (self.samples + 1.0).min(most);
         let share = 1.0 / self.samples;
         self.zero += share * reading;
-        self.variance += share * (reading * reading - self.variance);
+        // From the difference of neighbours, which a rise or a drift does not widen.
+        let difference = reading - self.last;
+        self.last = reading;
+        self.variance += share * (0.5 * difference * difference - self.variance);
     }
 
     fn samples_per_learning(&self) -> f64 {
