@@ -51,6 +51,7 @@ use clap::{Parser, Subcommand};
 use column_twin::printable::PrintableWriter;
 
 use capacity::CapacityArgs;
+#[cfg(feature = "ros")]
 use failure::Exit;
 use simulate::SimulateArgs;
 
