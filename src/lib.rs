@@ -36,6 +36,7 @@ pub mod printable;
 pub mod recording;
 #[cfg(feature = "cli")]
 pub mod report;
+pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;

@@ -2,7 +2,8 @@
 //!
 //! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::screen`] follows one impact and
 //! reduces it to the numbers that a study compares, a [`Screening`]. [`Batch`] spreads any number of them over the
-//! processors, in an order that does not depend on how many there are, and can be interrupted.
+//! processors, in an order that does not depend on how many there are, and can be interrupted. [`DamageMap`] is the plane of
+//! two quantities, [`CriticalSearch`] finds how fast a vehicle may be.
 //!
 //! ```
 //! use column_twin::parameters::Parameters;
@@ -15,9 +16,17 @@
 //! # Ok::<(), column_twin::study::StudyError>(())
 //! ```
 
+mod axis;
 mod batch;
+mod critical;
+mod map;
 pub mod risk;
 mod study_column;
 
+pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};
 pub use batch::{Batch, BatchEnd};
+pub use critical::{
+    CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity, SEVERITIES,
+};
+pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
 pub use study_column::{Screening, StudyColumn, StudyError};

@@ -1,0 +1,466 @@
+//! Damage maps: what an impact leads to, over a plane of two quantities.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, Quantity};
+use super::batch::{Batch, BatchEnd};
+use super::study_column::{Screening, StudyColumn, StudyError};
+use crate::column::Impact;
+use crate::parameters::{ParameterFaults, Parameters, RIGID};
+
+/// Columns that are kept for the cells that follow. A map has one per value of an axis of the column, and cells that follow one
+/// another share it; processors work on cells some distance apart.
+const KEPT_COLUMNS: usize = 256;
+
+/// A map over two axes, for one column or for several that are compared.
+///
+/// Its cells are numbered: variant by variant, in each of them row by row, in each row from the first to the last value of
+/// [`DamageMap::columns`]. A cell depends on nothing but its number, so that any part of a map can be computed anywhere.
+///
+/// ```
+/// use column_twin::parameters::Parameters;
+/// use column_twin::study::{Batch, DamageMap, MapAxis};
+///
+/// let axes = [MapAxis::parse("velocity=5:20:4")?, MapAxis::parse("mass=1000:3000:2")?];
+/// let map = DamageMap::new(&Parameters::default(), Some("mid_car"), axes)?;
+/// assert_eq!(map.len(), 8);
+/// // One row for each mass, with the velocities in it.
+/// assert_eq!(map.rows().quantity().name(), "mass");
+/// let table = map.table(&Batch::default())?;
+/// assert!(table.max_v1[3] > table.max_v1[0]);
+/// // A single cell is the same, bit for bit.
+/// assert_eq!(map.cell(3).result.map(|it| it.max_v1), Ok(table.max_v1[3]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct DamageMap {
+    variants: Vec<Variant>,
+    rows: MapAxis,
+    columns: MapAxis,
+    /// The columns that were needed last.
+    kept: Mutex<VecDeque<(ColumnKey, KeptColumn)>>,
+}
+
+/// Which column a cell needs: the variant, and the places on the axes that belong to the column.
+type ColumnKey = (usize, Option<u64>, Option<u64>);
+/// A column, or why there is none; empty until the first cell that needs it computes it.
+type KeptColumn = Arc<OnceLock<Result<StudyColumn, String>>>;
+
+/// One of the columns that a map compares, with its vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// Its name in files and figures.
+    pub label: String,
+    /// The column, and the impact as far as the axes leave it open.
+    pub parameters: Parameters,
+}
+
+/// The place of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellPlace {
+    /// Number of the variant, from 0.
+    pub variant: usize,
+    /// Place on the axis of the rows, from 0.
+    pub row: u64,
+    /// Place on the axis of the columns, from 0.
+    pub column: u64,
+}
+
+/// One cell of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapCell {
+    /// Its number, from 0.
+    pub index: u64,
+    /// Its place.
+    pub place: CellPlace,
+    /// What the impact leads to, or why that could not be computed.
+    pub result: Result<Screening, String>,
+}
+
+/// The cells of a map as columns of equal length; a value that does not exist is NaN.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MapTable {
+    /// Number of the cell.
+    pub index: Vec<u64>,
+    /// Number of the variant.
+    pub variant: Vec<usize>,
+    /// Place on the axis of the rows.
+    pub row: Vec<u64>,
+    /// Place on the axis of the columns.
+    pub column: Vec<u64>,
+    /// What the impact leads to, or why that could not be computed.
+    pub result: Vec<Result<Screening, String>>,
+    /// Largest displacement of the impact point \[m\].
+    pub max_v1: Vec<f64>,
+    /// Residual displacement of the impact point \[m\]; NaN where the column does not stand.
+    pub residual_v1: Vec<f64>,
+    /// Largest contact force \[N\].
+    pub peak_contact_force: Vec<f64>,
+    /// Remaining axial capacity \[N\].
+    pub remaining_capacity: Vec<f64>,
+    /// Remaining capacity over that of the virgin column.
+    pub capacity_ratio: Vec<f64>,
+    /// Largest plastic rotation of a hinge \[rad\].
+    pub max_plastic_rotation: Vec<f64>,
+}
+
+/// Why there is no map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// An axis.
+    #[error(transparent)]
+    Axis(#[from] AxisError),
+    /// Too many cells.
+    #[error(
+        "{variants} x {rows} x {columns} cells are too many; a map has at most {MAX_CELLS} cells"
+    )]
+    TooManyCells {
+        /// Number of variants.
+        variants: usize,
+        /// Number of rows.
+        rows: u64,
+        /// Number of columns.
+        columns: u64,
+    },
+    /// Two axes of the same quantity, or of quantities of which one determines the other.
+    #[error("both axes determine the same parameter: {0} and {1}; vary two that are independent")]
+    SameQuantity(&'static str, &'static str),
+    /// A comparison varies what an axis varies, too.
+    #[error("{0} is compared and varies along an axis, too; do one of both")]
+    ComparedAndVaried(&'static str),
+    /// There is no variant.
+    #[error("there is no column to compare")]
+    NoVariant,
+    /// Two variants have the same label.
+    #[error(
+        "two of the compared columns are called {0}; give each one a name of its own (column_id)"
+    )]
+    SameLabel(String),
+    /// The parameters.
+    #[error("{}", .0.in_one_line())]
+    Parameters(#[from] ParameterFaults),
+}
+
+impl DamageMap {
+    /// The map of one column. The vehicle is that of the parameters where none is named; what no axis varies has the value
+    /// of the parameters. Of the two axes, the one that belongs to the column makes the rows, then a vehicle, then the mass.
+    ///
+    /// # Errors
+    /// Axes that depend on each other, too many cells, or values that the parameters do not admit.
+    pub fn new(
+        parameters: &Parameters,
+        vehicle: Option<&str>,
+        axes: [MapAxis; 2],
+    ) -> Result<Self, MapError> {
+        let parameters = with_vehicle(parameters, vehicle)?;
+        let label = parameters.settings().column_id.clone();
+        Self::of_variants(vec![Variant { label, parameters }], axes)
+    }
+
+    /// The map of the same column with each of some values, such as sections, to compare them.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and a comparison of what an axis varies.
+    pub fn comparing(
+        parameters: &Parameters,
+        vehicle: Option<&str>,
+        compared: &MapAxis,
+        axes: [MapAxis; 2],
+    ) -> Result<Self, MapError> {
+        if axes.iter().any(|axis| axis.excludes(compared)) {
+            return Err(MapError::ComparedAndVaried(compared.quantity().name()));
+        }
+        let parameters = with_vehicle(parameters, vehicle)?;
+        Self::of_variants(Variant::of_values(&parameters, compared)?, axes)
+    }
+
+    /// The map of several columns, over the same axes.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and two columns of the same label.
+    pub fn of_variants(variants: Vec<Variant>, axes: [MapAxis; 2]) -> Result<Self, MapError> {
+        let [first, second] = &axes;
+        if first.excludes(second) {
+            let [first, second] = [first, second].map(|axis| axis.quantity().name());
+            return Err(MapError::SameQuantity(first, second));
+        }
+        let [mut rows, mut columns] = axes;
+        if precedence(columns.quantity()) < precedence(rows.quantity()) {
+            std::mem::swap(&mut rows, &mut columns);
+        }
+        if variants.is_empty() {
+            return Err(MapError::NoVariant);
+        }
+        let cells = (variants.len() as u64)
+            .checked_mul(rows.len())
+            .and_then(|cells| cells.checked_mul(columns.len()));
+        if cells.is_none_or(|cells| cells > MAX_CELLS) {
+            return Err(MapError::TooManyCells {
+                variants: variants.len(),
+                rows: rows.len(),
+                columns: columns.len(),
+            });
+        }
+        for (number, variant) in variants.iter().enumerate() {
+            if variants[..number]
+                .iter()
+                .any(|it| it.label == variant.label)
+            {
+                return Err(MapError::SameLabel(variant.label.clone()));
+            }
+            rows.check_on(&variant.parameters)?;
+            columns.check_on(&variant.parameters)?;
+        }
+        Ok(Self {
+            variants,
+            rows,
+            columns,
+            kept: Mutex::default(),
+        })
+    }
+
+    /// Number of cells.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "a map is never empty")]
+    pub fn len(&self) -> u64 {
+        self.variants.len() as u64 * self.rows.len() * self.columns.len()
+    }
+
+    /// The columns that are compared; one where nothing is compared.
+    #[must_use]
+    pub fn variants(&self) -> &[Variant] {
+        &self.variants
+    }
+
+    /// The axis of the rows.
+    #[must_use]
+    pub fn rows(&self) -> &MapAxis {
+        &self.rows
+    }
+
+    /// The axis of the columns: of mass and velocity, the velocity.
+    #[must_use]
+    pub fn columns(&self) -> &MapAxis {
+        &self.columns
+    }
+
+    /// The place of the cell of this number.
+    #[must_use]
+    pub fn place(&self, index: u64) -> CellPlace {
+        let row = index / self.columns.len();
+        CellPlace {
+            variant: (row / self.rows.len()) as usize,
+            row: row % self.rows.len(),
+            column: index % self.columns.len(),
+        }
+    }
+
+    /// The number of the cell at this place.
+    #[must_use]
+    pub fn index(&self, place: CellPlace) -> u64 {
+        (place.variant as u64 * self.rows.len() + place.row) * self.columns.len() + place.column
+    }
+
+    /// The cells of a contiguous part of the map: part `number`, from 1, of `count` parts, which together are the map.
+    #[must_use]
+    pub fn shard(&self, number: u64, count: u64) -> Range<u64> {
+        let at = |part: u64| {
+            let cells = u128::from(self.len()) * u128::from(part) / u128::from(count.max(1));
+            u64::try_from(cells).unwrap_or(self.len()).min(self.len())
+        };
+        at(number.saturating_sub(1))..at(number)
+    }
+
+    /// Computes one cell, whose number must be less than [`len`](Self::len).
+    #[must_use]
+    pub fn cell(&self, index: u64) -> MapCell {
+        let place = self.place(index);
+        let values = [self.rows.value(place.row), self.columns.value(place.column)];
+        MapCell {
+            index,
+            place,
+            result: self.screen(place.variant, [Some(place.row), Some(place.column)], values),
+        }
+    }
+
+    /// Computes the impact at values that need not be those of a cell: with the place on an axis where the value is one of the
+    /// axis.
+    pub(super) fn screen(
+        &self,
+        variant: usize,
+        places: [Option<u64>; 2],
+        values: [AxisValue<'_>; 2],
+    ) -> Result<Screening, String> {
+        let screened = |column: &StudyColumn| {
+            let impact = self
+                .impact(column, values)
+                .map_err(|fault| fault.to_string())?;
+            column.screen(&impact).map_err(|fault| fault.to_string())
+        };
+        let key = |axis: &MapAxis, place: Option<u64>| match axis.quantity().is_of_the_column() {
+            // A value between those of the axis has a column of its own, which is not kept.
+            true => place.map(Some),
+            false => Some(None),
+        };
+        match (key(&self.rows, places[0]), key(&self.columns, places[1])) {
+            (Some(row), Some(column)) => {
+                let kept = self.kept((variant, row, column));
+                let made = kept.get_or_init(|| self.study_column(variant, values));
+                made.as_ref().map_err(Clone::clone).and_then(screened)
+            }
+            _ => screened(&self.study_column(variant, values)?),
+        }
+    }
+
+    /// The impact on a column at these values.
+    fn impact(
+        &self,
+        column: &StudyColumn,
+        values: [AxisValue<'_>; 2],
+    ) -> Result<Impact, StudyError> {
+        let settings = column.parameters().settings();
+        let (mut vehicle, mut mass, mut velocity) = (None, None, settings.impact.velocity);
+        for (axis, value) in [&self.rows, &self.columns].into_iter().zip(values) {
+            match (axis.quantity(), value) {
+                (Quantity::Mass, AxisValue::Number(number)) => mass = Some(number),
+                (Quantity::Velocity, AxisValue::Number(number)) => velocity = number,
+                (Quantity::Vehicle, AxisValue::Name(name)) => vehicle = Some(name),
+                _ => {}
+            }
+        }
+        // A rigid mass has no mass of its own.
+        if vehicle == Some(RIGID) {
+            mass = mass.or(Some(settings.impact.mass));
+        }
+        column.impact(vehicle, mass, velocity)
+    }
+
+    fn study_column(
+        &self,
+        variant: usize,
+        values: [AxisValue<'_>; 2],
+    ) -> Result<StudyColumn, String> {
+        let base = &self.variants[variant].parameters;
+        let axes = [&self.rows, &self.columns].into_iter().zip(values);
+        let changes: Vec<_> = axes
+            .filter(|(axis, _)| axis.quantity().is_of_the_column())
+            .flat_map(|(axis, value)| axis.changes(base, value))
+            .collect();
+        let changed = base
+            .with_changes(changes)
+            .map_err(|faults| faults.in_one_line())?;
+        StudyColumn::virgin(&changed).map_err(|fault| fault.to_string())
+    }
+
+    /// The place of a column among those that are kept; the longest kept one goes.
+    fn kept(&self, key: ColumnKey) -> KeptColumn {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, column)) = kept.iter().rev().find(|(of, _)| *of == key) {
+            return column.clone();
+        }
+        if kept.len() == KEPT_COLUMNS {
+            kept.pop_front();
+        }
+        let column = KeptColumn::default();
+        kept.push_back((key, column.clone()));
+        column
+    }
+
+    /// Computes some cells on all processors and hands them to `sink` in their order, in chunks. The memory does not depend
+    /// on their number.
+    ///
+    /// # Errors
+    /// The first error of `sink`, or of the system that gives no threads.
+    pub fn compute<E: From<rayon::ThreadPoolBuildError>>(
+        &self,
+        batch: &Batch,
+        cells: Range<u64>,
+        sink: impl FnMut(Vec<MapCell>) -> Result<(), E>,
+    ) -> Result<BatchEnd, E> {
+        let count = cells.end.saturating_sub(cells.start);
+        batch.run(count, |offset| self.cell(cells.start + offset), sink)
+    }
+
+    /// Computes the whole map, in memory. An interrupted batch leaves a table of the cells that are done.
+    ///
+    /// # Errors
+    /// The system gives no threads.
+    pub fn table(&self, batch: &Batch) -> Result<MapTable, rayon::ThreadPoolBuildError> {
+        let mut table = MapTable::default();
+        let end = self.compute(batch, 0..self.len(), |cells| {
+            cells.into_iter().for_each(|cell| table.push(cell));
+            Ok(())
+        });
+        end.map(|_| table)
+    }
+}
+
+impl MapTable {
+    /// Appends a cell.
+    pub fn push(&mut self, cell: MapCell) {
+        let screening = cell.result.as_ref().ok();
+        let number = |value: fn(&Screening) -> f64| screening.map_or(f64::NAN, value);
+        self.index.push(cell.index);
+        self.variant.push(cell.place.variant);
+        self.row.push(cell.place.row);
+        self.column.push(cell.place.column);
+        self.max_v1.push(number(|it| it.max_v1));
+        self.residual_v1
+            .push(number(|it| it.residual_v1.unwrap_or(f64::NAN)));
+        self.peak_contact_force
+            .push(number(|it| it.peak_contact_force));
+        self.remaining_capacity
+            .push(number(|it| it.remaining_capacity));
+        self.capacity_ratio.push(number(|it| it.capacity_ratio));
+        self.max_plastic_rotation
+            .push(number(|it| it.max_plastic_rotation));
+        self.result.push(cell.result);
+    }
+}
+
+/// What makes the rows: the smaller one.
+fn precedence(quantity: Quantity) -> u8 {
+    match quantity {
+        Quantity::Velocity => 3,
+        Quantity::Mass => 2,
+        Quantity::Vehicle => 1,
+        _ => 0,
+    }
+}
+
+/// The parameters with the vehicle that is named, if one is, and with its own mass.
+fn with_vehicle(
+    parameters: &Parameters,
+    vehicle: Option<&str>,
+) -> Result<Parameters, ParameterFaults> {
+    let Some(name) = vehicle else {
+        return Ok(parameters.clone());
+    };
+    let changes = axis::changes(Quantity::Vehicle, parameters, AxisValue::Name(name));
+    parameters.with_changes(changes)
+}
+
+impl Variant {
+    /// The columns to compare: the same one with each of these values.
+    ///
+    /// # Errors
+    /// Values that the parameters do not admit.
+    pub fn of_values(base: &Parameters, compared: &MapAxis) -> Result<Vec<Self>, MapError> {
+        compared.check_on(base)?;
+        let variant = |index| {
+            let value = compared.value(index);
+            let quantity = compared.quantity();
+            let label = match value {
+                AxisValue::Name(name) => name.to_owned(),
+                number => format!("{} {number} {}", quantity.name(), quantity.unit()),
+            };
+            Ok(Self {
+                label: label.trim_end().to_owned(),
+                parameters: base.with_changes(compared.changes(base, value))?,
+            })
+        };
+        (0..compared.len()).map(variant).collect()
+    }
+}
