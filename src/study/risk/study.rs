@@ -85,7 +85,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         numbers: Range<u64>,
         mut sink: impl FnMut(&RiskSample) -> Result<(), E>,
     ) -> Result<(Tally, BatchEnd), E> {
-        let mut tally = Tally::new(self.sampler.scenario());
+        let mut tally = Tally::new(self.sampler);
         let count = numbers.end.saturating_sub(numbers.start);
         let end = batch.run(
             count,
