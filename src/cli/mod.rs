@@ -18,6 +18,7 @@ mod impact_args;
 mod info;
 #[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
 mod keystore;
+mod map;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -74,6 +75,8 @@ enum CliCommand {
     Simulate(SimulateArgs),
     /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
     Capacity(CapacityArgs),
+    /// Map what impacts do over two quantities, such as mass and velocity: severity, displacement, capacity
+    Map(map::MapArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -145,6 +148,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Demo(arguments) => demo::run(arguments, &mut shown()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Map(arguments) => map::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),
