@@ -3,7 +3,7 @@
 //! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::screen`] follows one impact and
 //! reduces it to the numbers that a study compares, a [`Screening`]. [`Batch`] spreads any number of them over the
 //! processors, in an order that does not depend on how many there are, and can be interrupted. [`DamageMap`] is the plane of
-//! two quantities, [`CriticalSearch`] finds how fast a vehicle may be.
+//! two quantities, [`DamageMap::refine`] finds the boundaries of its classes alone, [`CriticalSearch`] how fast a vehicle may be.
 //!
 //! ```
 //! use column_twin::parameters::Parameters;
@@ -20,6 +20,9 @@ mod axis;
 mod batch;
 mod critical;
 mod map;
+mod map_columns;
+mod map_grid;
+mod refine;
 pub mod risk;
 mod study_column;
 
@@ -29,4 +32,7 @@ pub use critical::{
     CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity, SEVERITIES,
 };
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
+pub use map_columns::{ColumnKind, TableColumn, TableValue, severity_name};
+pub use map_grid::{GridCell, MapGrid};
+pub use refine::{BoundaryPoint, ClassBoundary, RefineError, RefinedMap, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
