@@ -20,6 +20,7 @@ mod axis;
 mod batch;
 mod critical;
 mod map;
+pub mod risk;
 mod study_column;
 
 pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};
