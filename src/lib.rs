@@ -39,7 +39,6 @@ pub mod report;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;
-#[cfg(feature = "study")]
 pub mod study;
 pub mod twin;
 #[cfg(feature = "viewer")]

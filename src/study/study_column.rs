@@ -64,7 +64,15 @@ impl StudyColumn {
     /// Properties that make no column.
     pub fn virgin(parameters: &Parameters) -> Result<Self, StudyError> {
         let model = Model::new(&parameters.column_properties()).map_err(SimulationError::from)?;
-        let rest = State::at_rest(&model);
+        Self::at_rest(parameters, model, State::at_rest(&model))
+    }
+
+    /// The column of this model as it is at rest, with all damage that it has. The model may have hinges 1a and 1b at another
+    /// height than the parameters.
+    ///
+    /// # Errors
+    /// Properties whose capacity cannot be computed.
+    pub fn at_rest(parameters: &Parameters, model: Model, rest: State) -> Result<Self, StudyError> {
         Ok(Self {
             parameters: parameters.clone(),
             model,

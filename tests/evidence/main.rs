@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+mod critical;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod dropped;
