@@ -12,6 +12,7 @@ pub enum Exit {
     /// The input or the usage is wrong.
     BadInput = 2,
     /// Done, but some data were lost.
+    #[cfg(any(feature = "ros", feature = "record"))]
     Lossy = 3,
 }
 

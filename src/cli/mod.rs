@@ -32,6 +32,7 @@ mod replay;
 mod report;
 #[cfg(feature = "ros")]
 mod run;
+mod risk;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
@@ -51,6 +52,7 @@ use clap::{Parser, Subcommand};
 use column_twin::printable::PrintableWriter;
 
 use capacity::CapacityArgs;
+#[cfg(feature = "ros")]
 use failure::Exit;
 use simulate::SimulateArgs;
 
@@ -74,6 +76,8 @@ enum CliCommand {
     Simulate(SimulateArgs),
     /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
     Capacity(CapacityArgs),
+    /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
+    Risk(risk::RiskArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -145,6 +149,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Demo(arguments) => demo::run(arguments, &mut shown()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Risk(arguments) => risk::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),

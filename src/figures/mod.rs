@@ -1,6 +1,8 @@
 //! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force, the
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
+//! [`draw_risk`] draws the figures of a risk study.
+//!
 //! The font is embedded, so that a figure looks the same on every machine.
 
 mod axis;
@@ -14,6 +16,7 @@ mod path_chart;
 mod push_down;
 mod raster;
 mod response_history;
+mod risk;
 mod thinning;
 pub mod units;
 mod yield_path;
@@ -27,6 +30,7 @@ use crate::whole_file;
 
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
+pub use risk::{draw_risk, risk_svg};
 pub use thinning::HistoryThinning;
 
 /// Why the figures cannot be drawn.
@@ -76,7 +80,11 @@ pub fn draw_all(
     folder: &Path,
     response: &ResponseHistory<'_>,
 ) -> Result<Vec<PathBuf>, FigureError> {
-    let drawings = draw_svg(response)?;
+    write_all(folder, draw_svg(response)?)
+}
+
+/// Writes figures as SVG and as PNG.
+fn write_all(folder: &Path, drawings: Vec<(String, String)>) -> Result<Vec<PathBuf>, FigureError> {
     fs::create_dir_all(folder).map_err(|reason| FigureError::Folder {
         folder: folder.to_path_buf(),
         reason,

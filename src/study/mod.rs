@@ -24,6 +24,8 @@ mod batch;
 mod critical;
 #[cfg(feature = "study")]
 mod map;
+#[cfg(feature = "study")]
+pub mod risk;
 mod study_column;
 mod vehicle_limits;
 

@@ -7,7 +7,7 @@ use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::{Message, Reader};
 use column_twin::twin::{CHECKPOINT_PERIOD, Command, Journal};
 
-use super::forgeries::forged;
+use super::copies::forged;
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 const SECOND: i64 = 1_000 * MS;

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+mod copies;
 mod critical;
 #[path = "../ros/domain.rs"]
 mod domain;
