@@ -41,7 +41,6 @@ pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;
-#[cfg(feature = "study")]
 pub mod study;
 pub mod twin;
 #[cfg(feature = "viewer")]

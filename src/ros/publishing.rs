@@ -247,6 +247,9 @@ impl Publishing {
                     Command::RejectedChange { .. } => "change that cannot be read".to_owned(),
                     Command::Reset { .. } => "reset".to_owned(),
                     Command::ClockJumpedBack { .. } => "jump of the clock".to_owned(),
+                    Command::CriticalVelocities { vehicles } => {
+                        format!("critical velocities of {} vehicles", vehicles.len())
+                    }
                 };
                 let outcome = it.refusal.as_ref().map_or("accepted", |it| it.code.name());
                 let at = it.position;

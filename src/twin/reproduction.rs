@@ -33,6 +33,7 @@ impl Twin {
         twin.registry.last_refusal = from.last_refusal.clone();
         twin.journal = JournalClock::continuing(from);
         twin.assess();
+        twin.restore_critical_velocities(from.critical_velocities.as_ref());
         Ok(twin)
     }
 
@@ -52,6 +53,7 @@ impl Twin {
             length_above: properties.length_above,
             state: self.at_rest.state,
             condition: self.at_rest.condition.clone(),
+            critical_velocities: self.critical_velocities().map(Arc::clone),
             life: self.registry.life.clone(),
             counts: self.registry.counts,
             last_refusal: self.registry.last_refusal.clone(),

@@ -5,6 +5,7 @@
 
 mod commands;
 mod copies;
+mod critical;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod dropped;

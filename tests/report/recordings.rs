@@ -248,3 +248,28 @@ fn what_is_not_a_recording_of_an_impact_is_rejected_with_the_reason() {
     assert_eq!(code, 1, "{stderr}");
     assert!(stderr.contains("nowhere/report.html"), "{stderr}");
 }
+
+#[test]
+fn a_report_tells_how_fast_a_vehicle_may_hit_the_column_next() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    twin.until_rest();
+    twin.advance(MS);
+    twin.know_critical_velocities();
+    twin.advance(MS);
+    let known = twin.twin.status(twin.now).critical_velocities;
+    let known = known.expect("known");
+    let (code, _, html) = report_of(&twin.finish().path(), &[]);
+    assert_eq!(code, 0);
+    let (_, section) = html
+        .split_once("id=\"critical-velocities\"")
+        .expect("a section");
+    for it in known.iter() {
+        assert!(section.contains(&*it.vehicle));
+        let evacuate = it.evacuate.filter(|it| *it > 0.0);
+        assert!(evacuate.is_none_or(|it| section.contains(&format!("{it:.1} m/s"))));
+    }
+    let recording = three_impacts();
+    let (_, _, html) = report_of(&recording.path(), &[]);
+    assert!(!html.contains("id=\"critical-velocities\""), "not known");
+}

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod clock;
+mod critical;
 mod damage;
 mod forecasts;
 mod memory;
