@@ -38,6 +38,7 @@ pub mod recording;
 pub mod report;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod senses;
 pub mod shape;
 #[cfg(feature = "study")]
 pub mod study;
