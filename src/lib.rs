@@ -40,6 +40,7 @@ pub mod report;
 pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
+pub mod senses;
 pub mod shape;
 pub mod study;
 pub mod twin;

@@ -318,13 +318,13 @@ impl Services {
                 parameters::get(&twin.parameters(), &request)
             }),
             answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
-                parameters::types(&request)
+                parameters::types(&twin.parameters(), &request)
             }),
             answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
-                parameters::list(&request)
+                parameters::list(&twin.parameters(), &request)
             }),
             answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
-                parameters::describe(&request)
+                parameters::describe(&twin.parameters(), &request)
             }),
             answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
                 match admit(sender, &qos::SET_PARAMETERS, "a request") {

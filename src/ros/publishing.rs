@@ -60,7 +60,7 @@ pub(super) struct Publishing {
     /// `new_parameters` has not been published: until then with the deadline for the first reader.
     unannounced: Option<Instant>,
     /// The parameters that wait for the end of the response.
-    waiting: Vec<&'static str>,
+    waiting: Vec<String>,
     status: TwinStatus,
     last_diagnostics: Option<(Instant, DiagnosticArray)>,
     clock_warning: SeldomWarning,

@@ -325,3 +325,25 @@ fn a_new_publish_rate_applies_to_the_next_response() {
     let states = bench.states();
     assert_eq!(states[1].stamp - states[0].stamp, 10 * MS);
 }
+
+/// Of a sensor that is added, the refusal names what was given, and not all that the sensor would have.
+#[test]
+fn sensors_cannot_be_added_while_the_node_runs() {
+    let mut bench = Bench::new(&[]);
+    let before = bench.twin.parameters().clone();
+    let outcome = bench.handle(Command::SetParameters {
+        changes: vec![
+            ("sensors.laser.quantity".into(), "displacement".into()),
+            ("sensors.laser.height".into(), 1.0.into()),
+            ("sensors.names".into(), vec!["laser".to_owned()].into()),
+        ],
+        source: "test".into(),
+    });
+    let Refusal { code, reason } = outcome.expect_err("refused");
+    assert_eq!(code, RefusalCode::ParametersReadOnly);
+    assert_eq!(
+        &*reason,
+        "sensors.names, sensors.laser.quantity, sensors.laser.height cannot be changed while the node runs; restart it with the new value"
+    );
+    assert_eq!(*bench.twin.parameters(), before);
+}
