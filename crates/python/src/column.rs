@@ -19,6 +19,7 @@ use pyo3::types::{PyByteArray, PyDict};
 
 use crate::batch::{NUMBERS, ROW_BYTES, Row, interruptible};
 use crate::fault;
+use crate::risk::{Request, risk};
 use crate::study::{self, GivenAxis};
 use crate::values::{doubles, numbers, object, value};
 
@@ -201,6 +202,11 @@ impl Column {
         threads: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         study::map(py, self.parameters(), vehicle, axes, compared, threads)
+    }
+
+    /// A risk study as JSON; see `_risk.py`.
+    fn risk(&self, py: Python<'_>, request: Request) -> PyResult<String> {
+        risk(py, self.parameters(), &request)
     }
 
     /// The velocities around the critical one of each severity, least severe first, and the number of responses.

@@ -6,6 +6,7 @@
 mod batch;
 mod column;
 mod fault;
+mod risk;
 mod study;
 mod values;
 

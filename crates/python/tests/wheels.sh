@@ -41,7 +41,8 @@ fresh_environment() {
 # `pip install` as a user does it, dependencies from PyPI; then what the README promises.
 install() {
   fresh_environment "$folder/venv"
-  "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --find-links "$wheels" 'column-twin[program]'
+  # The files by their paths, so that nothing of these names can come from an index.
+  "$folder/venv/bin/pip" install --quiet --disable-pip-version-check -c "$here/requirements.txt" "$wheels"/*.whl
   "$folder/venv/bin/column-twin" --version
   (cd "$folder" && "$folder/venv/bin/column-twin" demo >demo.txt) || {
     cat "$folder/demo.txt"

@@ -17,6 +17,7 @@ from ._errors import ColumnTwinError, ParameterError, ParameterWarning
 from ._loading import native
 from ._map import CriticalVelocity, Map
 from ._result import Result
+from ._risk import Risk
 from ._screening import Screening, table_of
 
 Value = Union[bool, int, float, str, Sequence[float], Sequence[str]]
@@ -299,6 +300,76 @@ class Column:
         if severity == Severity.NONE:
             raise ParameterError("severity: expected one from inspect to evacuate, found none")
         return self.critical_velocities(vehicle, mass, lowest, highest)[Severity(severity)]
+
+    def risk(
+        self,
+        scenario: str,
+        vehicles_per_day: float,
+        *,
+        years: float = 1.0,
+        distance: float | None = None,
+        laws: Sequence[str] = (),
+        scenarios: str | os.PathLike[str] | None = None,
+        samples: int = 100_000,
+        seed: int = 1,
+        confidence: float = 0.95,
+        exact: bool = False,
+        threads: int | None = None,
+    ) -> Risk:
+        """How often vehicles that leave the road damage the column, by Monte Carlo, as `column-twin risk` computes it.
+
+        The same seed gives the same result on any number of threads. Other Python threads run meanwhile, and Ctrl-C interrupts.
+
+        >>> column.risk("parking_garage", vehicles_per_day=2000, distance=0.5, samples=20_000)
+
+        Args:
+            scenario: `motorway`, `urban`, `courtyard`, `parking_garage`, or one of `scenarios`.
+            vehicles_per_day: vehicles that pass the column [1/d].
+            years: period for which the probabilities hold [a].
+            distance: of the column from the edge of the road [m]; default: that of the scenario.
+            laws: other laws of inputs, such as `speed_km_h=lognormal:12:5`.
+            scenarios: file of scenarios of your own, as config/risk.json.
+            samples: vehicles that are drawn.
+            seed: of the random numbers.
+            confidence: level of the intervals.
+            exact: compute the response of every sample, and predict none from critical speeds.
+            threads: number of threads; default: as many as there are processors.
+
+        Raises:
+            ParameterError: a scenario, law or number that is not accepted.
+        """
+        for name, number in (("vehicles_per_day", vehicles_per_day), ("years", years)):
+            if not (np.isfinite(number) and number > 0.0):
+                raise ParameterError(f"{name} {number}: expected a finite number > 0")
+        if not 0.5 <= confidence <= 0.9999:
+            raise ParameterError(f"confidence {confidence}: expected a number from 0.5 to 0.9999, such as 0.95")
+        if not 1 <= samples <= 10**12 or int(samples) != samples:
+            raise ParameterError(f"samples {samples}: expected a whole number from 1 to 1e12")
+        if threads is not None and threads < 1:
+            raise ParameterError(f"threads: expected at least 1, found {threads}")
+        text = None
+        if scenarios is not None:
+            try:
+                with open(scenarios, encoding="utf-8") as file:
+                    text = (os.fspath(scenarios), file.read())
+            except OSError as reason:
+                raise ParameterError(f"cannot read the scenarios {os.fspath(scenarios)}: {reason.strerror}") from reason
+        moved = [] if distance is None else [f"distance_m=fixed:{float(distance)!r}"]
+        report = self._native.risk(
+            {
+                "scenario": scenario,
+                "scenarios": text,
+                "laws": moved + list(laws),
+                "vehicles_per_day": float(vehicles_per_day),
+                "years": float(years),
+                "samples": int(samples),
+                "seed": seed,
+                "confidence": float(confidence),
+                "exact": exact,
+                "threads": threads,
+            }
+        )
+        return Risk(scenario, json.loads(report))
 
     def capacity(
         self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None

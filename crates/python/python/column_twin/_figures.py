@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ._capacity import Capacity
     from ._map import Map, MapAxis
     from ._result import Result
+    from ._risk import Risk
 
 
 def response(result: Result) -> Figure:
@@ -103,3 +104,25 @@ def _positions(axis: MapAxis) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     if axis.values.dtype.kind == "U":
         return np.arange(len(axis), dtype=np.float64)
     return np.asarray(axis.values, dtype=np.float64)
+
+
+def fragility(risk: Risk, ax: Axes | None) -> Axes:
+    """Probability of each severity of the whole traffic against the speed."""
+    if ax is None:
+        ax = plt.subplots(layout="constrained")[1]
+    for curve in risk.report["fragility"]:
+        if curve["vehicle"] is not None:
+            continue
+        points = [point for point in curve["points"] if point["probability"] is not None]
+        if not points:
+            continue
+        speed = np.array([3.6 * 0.5 * sum(point["speed"]) for point in points])
+        value, low, high = (np.array([point["probability"][it] for point in points]) for it in ("value", "low", "high"))
+        colour = COLOURS[Severity[curve["severity"].upper()]]
+        ax.plot(speed, value, ".-", color=colour, label=f"{curve['severity']} or worse")
+        ax.fill_between(speed, low, high, color=colour, alpha=0.15)
+    ax.set_xlabel("speed at the column [km/h]")
+    ax.set_ylabel("probability given an impact")
+    ax.grid(alpha=0.3)
+    ax.legend(fontsize="small")
+    return ax

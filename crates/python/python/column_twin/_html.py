@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ._column import Column
     from ._map import Map
     from ._result import Result
+    from ._risk import Risk
     from ._screening import Screening
 
 COLOURS = {
@@ -174,3 +175,19 @@ def _plane(severity: npt.NDArray[np.uint16]) -> str:
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 240 160" width="240" height="160" role="img" '
         f'aria-label="severity">{"".join(boxes)}</svg>'
     )
+
+
+def risk(risk: Risk) -> str:
+    """The probability of each severity in the period, with its interval."""
+    exposure = risk.report["exposure"]
+    rows = []
+    for row in risk.report["severities"]:
+        chance = row["in_period"]
+        rows.append(
+            (f"{row['severity']} or worse", f"{chance['value']:.2e} ({chance['low']:.1e} to {chance['high']:.1e})")
+        )
+    title = (
+        f"Risk, {risk.scenario}: {exposure['vehicles_per_day']:g} vehicles per day, {exposure['years']:g} a, "
+        f"{risk.samples} samples"
+    )
+    return f"<div><b>{escape(title)}</b>{_rows(rows)}</div>"

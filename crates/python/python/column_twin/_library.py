@@ -10,6 +10,7 @@ from ._column import Column
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
 from ._map import CriticalVelocity, Map, MapAxis
 from ._result import Result
+from ._risk import Estimate, Risk
 from ._screening import SCREENING, Screening, to_pandas
 
 __version__: str = native.VERSION
@@ -21,6 +22,7 @@ __all__ = [
     "Column",
     "ColumnTwinError",
     "CriticalVelocity",
+    "Estimate",
     "Map",
     "MapAxis",
     "Outcome",
@@ -28,6 +30,7 @@ __all__ = [
     "ParameterWarning",
     "PushDown",
     "Result",
+    "Risk",
     "Screening",
     "Section",
     "Severity",
