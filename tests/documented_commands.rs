@@ -137,6 +137,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("column-twin watch", Stays("watching")),
     ("column-twin impact", Ends),
     ("column-twin simulate", Ends),
+    ("column-twin risk", Ends),
     ("cargo run --release -- simulate", Ends),
     ("column-twin replay BAG --clock", Ends),
     ("column-twin replay", Ends),

@@ -182,10 +182,17 @@ pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Fa
     if let Some(path) = &arguments.samples_csv {
         files += &format!("Samples    {}\n", path.display());
     }
-    if let Some(folder) = &arguments.plots {
-        let title = summary::title(&case.parameters, &case.scenario);
-        let drawn = figures::draw_risk(folder, &title, &result).map_err(RiskCommandError::from)?;
-        files += &format!("Figures    {} files in {}\n", drawn.len(), folder.display());
+    match &arguments.plots {
+        Some(_) if result.counts.impacts == 0 => {
+            files += "Figures    none: there is no impact to draw\n";
+        }
+        Some(folder) => {
+            let title = summary::title(&case.parameters, &case.scenario);
+            let drawn =
+                figures::draw_risk(folder, &title, &result).map_err(RiskCommandError::from)?;
+            files += &format!("Figures    {} files in {}\n", drawn.len(), folder.display());
+        }
+        None => {}
     }
     let text = match arguments.json {
         true => Fields::json(arguments, &case, &outcome, &result)?,
@@ -276,14 +283,17 @@ impl Case {
         let column = RiskColumn::new(&self.parameters, &self.scenario)?;
         let sampler = DepartureSampler::new(&self.scenario, arguments.seed);
         let interruption = Interruption::listen();
-        let mut batch = Batch::default();
-        batch.threads = arguments.threads;
+        let on_threads = || {
+            arguments
+                .threads
+                .map_or_else(Batch::default, Batch::on_threads)
+        };
+        let batch = on_threads();
         let surface = match arguments.exact {
             true => None,
             false => {
                 let designs = CriticalSpeedSurface::designs(&self.scenario, arguments.samples);
-                let mut search = Batch::default();
-                search.threads = arguments.threads;
+                let search = on_threads();
                 interruption
                     .watch(
                         &search,

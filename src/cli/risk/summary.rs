@@ -58,6 +58,14 @@ fn interval(estimate: &Estimate, text: fn(f64) -> String) -> String {
     )
 }
 
+/// The period in words.
+fn period(years: f64) -> String {
+    match short(years).as_str() {
+        "1" => "in 1 year".to_owned(),
+        years => format!("in {years} years"),
+    }
+}
+
 /// Years in words.
 fn years(value: Option<f64>) -> String {
     match value {
@@ -81,9 +89,9 @@ impl fmt::Display for Summary<'_> {
         writeln!(f, "{}\n", title(&case.parameters, &case.scenario))?;
         writeln!(
             f,
-            "  Traffic                 {} vehicles per day, {} years",
+            "  Traffic                 {} vehicles per day, {}",
             short(exposure.vehicles_per_day),
-            short(exposure.years)
+            period(exposure.years).trim_start_matches("in ")
         )?;
         writeln!(
             f,
@@ -113,7 +121,7 @@ impl fmt::Display for Summary<'_> {
             "  {:<22}{:<34}{:<38}return period",
             "severity at least",
             "given an impact",
-            format!("in {} years", short(exposure.years)),
+            period(exposure.years),
         )?;
         for risk in &result.severities {
             writeln!(
@@ -139,9 +147,13 @@ impl fmt::Display for Summary<'_> {
                 "  Where no sample reached a severity, its probability is not 0 but at most the upper end of the interval."
             )?;
         }
-        self.classes(f)?;
-        self.fragility(f)?;
-        self.sensitivity(f)?;
+        if result.counts.impacts > 0 {
+            self.classes(f)?;
+            self.fragility(f)?;
+            self.sensitivity(f)?;
+        } else if self.outcome.end == BatchEnd::Complete {
+            writeln!(f, "  With these laws no vehicle reaches the column.")?;
+        }
         self.inputs(f)?;
         let counts = &result.counts;
         write!(

@@ -22,7 +22,7 @@ const FIRST_COORDINATE: usize = 5;
 /// Unknowns of a local regression: a constant and the slopes.
 const UNKNOWNS: usize = COORDINATES + 1;
 /// Designs of a class.
-const DESIGNS: u64 = 500;
+const DESIGNS: u64 = 300;
 /// Designs from which a critical speed is interpolated.
 const NEIGHBOURS: usize = 24;
 /// Standard deviation of the designs, in standard deviations of the inputs: they cover the tails, too.
@@ -231,13 +231,10 @@ impl Design {
     fn new(departure: &Departure, range: [f64; 2], limit_state: &impl LimitState) -> Self {
         let mut responses = 0;
         let mut determined = true;
+        let at_speed = limit_state.at_speeds(departure);
         let mut severity = |logarithm: f64| {
             responses += 1;
-            let at = Departure {
-                velocity: libm::exp(logarithm),
-                ..*departure
-            };
-            limit_state.severity(&at).unwrap_or_else(|| {
+            at_speed(libm::exp(logarithm)).unwrap_or_else(|| {
                 determined = false;
                 Severity::Evacuate
             })

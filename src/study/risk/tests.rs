@@ -91,7 +91,7 @@ fn intervals_have_their_coverage() {
     );
 
     let mut held = 0;
-    for seed in 0..60 {
+    for seed in 0..40 {
         let sampler = DepartureSampler::new(&scenario, seed);
         let search = batch(None);
         let surface = CriticalSpeedSurface::new(&sampler, seed, &known, 10_000_000, &search)
@@ -108,7 +108,7 @@ fn intervals_have_their_coverage() {
         held += u32::from(interval(&tally).contains(truth));
     }
     // The intervals of the control samples are on the safe side where no prediction is wrong.
-    assert!(held >= 50, "{held} of 60 intervals hold {truth}");
+    assert!(held >= 33, "{held} of 40 intervals hold {truth}");
 }
 
 /// A limit state that misleads the predictions: inside a window of mass and yield strength that no smooth interpolation sees,
@@ -141,14 +141,14 @@ fn wrong_predictions_do_not_bias_the_result() {
             .unwrap()
             .unwrap();
         let study = RiskStudy::new(&sampler, &known).with_predictions(&surface);
-        let tally = run(&study, 2, 0..10_000);
+        let tally = run(&study, 2, 0..40_000);
         let found = result(&scenario, &tally, 0.95);
         assert!(found.counts.wrong_predictions > 0);
         sum += found.severities[2].given_departure.value;
         held += i32::from(found.severities[2].given_departure.contains(truth));
     }
     let mean = sum / f64::from(seeds as u32);
-    // Standard deviation of one estimate: about 0.0088 (200 controls per thousand-fold weight); of the mean of 40, 0.0011.
+    // Of about 360 controls 2 % are wrong: the standard deviation of one estimate is about 0.007, of the mean of 40 0.0011.
     assert!((mean - truth).abs() < 0.005, "{mean} instead of {truth}");
     assert!(held >= 34, "{held} of {seeds}");
 }
