@@ -26,7 +26,7 @@ use summary::{MapSummary, extent};
 /// Why there is no map.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum MapCommandError {
-    #[error("{0}")]
+    #[error(transparent)]
     #[diagnostic(help("see `column-twin map --help` and docs/study.md"))]
     Map(#[from] MapError),
     #[error("a map has two axes; found {found}{}", listed(.names))]
