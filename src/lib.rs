@@ -23,6 +23,7 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;
 #[cfg(feature = "security")]
@@ -36,6 +37,7 @@ pub mod printable;
 pub mod recording;
 #[cfg(feature = "cli")]
 pub mod report;
+pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;

@@ -1,5 +1,7 @@
 //! The criteria as data: names, editions, tags, severities; and how each is evaluated.
 
+use std::borrow::Cow;
+
 use super::rotation_limits::{HingeSlenderness, not_compact};
 use super::{AssessmentInput, Severity};
 use crate::parameters::Provenance;
@@ -31,7 +33,7 @@ pub(super) struct Definition {
 }
 
 /// Value and limit, or why there are none.
-pub(super) type Evaluation = Result<(f64, f64), String>;
+pub(super) type Evaluation = Result<(f64, f64), Cow<'static, str>>;
 
 const PROGRAM: &str = "column_twin";
 const ASCE: &str = "ASCE/SEI 41-17, table 9-6";
@@ -104,9 +106,9 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         value: "remaining buckling resistance about the weaker axis, over the carried load",
         consequence: "the load exceeds the characteristic buckling resistance that is left",
         evaluate: |input| {
-            let resistance = input.remaining.resistance.ok_or_else(|| {
-                "the dimensions of the section are not known, and the weak axis may govern; give section.name".to_owned()
-            })?;
+            let resistance = input.remaining.resistance.ok_or(
+                "the dimensions of the section are not known, and the weak axis may govern; give section.name",
+            )?;
             Ok((resistance / carried(input)?, 1.0))
         },
     },
@@ -336,15 +338,15 @@ const fn table_4_1(name: &'static str, evaluate: fn(&AssessmentInput) -> Evaluat
     }
 }
 
-fn carried(input: &AssessmentInput) -> Result<f64, String> {
+fn carried(input: &AssessmentInput) -> Result<f64, Cow<'static, str>> {
     let load = input.remaining.carried_load;
     if load > 0.0 {
         Ok(load)
     } else {
-        Err(format!(
+        Err(Cow::Owned(format!(
             "the column carries no compressive load ({:.1} kN), so that there is no reserve to compare",
             load / 1e3
-        ))
+        )))
     }
 }
 
@@ -352,12 +354,12 @@ fn reserve(input: &AssessmentInput, limit: f64) -> Evaluation {
     Ok((input.remaining.now.force / carried(input)?, limit))
 }
 
-fn slenderness(input: &AssessmentInput) -> Result<HingeSlenderness, String> {
+fn slenderness(input: &AssessmentInput) -> Result<HingeSlenderness, Cow<'static, str>> {
     let section = input.section.as_ref().ok_or(
         "the dimensions of the section are not known; give section.name without overriding its properties",
     )?;
     if let Some(reason) = not_compact(section, input.yield_strength) {
-        return Err(reason);
+        return Err(Cow::Owned(reason));
     }
     let axial_ratio = input.remaining.carried_load / input.squash_load;
     let height = input.length_below + input.length_above;

@@ -91,11 +91,27 @@ pub fn respond_and_rest(
     impact: &Impact,
     max_duration: f64,
 ) -> Result<(Report, Option<State>), SimulationError> {
+    observe_and_rest(properties, impact, max_duration, |_, _| ())
+}
+
+/// As [`respond_and_rest`]; `observe` sees the state at the event and after every step, from which it may take a sample.
+///
+/// # Errors
+/// As [`respond`].
+pub fn observe_and_rest(
+    properties: &ColumnProperties,
+    impact: &Impact,
+    max_duration: f64,
+    mut observe: impl FnMut(&Model, &State),
+) -> Result<(Report, Option<State>), SimulationError> {
     let model = Model::new(properties)?;
     let mut state = State::at_rest(&model);
     let mut response = Response::begin(&model, &mut state, *impact, max_duration)?;
+    observe(&model, &state);
     loop {
-        if let Progress::Over(end) = response.advance(&model, &mut state, u64::MAX)? {
+        let progress = response.advance(&model, &mut state, u64::MAX)?;
+        observe(&model, &state);
+        if let Progress::Over(end) = progress {
             let report = response.report(&model, &state, end);
             let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
             let rest = stands.then(|| residual_state(&model, &state)).flatten();

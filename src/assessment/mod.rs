@@ -19,18 +19,23 @@
 mod criteria;
 mod evaluation;
 mod input;
+mod prepared;
 mod remaining;
 mod rotation_limits;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
 use criteria::{DEFINITIONS, Definition, Relation};
-pub use evaluation::{HARDENING_BAND, HardeningBand, ImpactEvaluation, respond_and_rest};
+pub use evaluation::{
+    HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
+};
 pub use input::{AssessedImpact, AssessmentInput};
+pub use prepared::{PreparedAssessment, Verdict};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
 };
@@ -102,74 +107,124 @@ pub struct Assessment {
 /// Evaluates every criterion. Criteria without the data that they need are listed with the reason.
 #[must_use]
 pub fn assess(input: &AssessmentInput) -> Assessment {
-    let criteria: Vec<_> = DEFINITIONS
-        .iter()
-        .map(|definition| evaluated(definition, input))
-        .collect();
-    let exceeded = criteria
-        .iter()
-        .filter(|criterion| criterion.decides && criterion.exceeded == Some(true))
-        // The first of equally severe ones: `max_by_key` would return the last.
-        .rev()
-        .max_by_key(|criterion| criterion.severity);
-    let closest = || {
-        let margin = |criterion: &Criterion| criterion.margin.unwrap_or(f64::INFINITY);
-        criteria
-            .iter()
-            .filter(|criterion| criterion.decides && criterion.limit.is_some_and(|it| it != 0.0))
-            .min_by(|a, b| margin(a).total_cmp(&margin(b)))
-    };
-    let (severity, deciding) = match exceeded {
-        Some(criterion) => (criterion.severity, criterion),
-        None => (Severity::None, closest().unwrap_or(&criteria[0])),
-    };
-    let reason = reason(input, severity, deciding, &criteria);
+    let mut choice = Choice::default();
+    let mut criteria = Vec::with_capacity(DEFINITIONS.len());
+    for (index, definition) in DEFINITIONS.iter().enumerate() {
+        let decides = decides(definition, &input.deciding);
+        let measured = measured(definition, input);
+        if let (true, Ok(measured)) = (decides, &measured) {
+            choice.consider(index, measured);
+        }
+        criteria.push(criterion(definition, decides, measured));
+    }
+    let (severity, deciding) = (choice.severity(), &criteria[choice.deciding()]);
     Assessment {
         severity,
         deciding_criterion: deciding.name,
-        reason,
+        reason: reason(input, severity, deciding, &criteria),
         criteria,
     }
 }
 
-fn evaluated(definition: &Definition, input: &AssessmentInput) -> Criterion {
-    let decides = definition.name == ALWAYS_DECIDES
-        || input.deciding.iter().any(|name| name == definition.name);
-    let mut criterion = Criterion {
+/// Whether a criterion decides if the user has chosen the criteria `chosen`.
+fn decides(definition: &Definition, chosen: &[String]) -> bool {
+    definition.name == ALWAYS_DECIDES || chosen.iter().any(|name| name == definition.name)
+}
+
+/// A criterion in numbers.
+#[derive(Debug, Clone, Copy)]
+struct Measured {
+    value: f64,
+    limit: f64,
+    margin: f64,
+    exceeded: bool,
+}
+
+fn measured(
+    definition: &Definition,
+    input: &AssessmentInput,
+) -> Result<Measured, Cow<'static, str>> {
+    let (value, limit) = (definition.evaluate)(input)?;
+    let sign = match definition.relation {
+        Relation::AtMost => 1.0,
+        Relation::AtLeast => -1.0,
+    };
+    let margin = if limit == 0.0 {
+        0.0 - sign * value
+    } else {
+        sign * (limit - value) / limit
+    };
+    Ok(Measured {
+        value,
+        limit,
+        margin,
+        // A NaN exceeds every limit.
+        exceeded: margin.is_nan() || margin < 0.0,
+    })
+}
+
+/// Which of the criteria that decide is the one that does: of the most severe ones that are exceeded the first, or the one
+/// closest to its limit where none is exceeded.
+#[derive(Debug, Clone, Copy, Default)]
+struct Choice {
+    exceeded: Option<usize>,
+    closest: Option<(usize, f64)>,
+}
+
+impl Choice {
+    /// Takes the next criterion that decides, with its index among the definitions.
+    fn consider(&mut self, index: usize, measured: &Measured) {
+        let severity = DEFINITIONS[index].severity;
+        if measured.exceeded
+            && self
+                .exceeded
+                .is_none_or(|before| severity > DEFINITIONS[before].severity)
+        {
+            self.exceeded = Some(index);
+        }
+        if measured.limit != 0.0
+            && self
+                .closest
+                .is_none_or(|(_, margin)| measured.margin.total_cmp(&margin).is_lt())
+        {
+            self.closest = Some((index, measured.margin));
+        }
+    }
+
+    fn severity(&self) -> Severity {
+        self.exceeded
+            .map_or(Severity::None, |index| DEFINITIONS[index].severity)
+    }
+
+    /// The index of the criterion that decides; the first one of all where none has a limit.
+    fn deciding(&self) -> usize {
+        let closest = || self.closest.map(|(index, _)| index);
+        self.exceeded.or_else(closest).unwrap_or(0)
+    }
+}
+
+fn criterion(
+    definition: &Definition,
+    decides: bool,
+    measured: Result<Measured, Cow<'static, str>>,
+) -> Criterion {
+    let numbers = measured.as_ref().ok();
+    Criterion {
         name: definition.name,
         edition: definition.edition,
         tag: definition.tag,
-        value: None,
-        limit: None,
+        value: numbers.map(|it| it.value),
+        limit: numbers.map(|it| it.limit),
         unit: definition.unit,
-        margin: None,
-        exceeded: None,
+        margin: numbers.map(|it| it.margin),
+        exceeded: numbers.map(|it| it.exceeded),
         severity: definition.severity,
         decides,
-        statement: String::new(),
-    };
-    match (definition.evaluate)(input) {
-        Err(reason) => criterion.statement = format!("Not evaluated: {reason}."),
-        Ok((value, limit)) => {
-            let sign = match definition.relation {
-                Relation::AtMost => 1.0,
-                Relation::AtLeast => -1.0,
-            };
-            let margin = if limit == 0.0 {
-                0.0 - sign * value
-            } else {
-                sign * (limit - value) / limit
-            };
-            // A NaN exceeds every limit.
-            let exceeded = margin.is_nan() || margin < 0.0;
-            criterion.value = Some(value);
-            criterion.limit = Some(limit);
-            criterion.margin = Some(margin);
-            criterion.exceeded = Some(exceeded);
-            criterion.statement = statement(definition, value, limit, margin, exceeded);
-        }
+        statement: match &measured {
+            Err(reason) => format!("Not evaluated: {reason}."),
+            Ok(measured) => statement(definition, measured),
+        },
     }
-    criterion
 }
 
 /// A margin in per cent, with as many digits as it takes to tell it from 0.
@@ -185,13 +240,13 @@ fn percent(margin: f64) -> String {
 }
 
 /// A sentence with the numbers, and with the consequence if the criterion is exceeded.
-fn statement(
-    definition: &Definition,
-    value: f64,
-    limit: f64,
-    margin: f64,
-    exceeded: bool,
-) -> String {
+fn statement(definition: &Definition, measured: &Measured) -> String {
+    let Measured {
+        value,
+        limit,
+        margin,
+        exceeded,
+    } = *measured;
     let bound = match definition.relation {
         Relation::AtMost => "at most",
         Relation::AtLeast => "at least",

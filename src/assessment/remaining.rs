@@ -41,12 +41,21 @@ impl RemainingCapacity {
     /// (`N_Ed`, see [`carried_load`]).
     #[must_use]
     pub fn new(parameters: &Parameters, virgin: Capacity, now: Capacity, carried: f64) -> Self {
+        Self::with_resistances(buckling_resistances(parameters), virgin, now, carried)
+    }
+
+    /// As [`RemainingCapacity::new`], with the [`buckling_resistances`] of the virgin column.
+    pub(super) fn with_resistances(
+        [strong, weak]: [Option<BucklingResistance>; 2],
+        virgin: Capacity,
+        now: Capacity,
+        carried: f64,
+    ) -> Self {
         let ratio = if virgin.force > 0.0 {
             now.force / virgin.force
         } else {
             0.0
         };
-        let [strong, weak] = buckling_resistances(parameters);
         let strong = strong.expect("the strong axis needs no dimensions");
         Self {
             virgin,

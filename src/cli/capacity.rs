@@ -6,13 +6,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
 use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::{
-    Assessment, AssessmentInput, Criterion, RemainingCapacity, Severity, assess, imperfection,
+    Assessment, AssessmentInput, RemainingCapacity, assess, imperfection,
 };
 use column_twin::column::{
     BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome, Progress,
@@ -22,6 +21,7 @@ use column_twin::figures::units::{Unit, significant};
 use column_twin::figures::{FigureError, PushDownCurves, push_down_svg};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::report::short;
+use column_twin::results::CapacityFields;
 use column_twin::twin::state_file::MAX_STATE_FILE_BYTES;
 use column_twin::twin::{Condition, SavedState, SavedStateError};
 use column_twin::whole_file;
@@ -128,7 +128,11 @@ pub(super) fn run(arguments: &CapacityArgs, output: &mut dyn Write) -> Result<()
     };
     let result = column.result()?;
     let mut text = if arguments.json {
-        let json = serde_json::to_string_pretty(&Fields::of(&column, &result));
+        let json = serde_json::to_string_pretty(&CapacityFields::of(
+            &column.history,
+            &result.remaining,
+            &result.assessment,
+        ));
         json.map_err(|fault| CapacityCommandError::Output(fault.into()))? + "\n"
     } else {
         column.summary(&result)
@@ -455,57 +459,4 @@ fn resistance_text(resistance: &BucklingResistance, column: &Column) -> String {
         ),
         significant(resistance.slenderness, 3)
     )
-}
-
-/// The result for programs; the names are a stable interface. A value that does not exist is null.
-#[derive(Serialize)]
-struct Fields<'a> {
-    state: &'a str,
-    virgin_capacity_n: f64,
-    virgin_end: CapacityEnd,
-    residual_capacity_n: f64,
-    residual_end: CapacityEnd,
-    lower_bound: bool,
-    capacity_ratio: f64,
-    damage: f64,
-    carried_load_n: f64,
-    reserve: Option<f64>,
-    imperfection_m: f64,
-    v1_at_virgin_capacity_m: f64,
-    v1_at_residual_capacity_m: f64,
-    strong_axis_resistance_n: f64,
-    weak_axis_resistance_n: Option<f64>,
-    remaining_resistance_n: Option<f64>,
-    severity: Severity,
-    deciding_criterion: &'a str,
-    reason: &'a str,
-    criteria: &'a [Criterion],
-}
-
-impl<'a> Fields<'a> {
-    fn of(column: &'a Column, result: &'a CapacityResult) -> Self {
-        let (remaining, assessment) = (&result.remaining, &result.assessment);
-        Self {
-            state: &column.history,
-            virgin_capacity_n: remaining.virgin.force,
-            virgin_end: remaining.virgin.end,
-            residual_capacity_n: remaining.now.force,
-            residual_end: remaining.now.end,
-            lower_bound: remaining.now.is_lower_bound() || remaining.virgin.is_lower_bound(),
-            capacity_ratio: remaining.ratio,
-            damage: remaining.damage,
-            carried_load_n: remaining.carried_load,
-            reserve: remaining.reserve,
-            imperfection_m: remaining.virgin.imperfection,
-            v1_at_virgin_capacity_m: remaining.virgin.v1,
-            v1_at_residual_capacity_m: remaining.now.v1,
-            strong_axis_resistance_n: remaining.strong.force,
-            weak_axis_resistance_n: remaining.weak.map(|weak| weak.force),
-            remaining_resistance_n: remaining.resistance,
-            severity: assessment.severity,
-            deciding_criterion: assessment.deciding_criterion,
-            reason: &assessment.reason,
-            criteria: &assessment.criteria,
-        }
-    }
 }

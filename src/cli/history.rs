@@ -2,84 +2,16 @@
 
 use std::io::{self, Write};
 
-use column_twin::column::{
-    HINGE_NAMES, HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample,
-};
+use column_twin::column::Sample;
+use column_twin::results::HistoryColumns;
 
 /// Writes samples as CSV: a header with the unit in every name, then one row per sample. Numbers read back to the same
 /// bits.
 pub struct HistoryWriter<W: Write> {
     table: csv::Writer<W>,
     row: csv::StringRecord,
-    /// Masses of the vehicle, each with the spring in front of it; 0 for a rigid one.
-    masses: usize,
+    columns: HistoryColumns,
 }
-
-type Column = (&'static str, fn(&Sample) -> f64);
-type VehicleColumn = (
-    &'static str,
-    &'static str,
-    fn(&VehicleSample) -> [f64; MAX_MASSES],
-);
-type HingeColumn = (&'static str, &'static str, fn(&HingeSample) -> f64);
-
-/// Columns of column and impactor, named as in `tests/data/heb220_ellipse.csv`. `Na` is the normal force of hinges 1a and
-/// 3, `Nb` that of 1b and 2.
-const COLUMNS: [Column; 24] = [
-    ("t_s", |sample| sample.time),
-    ("v1_m", |sample| sample.v1),
-    ("u1_m", |sample| sample.u1),
-    ("beta1_rad", |sample| sample.beta1),
-    ("u2_m", |sample| sample.u2),
-    ("vc_m", |sample| sample.impactor_position),
-    ("v1dot_m_s", |sample| sample.v1_rate),
-    ("u1dot_m_s", |sample| sample.u1_rate),
-    ("u2dot_m_s", |sample| sample.u2_rate),
-    ("vcdot_m_s", |sample| sample.impactor_velocity),
-    ("gap_m", |sample| sample.gap),
-    ("Na_N", |sample| sample.hinges[0].normal_force),
-    ("Nb_N", |sample| sample.hinges[1].normal_force),
-    ("contact_force_N", |sample| sample.contact_force),
-    ("percussion_Ns", |sample| sample.percussion),
-    ("impulse_Ns", |sample| sample.impulse),
-    ("kinetic_energy_J", |sample| sample.kinetic_energy),
-    ("elastic_energy_J", |sample| sample.elastic_energy),
-    ("plastic_work_J", |sample| sample.plastic_work),
-    ("impact_loss_J", |sample| sample.impact_loss),
-    ("damping_work_J", |sample| sample.damping_work),
-    ("load_work_J", |sample| sample.load_work),
-    ("ledger_residual_J", |sample| sample.ledger_residual),
-    ("in_contact", |sample| {
-        f64::from(u8::from(sample.phase == Phase::Contact))
-    }),
-];
-
-/// Columns of every hinge: text before its name, unit, and value.
-const HINGE_COLUMNS: [HingeColumn; 8] = [
-    ("M", "Nm", |hinge| hinge.moment),
-    ("theta", "rad", |hinge| hinge.rotation),
-    ("delta", "m", |hinge| hinge.elongation),
-    ("theta_p", "rad", |hinge| hinge.plastic_rotation),
-    ("delta_p", "m", |hinge| hinge.plastic_elongation),
-    ("utilisation", "-", |hinge| hinge.utilisation),
-    ("dynamic_factor", "-", |hinge| hinge.dynamic_factor),
-    // 0 elastic, 1 plastic, 2 unloaded.
-    ("state", "-", |hinge| match hinge.state {
-        HingeState::Elastic => 0.0,
-        HingeState::Plastic => 1.0,
-        HingeState::Unloaded => 2.0,
-    }),
-];
-
-/// Columns of every spring of a compliant vehicle and of the mass behind it, numbered from the front: text before the
-/// number, unit, and values.
-const VEHICLE_COLUMNS: [VehicleColumn; 5] = [
-    ("crush", "m", |vehicle| vehicle.crush),
-    ("permanent_crush", "m", |vehicle| vehicle.permanent_crush),
-    ("crush_force", "N", |vehicle| vehicle.force),
-    ("vehicle_dissipated", "J", |vehicle| vehicle.dissipated),
-    ("vehicle_velocity", "m_s", |vehicle| vehicle.velocity),
-];
 
 impl<W: Write> HistoryWriter<W> {
     /// Writes the header for a vehicle of so many masses, 0 for a rigid one.
@@ -88,24 +20,12 @@ impl<W: Write> HistoryWriter<W> {
     /// The target cannot be written to.
     pub fn new(target: W, masses: usize) -> io::Result<Self> {
         let mut table = csv::Writer::from_writer(target);
-        let mut header: Vec<String> = COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect();
-        for (before, unit, _) in HINGE_COLUMNS {
-            header.extend(HINGE_NAMES.iter().map(|hinge| match unit {
-                "-" => format!("{before}_{hinge}"),
-                _ => format!("{before}{hinge}_{unit}"),
-            }));
-        }
-        for (before, unit, _) in VEHICLE_COLUMNS {
-            header.extend((1..=masses).map(|number| format!("{before}{number}_{unit}")));
-        }
-        if masses > 0 {
-            header.push("vehicle_elastic_energy_J".to_owned());
-        }
-        table.write_record(&header).map_err(cause)?;
+        let columns = HistoryColumns::new(masses);
+        table.write_record(columns.names()).map_err(cause)?;
         Ok(Self {
             table,
             row: csv::StringRecord::new(),
-            masses,
+            columns,
         })
     }
 
@@ -115,23 +35,9 @@ impl<W: Write> HistoryWriter<W> {
     /// The target cannot be written to.
     pub fn write(&mut self, sample: &Sample) -> io::Result<()> {
         self.row.clear();
-        for (_, value) in COLUMNS {
-            self.row.push_field(&exact(value(sample)));
-        }
-        for (_, _, value) in HINGE_COLUMNS {
-            for hinge in &sample.hinges {
-                self.row.push_field(&exact(value(hinge)));
-            }
-        }
-        for (_, _, values) in VEHICLE_COLUMNS {
-            for value in &values(&sample.vehicle)[..self.masses] {
-                self.row.push_field(&exact(*value));
-            }
-        }
-        if self.masses > 0 {
-            let stored = exact(sample.vehicle.elastic_energy);
-            self.row.push_field(&stored);
-        }
+        let row = &mut self.row;
+        self.columns
+            .values(sample, |value| row.push_field(&exact(value)));
         self.table.write_record(&self.row).map_err(cause)
     }
 
@@ -174,7 +80,7 @@ mod tests {
         let text = writer.finish().unwrap();
         let mut table = csv::Reader::from_reader(&text[..]);
         let header = table.headers().unwrap().clone();
-        assert_eq!(header.len(), COLUMNS.len() + 4 * HINGE_COLUMNS.len());
+        assert_eq!(header.len(), HistoryColumns::new(0).names().len());
         let place = |name: &str| header.iter().position(|column| column == name).unwrap();
         let rows: Vec<_> = table.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), samples.len());

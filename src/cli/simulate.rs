@@ -387,7 +387,7 @@ pub(super) fn parameters_of(
 
 /// Loads the parameters of the files with the overrides.
 /// The parameters, with warnings about deprecated values.
-fn load(
+pub(super) fn load(
     files: &[PathBuf],
     overrides: &[String],
 ) -> Result<(Parameters, Vec<Fault>), ParameterFaults> {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::about::{About, hexadecimal};
+use super::about::About;
+use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
 use crate::twin::{Journal, Nanos, RefusalCode};
@@ -69,7 +70,7 @@ impl Counting {
         const DIGITS: usize = 32;
         let mut times = String::new();
         if self.messages > 0 {
-            times = hexadecimal(&self.times.clone().finalize());
+            times = Hexadecimal(&self.times.clone().finalize()).to_string();
             times.truncate(DIGITS);
         }
         Tally {

@@ -16,7 +16,7 @@ use crate::study::{DamageMap, MapAxis, MapGrid, Quantity, RefinedMap, SEVERITIES
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
 /// Most iso-lines of a figure.
-const MAX_LEVELS: usize = 7;
+const MAX_LEVELS: usize = 5;
 /// Height and least distance of the labels on lines.
 const LABEL: i32 = 88;
 

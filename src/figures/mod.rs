@@ -2,6 +2,7 @@
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! The figures of a damage map are drawn in the same way.
+//! [`draw_risk`] draws the figures of a risk study.
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 
@@ -18,6 +19,7 @@ mod path_chart;
 mod push_down;
 mod raster;
 mod response_history;
+mod risk;
 mod thinning;
 pub mod units;
 mod yield_path;
@@ -32,6 +34,7 @@ use crate::whole_file;
 pub use damage_map::MapFigures;
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
+pub use risk::{draw_risk, risk_svg};
 pub use thinning::HistoryThinning;
 
 /// Why the figures cannot be drawn.

@@ -99,6 +99,8 @@ pub enum Source {
     File(PathBuf),
     /// One value from the command line.
     Override(Override),
+    /// One value that a program gives, by its name.
+    Value(String, Value),
 }
 
 /// The column's section: named, given by numbers, or named with some properties overridden.
@@ -158,6 +160,7 @@ impl Parameters {
                     Ok(assignment) => (vec![assignment], vec![]),
                     Err(fault) => (vec![], vec![*fault]),
                 },
+                Source::Value(name, value) => (vec![Assignment::direct((name, value))], vec![]),
             };
             draft.take(assignments, faults);
         }

@@ -32,7 +32,7 @@ use super::security::{Peers, Protection};
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// States that leave later than this are told at the log level `debug` \[ns\].
+/// States that are published later than this are logged at the level `debug` \[ns\].
 const LATE: i64 = 2_000_000;
 
 /// Maximum wait for an output before the thread checks the stop flag.

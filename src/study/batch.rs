@@ -28,6 +28,15 @@ pub enum BatchEnd {
 }
 
 impl Batch {
+    /// A batch on `threads` threads.
+    #[must_use]
+    pub fn on_threads(threads: NonZeroUsize) -> Self {
+        Self {
+            threads: Some(threads),
+            ..Self::default()
+        }
+    }
+
     /// Ends the batch soon, from any thread.
     pub fn interrupt(&self) {
         self.interrupted.store(true, Ordering::Relaxed);

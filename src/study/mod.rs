@@ -23,6 +23,7 @@ mod map;
 mod map_columns;
 mod map_grid;
 mod refine;
+pub mod risk;
 mod study_column;
 
 pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
+use crate::assessment::{PreparedAssessment, Severity};
 use crate::column::{
     CapacityError, Impact, ImpactSpecification, Model, Outcome, Progress, Response,
     SimulationError, State, residual_state,
 };
-use crate::parameters::{Parameters, VehicleFault};
+use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
 /// A column that is prepared once for many impacts.
 #[derive(Debug, Clone)]
@@ -16,6 +16,7 @@ pub struct StudyColumn {
     model: Model,
     /// The column at rest, as each impact finds it.
     rest: State,
+    assessment: PreparedAssessment,
 }
 
 /// What one impact leads to, as far as a study compares it.
@@ -61,14 +62,16 @@ impl StudyColumn {
     /// The virgin column.
     ///
     /// # Errors
-    /// Properties that make no column.
+    /// Properties that make no column, or an imperfection out of its range.
     pub fn virgin(parameters: &Parameters) -> Result<Self, StudyError> {
         let model = Model::new(&parameters.column_properties()).map_err(SimulationError::from)?;
         let rest = State::at_rest(&model);
+        let assessment = PreparedAssessment::new(parameters, &model)?;
         Ok(Self {
             parameters: parameters.clone(),
             model,
             rest,
+            assessment,
         })
     }
 
@@ -90,10 +93,9 @@ impl StudyColumn {
         velocity: f64,
     ) -> Result<Impact, StudyError> {
         let defaults = self.parameters.impact();
-        let default_mass = match vehicle {
-            Some(_) => f64::NAN,
-            None => defaults.mass,
-        };
+        // The rigid mass has none of its own.
+        let own_mass = vehicle.is_some_and(|name| CatalogueVehicle::named(name).is_some());
+        let default_mass = if own_mass { f64::NAN } else { defaults.mass };
         let specification = ImpactSpecification {
             mass: mass.unwrap_or(default_mass),
             velocity,
@@ -124,13 +126,12 @@ impl StudyColumn {
         };
         let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
         let rest = stands.then(|| residual_state(model, &state)).flatten();
-        let remaining = RemainingCapacity::compute(parameters, model, rest.as_ref())?;
-        let input = AssessmentInput::of_response(parameters, model, impact, &report, remaining);
-        let assessment = assess(&input);
+        let remaining = self.assessment.remaining(model, rest.as_ref())?;
+        let verdict = self.assessment.verdict(model, impact, &report, remaining);
         let rotations = report.hinges.map(|hinge| hinge.plastic_rotation.abs());
         Ok(Screening {
-            severity: assessment.severity,
-            deciding_criterion: assessment.deciding_criterion,
+            severity: verdict.severity,
+            deciding_criterion: verdict.deciding_criterion,
             outcome: report.outcome,
             max_v1: report.max_v1,
             residual_v1: report.residual_v1,

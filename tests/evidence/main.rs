@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+mod copies;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod dropped;

@@ -1,18 +1,17 @@
 //! The command `report`, run as by a user.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use assert_cmd::Command;
 use tempfile::TempDir;
 
 use column_twin::column::ImpactSpecification;
-use column_twin::evidence::Topics;
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::ImpactReport;
 use column_twin::parameters::Value;
-use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
 use column_twin::twin::ImpactCommand;
 
+use super::copies::forged;
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 /// Runs the program in a folder: exit code, standard output, standard error.
@@ -160,31 +159,6 @@ fn a_recorded_impact_is_reported_as_the_simulated_one() {
     let (simulated, recorded) = (figures("simulated.html"), figures("recorded.html"));
     assert!(simulated.len() > 10);
     assert!(simulated == recorded, "other figures");
-}
-
-/// A copy of a recording in which `change` has changed or removed messages.
-fn forged(bag: &Path, change: impl Fn(&Message) -> Option<Vec<u8>>) -> (TempDir, PathBuf) {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared().unwrap();
-    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
-    for message in Reader::open(bag).unwrap().messages() {
-        let message = message.unwrap();
-        let Some(data) = change(&message) else {
-            continue;
-        };
-        let topic = declared.iter().position(|it| *it.name == *message.topic);
-        let entry = Entry {
-            topic: topic.unwrap(),
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: data.into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-    }
-    writer.finish().unwrap();
-    (directory, path)
 }
 
 #[test]

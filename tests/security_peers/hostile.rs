@@ -23,6 +23,9 @@ use super::program::Program;
 /// A peer that is permitted exchanges its first messages within 1.5 s; so long does a hostile one try.
 const HOSTILE_TIME: Duration = Duration::from_secs(5);
 
+/// Peers of another authority beside a permitted one.
+const STRANGERS: usize = 6;
+
 /// A protected twin and its operator.
 struct Bed {
     keystore: Keystore,
@@ -205,6 +208,25 @@ fn a_peer_of_another_authority_gets_nothing_through() {
         let files = foreign.write(&foreign.unrestricted(name, &RECOMMENDED));
         bed.nothing_gets_through(Some(&files), reason);
     }
+}
+
+/// The twin repeats its unanswered requests to all strangers together with that to the operator, in one burst per second. The
+/// request to the operator was lost in it whenever another one followed before the operator had taken it.
+#[test]
+fn a_permitted_peer_gets_through_beside_many_that_do_not_answer() {
+    let mut bed = Bed::start(&RECOMMENDED);
+    let foreign = Keystore::new();
+    let files = foreign.write(&foreign.unrestricted("/operator", &RECOMMENDED));
+    let domain_id = bed.domain.environment.domain_id;
+    let strangers: Vec<_> = (0..STRANGERS)
+        .map(|_| Peer::start(domain_id, Some(&files)))
+        .collect();
+    match send(&bed.operator(), "operator") {
+        Ok(ImpactOutcome::Forecast(_)) => {}
+        other => panic!("{other:?}\n{:#?}", bed.twin.log_so_far()),
+    }
+    drop(strangers);
+    bed.twin.terminate();
 }
 
 #[test]

@@ -205,3 +205,15 @@ pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactCommand {
         ..event(id, stamp)
     }
 }
+
+/// An impact under which a column with a load of 2 MN collapses.
+pub(crate) fn fatal(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 100_000.0,
+            velocity: 50.0,
+            ..event(id, stamp).impact
+        },
+        ..event(id, stamp)
+    }
+}

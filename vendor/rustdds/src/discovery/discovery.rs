@@ -598,7 +598,7 @@ impl Discovery {
       builtin_topic_type_names::DCPS_PARTICIPANT_STATELESS_MESSAGE,
       ParticipantStatelessMessage,
       Some(Self::create_participant_stateless_message_qos()),
-      None, // Reader QoS: as above
+      Some(Self::participant_stateless_message_reader_qos()),
       true, // Important: STATELESS RTPS Reader & Writer (see Security spec. section 7.4.3)
       EntityId::P2P_BUILTIN_PARTICIPANT_STATELESS_READER,
       P2P_PARTICIPANT_STATELESS_MESSAGE_TOKEN,
@@ -616,7 +616,7 @@ impl Discovery {
       builtin_topic_type_names::DCPS_PARTICIPANT_VOLATILE_MESSAGE_SECURE,
       ParticipantVolatileMessageSecure,
       Some(Self::create_participant_volatile_message_secure_qos()),
-      None,  // Reader QoS: as above
+      Some(Self::participant_volatile_message_secure_reader_qos()),
       false, // Regular stateful RTPS Reader & Writer
       EntityId::P2P_BUILTIN_PARTICIPANT_VOLATILE_SECURE_READER,
       P2P_BUILTIN_PARTICIPANT_VOLATILE_SECURE_TOKEN,
@@ -2184,6 +2184,30 @@ impl Discovery {
       .build()
   }
 
+  // QoS of the local reader of authentication messages.
+  //
+  // Every participant sends each of these messages to all others, and repeats
+  // the unanswered ones together, once a second, in the same order. With a
+  // history of one message, a reader whose Discovery thread does not run between
+  // two datagrams takes only the last message of such a burst. On a busy machine
+  // it then lost the same message every second, and two participants could never
+  // authenticate each other as long as a third did not answer.
+  //
+  // The messages are not authenticated, so their number must stay bounded: at
+  // most 16 KiB each (MAX_DISCOVERY_SAMPLE_SIZE), 4 MiB in all.
+  #[cfg(feature = "security")]
+  const STATELESS_MESSAGE_READER_DEPTH: i32 = 256;
+
+  #[cfg(feature = "security")]
+  pub(crate) const fn participant_stateless_message_reader_qos() -> QosPolicies {
+    QosPolicyBuilder::new()
+      .reliability(Reliability::BestEffort) // Important!
+      .history(History::KeepLast {
+        depth: Self::STATELESS_MESSAGE_READER_DEPTH,
+      })
+      .build()
+  }
+
   #[cfg(feature = "security")]
   pub const fn create_participant_volatile_message_secure_qos() -> QosPolicies {
     // See Table 18 – Non-default Qos policies for
@@ -2203,6 +2227,23 @@ impl Discovery {
       })
       .history(History::KeepAll)
       .durability(Durability::Volatile)
+      .build()
+  }
+
+  // QoS of the local reader of crypto tokens. There is a message for each pair of
+  // matched endpoints, and all of them come at once. As with SEDP samples (see
+  // SEDP_READER_RESOURCE_LIMITS), one that is removed unread has already been
+  // acknowledged and is not sent again: the pair could never communicate. Only
+  // authenticated participants can send such messages.
+  #[cfg(feature = "security")]
+  pub(crate) const fn participant_volatile_message_secure_reader_qos() -> QosPolicies {
+    Self::builtin_subscriber_qos_builder()
+      .reliability(Reliability::Reliable {
+        max_blocking_time: Duration::from_std(StdDuration::from_millis(100)),
+      })
+      .history(History::KeepAll)
+      .durability(Durability::Volatile)
+      .resource_limits(Self::SEDP_READER_RESOURCE_LIMITS)
       .build()
   }
 

@@ -35,12 +35,13 @@ impl Interruption {
         Self { asked, over }
     }
 
-    /// Runs a study, whose batch a signal interrupts. On a terminal, a bar shows the progress towards `total`, unless it is 0.
-    pub fn watch<T>(&self, batch: &Batch, total: u64, study: impl FnOnce() -> T) -> T {
+    /// Runs a study, whose batch a signal interrupts. On a terminal, a bar shows the progress towards `total` of `what`, unless
+    /// it is 0.
+    pub fn watch<T>(&self, batch: &Batch, total: u64, what: &str, study: impl FnOnce() -> T) -> T {
         let ended = AtomicBool::new(false);
         std::thread::scope(|scope| {
             let watch = || {
-                let bar = (total > 0 && stderr().is_terminal()).then(|| progress_bar(total));
+                let bar = (total > 0 && stderr().is_terminal()).then(|| progress_bar(total, what));
                 while !ended.load(Ordering::Acquire) {
                     if self.asked.load(Ordering::Relaxed) {
                         batch.interrupt();
@@ -73,10 +74,10 @@ impl Drop for Interruption {
     }
 }
 
-fn progress_bar(total: u64) -> ProgressBar {
+fn progress_bar(total: u64, what: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-    let style =
-        ProgressStyle::with_template("{bar:40} {pos} of {len} impacts, {per_sec}, {eta} left");
+    let template = format!("{{bar:40}} {{pos}} of {{len}} {what}, {{per_sec}}, {{eta}} left");
+    let style = ProgressStyle::with_template(&template);
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar
 }

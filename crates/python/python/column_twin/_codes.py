@@ -1,0 +1,45 @@
+"""Severity, outcome and criteria, which arrays hold as small numbers."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from ._loading import native
+
+
+class Severity(IntEnum):
+    """What has to be done, least severe first, so that `severity >= Severity.PROP` reads as it should."""
+
+    NONE = 0
+    """No criterion that decides is exceeded."""
+    INSPECT = 1
+    """An engineer has to examine the column."""
+    RESTRICT = 2
+    """People and additional loads have to be kept away from the column until an engineer has examined it."""
+    PROP = 3
+    """The load has to be taken off the column at once."""
+    EVACUATE = 4
+    """Everybody has to leave the part of the building that the column carries."""
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+
+class Outcome(IntEnum):
+    """How a response ended."""
+
+    ELASTIC = 0
+    """No hinge has flowed."""
+    PLASTIC = 1
+    """At least one hinge has flowed and the column stands."""
+    COLLAPSED = 2
+    """The column has lost its shape or its equilibrium."""
+    SEVERED = 3
+    """A hinge is torn and carries nothing."""
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+
+CRITERIA: tuple[str, ...] = tuple(native.criteria())
+"""Names of the criteria; `deciding_criterion` of a batch is a place in this list. docs/assessment.md describes them."""

@@ -1,0 +1,253 @@
+"""A column."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._capacity import Capacity, PushDown
+from ._errors import ColumnTwinError, ParameterError, ParameterWarning
+from ._loading import native
+from ._result import Result
+from ._screening import Screening, table_of
+
+Value = Union[bool, int, float, str, Sequence[float], Sequence[str]]
+"""The value of a parameter."""
+
+Setting = Union[Value, npt.NDArray[Any], np.generic, "os.PathLike[str]"]
+"""What a parameter may be set to: a value, or what numpy or pathlib make of one."""
+
+
+def _plain(value: Any) -> Any:
+    """A value of numpy or a path as the plain value that it holds."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return value
+
+
+def _changes(changes: Mapping[str, Setting] | None, overrides: Mapping[str, Setting]) -> list[tuple[str, Any]]:
+    """Names with dots from both notations; keywords come last and win."""
+    given = list((changes or {}).items()) + [(name.replace("__", "."), it) for name, it in overrides.items()]
+    return [(name, _plain(value)) for name, value in given]
+
+
+class Column:
+    """A steel column that a vehicle may hit: a virgin column with its parameters, which never changes.
+
+    Every parameter of docs/parameters.md has a default. A dot in its name is two underscores in a keyword; a mapping takes the
+    names as they are:
+
+    >>> Column(section__name="HEB 300", top__load=8e5)
+    >>> Column({"section.name": "HEB 300", "top.load": 8e5})
+
+    All units are SI.
+
+    Raises:
+        ParameterError: names or values that are not accepted, all faults at once.
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(self, changes: Mapping[str, Setting] | None = None, /, **overrides: Setting) -> None:
+        self._native = self._load([], changes, overrides)
+
+    @classmethod
+    def from_file(
+        cls,
+        *files: str | os.PathLike[str],
+        changes: Mapping[str, Setting] | None = None,
+        **overrides: Setting,
+    ) -> Column:
+        """The column of one or more parameter files (ROS 2 YAML), of which later ones win, changed by `changes` and `overrides`.
+
+        >>> Column.from_file("config/heb220_s355.yaml", top__load=6e5)
+
+        Raises:
+            ParameterError: a file that cannot be read, or names or values that are not accepted, with line and column.
+        """
+        return cls._of(cls._load([os.fspath(file) for file in files], changes, overrides))
+
+    @staticmethod
+    def _load(files: list[str], changes: Mapping[str, Setting] | None, overrides: Mapping[str, Setting]) -> native.Column:
+        column, found = native.Column.load(files, _changes(changes, overrides))
+        for text in found:
+            warnings.warn(text, ParameterWarning, stacklevel=3)
+        return column
+
+    @classmethod
+    def _of(cls, column: native.Column) -> Column:
+        new = cls.__new__(cls)
+        new._native = column
+        return new
+
+    def with_changes(self, changes: Mapping[str, Setting] | None = None, /, **overrides: Setting) -> Column:
+        """This column with other values of some parameters: all changes or none.
+
+        >>> heavier = column.with_changes(section__name="HEB 260")
+        """
+        return self._of(self._native.with_changes(_changes(changes, overrides)))
+
+    def __getitem__(self, name: str) -> Value:
+        """The value of a parameter: `column["top.load"]`."""
+        value: Value | None = self._native.get(name)
+        if value is None:
+            # The same text as for a change of a parameter that does not exist.
+            self._native.with_changes([(name, 0.0)])
+            raise KeyError(name)
+        return value
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """Every parameter with its value, in the order of docs/parameters.md."""
+        return {name: value for name, value, _, _ in self._native.describe()}
+
+    def describe(self) -> list[tuple[str, Value, str, str]]:
+        """Name, value, unit and meaning of every parameter."""
+        return self._native.describe()
+
+    @property
+    def step(self) -> float:
+        """Length of a time step [s]."""
+        return self._native.derived()[0]
+
+    @property
+    def resistance_moment(self) -> float:
+        """Plastic moment M^p [N m]."""
+        return self._native.derived()[1]
+
+    @property
+    def resistance_axial(self) -> float:
+        """Squash load N^p [N]."""
+        return self._native.derived()[2]
+
+    def simulate(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Result:
+        """One impact on the virgin column with histories and report.
+
+        The response itself takes milliseconds. The report takes three more responses, which tell the error of the step and the
+        influence of hardening, and two push-downs.
+
+        Args:
+            vehicle: `rigid`, or a name of `vehicles()`; default: the parameter `vehicle.name`.
+            mass: total mass of the vehicle [kg]; default: with `vehicle` its own mass, otherwise the parameter `impact.mass`.
+            velocity: speed towards the column [m/s]; default: the parameter `impact.velocity`.
+
+        Raises:
+            ParameterError: an impact that is not accepted.
+            SimulationError: a response that cannot be computed. A collapse is a result.
+        """
+        names, columns, report = self._native.simulate(vehicle, mass, velocity)
+        history = {name: np.frombuffer(it, dtype=np.float64) for name, it in zip(names, columns)}
+        fields = json.loads(report)
+        if velocity is None:
+            velocity = float(self._native.get("impact.velocity"))
+        who = fields["vehicle"] or "a vehicle by numbers"
+        of = "" if mass is None else f" of {mass:g} kg"
+        return Result(f"{self._title()}, {who}{of} at {velocity:g} m/s", history, fields)
+
+    def screen(self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None) -> Screening:
+        """One impact on the virgin column without its history: severity, displacements, contact force, capacity.
+
+        Arguments and errors are those of `simulate`.
+        """
+        return Screening._of(*self._native.screen(vehicle, mass, velocity))
+
+    def screen_batch(
+        self,
+        masses: npt.ArrayLike | None,
+        velocities: npt.ArrayLike,
+        vehicle: str | None = None,
+        threads: int | None = None,
+    ) -> npt.NDArray[np.void]:
+        """Many impacts on the virgin column, on all processors: each row equals that of `screen` bit for bit.
+
+        Other Python threads run meanwhile, and Ctrl-C interrupts the batch within a fraction of a second.
+
+        Args:
+            masses: total masses [kg], or None: as `mass` of `simulate`. NaN is the vehicle's own mass.
+            velocities: speeds [m/s]. Both arrays are broadcast against each other.
+            vehicle: as in `simulate`.
+            threads: number of threads; default: as many as there are processors. The result does not depend on it.
+
+        Returns:
+            An array of the broadcast shape and of the structured type `SCREENING`, in SI units.
+
+        Raises:
+            ParameterError: impacts that are not accepted; the text names the element.
+            SimulationError: a response that cannot be computed.
+        """
+        speeds = np.asarray(velocities, dtype=np.float64)
+        if masses is None:
+            shape, weights = speeds.shape, None
+        else:
+            both = np.broadcast_arrays(np.asarray(masses, dtype=np.float64), speeds)
+            shape, weights, speeds = both[0].shape, both[0].tobytes(), both[1]
+        if threads is not None and threads < 1:
+            raise ParameterError(f"threads: expected at least 1, found {threads}")
+        rows = self._native.screen_batch(vehicle, weights, speeds.tobytes(), threads)
+        return table_of(rows).reshape(shape)
+
+    def capacity(
+        self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None
+    ) -> Capacity:
+        """The axial capacity: of the virgin column without arguments, otherwise of what this impact leaves.
+
+        A static push-down finds the largest force that the column carries; docs/assessment.md describes it.
+        Arguments and errors are those of `simulate`.
+        """
+        if vehicle is None and mass is None and velocity is None:
+            report, curve = self._native.capacity()
+        else:
+            report, curve = self._native.capacity_after(vehicle, mass, velocity)
+        return Capacity(json.loads(report), PushDown(*(np.frombuffer(it, dtype=np.float64) for it in curve)))
+
+    def _title(self) -> str:
+        """The section, or the name of the column where the section is given by numbers."""
+        height = float(self._native.get("geometry.length_below")) + float(self._native.get("geometry.length_above"))
+        name = self._native.get("section.name") or self._native.get("column_id") or "column"
+        return f"{name}, {height:g} m"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Column):
+            return NotImplemented
+        return self._native.to_json() == other._native.to_json()
+
+    def __hash__(self) -> int:
+        return hash(self._native.to_json())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (native.VERSION, self._native.to_json())
+
+    def __dask_tokenize__(self) -> tuple[str, str, str]:
+        """What identifies the column to Dask, in every process."""
+        return "column_twin.Column", native.VERSION, self._native.to_json()
+
+    def __repr__(self) -> str:
+        load = float(self._native.get("top.load"))
+        return (
+            f"<Column {self._title()}, M^p {1e-3 * self.resistance_moment:.4g} kN m, "
+            f"N^p {1e-3 * self.resistance_axial:.4g} kN, load {1e-3 * load:.4g} kN>"
+        )
+
+    def _repr_html_(self) -> str:
+        from . import _html
+
+        return _html.column(self)
+
+
+def _restored(version: str, parameters: str) -> Column:
+    """A column that was pickled, perhaps in another process or on another machine."""
+    if version != native.VERSION:
+        # Another version may compute other bits, and a study must not mix them.
+        raise ColumnTwinError(
+            f"this column was pickled by column-twin {version}, and this is {native.VERSION}; install the same version "
+            "in every process"
+        )
+    return Column._of(native.Column.from_json(parameters))

@@ -1,0 +1,28 @@
+"""Exceptions and warnings. Their texts are those of the command line."""
+
+from __future__ import annotations
+
+
+class ColumnTwinError(Exception):
+    """Base class of the errors of this package."""
+
+
+class ParameterError(ColumnTwinError, ValueError):
+    """Parameters, an impact or a study that are not accepted.
+
+    The text names what was expected, what was found and where; all faults are reported at once.
+    """
+
+    @property
+    def faults(self) -> list[str]:
+        """The faults, one line each."""
+        first, *faults = str(self).splitlines() or [""]
+        return [fault.strip() for fault in faults] or [first]
+
+
+class SimulationError(ColumnTwinError, RuntimeError):
+    """A response that could not be computed, although the input is valid. A collapse is a result, not an error."""
+
+
+class ParameterWarning(UserWarning):
+    """A deprecated value of a parameter, or one without effect."""

@@ -1,0 +1,136 @@
+"""How objects look in a notebook: a table and a small drawing, without any further package."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ._codes import Severity
+
+if TYPE_CHECKING:
+    from ._capacity import Capacity
+    from ._column import Column
+    from ._result import Result
+    from ._screening import Screening
+
+COLOURS = {
+    Severity.NONE: "#2e7d32",
+    Severity.INSPECT: "#f9a825",
+    Severity.RESTRICT: "#ef6c00",
+    Severity.PROP: "#c62828",
+    Severity.EVACUATE: "#6a1b9a",
+}
+"""Colours of the severities, in tables and maps."""
+
+_WIDTH, _HEIGHT = 420, 120
+
+
+def _badge(severity: Severity | None) -> str:
+    if severity is None:
+        return "<b>not assessed</b>"
+    ink = "#000" if severity == Severity.INSPECT else "#fff"
+    return (
+        f'<span style="background:{COLOURS[severity]};color:{ink};padding:1px 8px;border-radius:3px">'
+        f"{escape(str(severity).upper())}</span>"
+    )
+
+
+def _rows(rows: Iterable[tuple[str, str]]) -> str:
+    cells = "".join(
+        f'<tr><td style="text-align:left">{escape(name)}</td><td style="text-align:left">{value}</td></tr>'
+        for name, value in rows
+    )
+    return f"<table>{cells}</table>"
+
+
+def _mm(metres: float | None) -> str:
+    return "none" if metres is None or np.isnan(metres) else f"{1e3 * metres:.4g} mm"
+
+
+def _kn(newtons: float) -> str:
+    return f"{1e-3 * newtons:.4g} kN"
+
+
+def _line(x: npt.NDArray[np.float64], y: npt.NDArray[np.float64], colour: str) -> str:
+    """A line over the whole drawing, with at most as many points as it is wide."""
+    pick = np.unique(np.linspace(0, x.size - 1, min(x.size, _WIDTH)).astype(int))
+    span = x[-1] - x[0] or 1.0
+    low, high = min(0.0, float(y.min())), max(0.0, float(y.max()))
+    height = high - low or 1.0
+    points = " ".join(
+        f"{_WIDTH * (x[i] - x[0]) / span:.1f},{4 + (_HEIGHT - 8) * (high - y[i]) / height:.1f}" for i in pick
+    )
+    return f'<polyline fill="none" stroke="{colour}" stroke-width="1.5" points="{points}"/>'
+
+
+def _drawing(result: Result) -> str:
+    v1 = _line(result.time, result.v1, "#1565c0")
+    force = _line(result.time, result.contact_force, "#c62828")
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}" '
+        f'role="img" aria-label="v1 and contact force against time">{force}{v1}</svg>'
+        f'<div style="font-size:smaller"><span style="color:#1565c0">v1, largest {_mm(result.max_v1)}</span>, '
+        f'<span style="color:#c62828">contact force, largest {_kn(result.report["peak_contact_force_n"])}</span>, '
+        f"{1e3 * float(result.time[-1]):.4g} ms</div>"
+    )
+
+
+def result(result: Result) -> str:
+    """The verdict, the numbers and a drawing of one impact."""
+    report = result.report
+    ratio = report["capacity_ratio"]
+    rows = [
+        ("severity", f"{_badge(result.severity)} {escape(report['deciding_criterion'] or '')}"),
+        ("outcome", escape(str(result.outcome))),
+        ("largest v1", _mm(result.max_v1)),
+        ("residual v1", _mm(result.residual_v1)),
+        ("peak contact force", _kn(report["peak_contact_force_n"])),
+        ("remaining capacity", "unknown" if ratio is None else f"{100 * ratio:.3g} % of the virgin column"),
+    ]
+    if report["crush_max_m"]:
+        rows.append(("crush of the front", _mm(report["crush_max_m"][0])))
+    return f"<div><b>{escape(result.title)}</b>{_rows(rows)}{_drawing(result)}</div>"
+
+
+def screening(screening: Screening) -> str:
+    """The verdict and the numbers of one impact."""
+    title = f"{screening.mass:g} kg at {screening.velocity:g} m/s"
+    rows = [
+        ("severity", f"{_badge(screening.severity)} {escape(screening.deciding_criterion)}"),
+        ("outcome", escape(str(screening.outcome))),
+        ("largest v1", _mm(screening.max_v1)),
+        ("residual v1", _mm(screening.residual_v1)),
+        ("peak contact force", _kn(screening.peak_contact_force)),
+        ("remaining capacity", f"{100 * screening.capacity_ratio:.3g} % of the virgin column"),
+    ]
+    return f"<div><b>{escape(title)}</b>{_rows(rows)}</div>"
+
+
+def capacity(capacity: Capacity) -> str:
+    """Capacities, load and verdict."""
+    reserve = capacity.reserve
+    rows = [
+        ("severity", f"{_badge(capacity.severity)} {escape(capacity.report['deciding_criterion'])}"),
+        ("N_u of the virgin column", _kn(capacity.virgin_force)),
+        ("N_u now", f"{_kn(capacity.force)}, {100 * capacity.ratio:.3g} %"),
+        ("carried load N_Ed", _kn(capacity.carried_load)),
+        ("reserve N_u / N_Ed", "none" if reserve is None else f"{reserve:.3g}"),
+    ]
+    return f"<div><b>Capacity, {escape(capacity.report['state'])}</b>{_rows(rows)}</div>"
+
+
+def column(column: Column) -> str:
+    """The column, and the parameters that differ from the defaults."""
+    defaults = type(column)().parameters
+    rows = [
+        (f"{name} [{unit}]" if unit else name, escape(str(value)))
+        for name, value, unit, _ in column.describe()
+        if value != defaults[name]
+    ]
+    text = escape(repr(column).strip("<>"))
+    below = _rows(rows) if rows else "<div>all parameters have their defaults</div>"
+    return f"<div><b>{text}</b>{below}</div>"

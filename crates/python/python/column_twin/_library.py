@@ -1,0 +1,36 @@
+"""The names of the library."""
+
+# First, because it explains why the package does not work on this platform, whatever else is missing there.
+from ._loading import native
+
+from ._capacity import Capacity, PushDown
+from ._catalogue import Section, Vehicle, sections, vehicles
+from ._codes import CRITERIA, Outcome, Severity
+from ._column import Column
+from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._result import Result
+from ._screening import SCREENING, Screening, to_pandas
+
+__version__: str = native.VERSION
+
+__all__ = [
+    "CRITERIA",
+    "SCREENING",
+    "Capacity",
+    "Column",
+    "ColumnTwinError",
+    "Outcome",
+    "ParameterError",
+    "ParameterWarning",
+    "PushDown",
+    "Result",
+    "Screening",
+    "Section",
+    "Severity",
+    "SimulationError",
+    "Vehicle",
+    "__version__",
+    "sections",
+    "to_pandas",
+    "vehicles",
+]

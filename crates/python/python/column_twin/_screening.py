@@ -1,0 +1,121 @@
+"""One impact reduced to the numbers that a study compares, and arrays of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ._codes import CRITERIA, Outcome, Severity
+from ._loading import native
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# The order is that of `Row` in src/batch.rs.
+_NUMBERS = (
+    "mass",
+    "velocity",
+    "max_v1",
+    "residual_v1",
+    "peak_contact_force",
+    "remaining_capacity",
+    "capacity_ratio",
+    "capacity_reserve",
+    "max_plastic_rotation",
+)
+_CODES = ("severity", "outcome", "deciding_criterion")
+
+SCREENING: np.dtype[np.void] = np.dtype(
+    [(name, np.float64) for name in _NUMBERS] + [(name, np.uint8) for name in _CODES], align=True
+)
+"""Type of the rows of a batch: the fields of `Screening` in SI units, NaN where there is none; `severity` and `outcome` are
+numbers of `Severity` and `Outcome`, `deciding_criterion` is a place in `CRITERIA`."""
+
+if SCREENING.itemsize != native.ROW_BYTES:
+    raise ImportError(f"column_twin is inconsistent: rows of {native.ROW_BYTES} bytes, expected {SCREENING.itemsize}")
+
+
+@dataclass(frozen=True)
+class Screening:
+    """What one impact leads to, as far as a study compares it. SI units."""
+
+    mass: float
+    """Total mass of the vehicle [kg]."""
+    velocity: float
+    """Its speed [m/s]."""
+    max_v1: float
+    """Largest displacement of the impact point [m]."""
+    residual_v1: float
+    """The same in the equilibrium that remains [m]; NaN if there is none."""
+    peak_contact_force: float
+    """Largest contact force [N]."""
+    remaining_capacity: float
+    """Remaining axial capacity N_u [N]; 0 if the column carries nothing."""
+    capacity_ratio: float
+    """N_u over that of the virgin column [-]."""
+    capacity_reserve: float
+    """N_u over the load that the column carries [-]; NaN where that is not compressive."""
+    max_plastic_rotation: float
+    """Largest plastic rotation of a hinge [rad]."""
+    severity: Severity
+    """What has to be done."""
+    outcome: Outcome
+    """Whether the column yields, collapses or tears."""
+    deciding_criterion: str
+    """Name of the criterion that decides."""
+
+    @classmethod
+    def _of(cls, numbers: list[float], codes: list[int]) -> Screening:
+        mass, velocity, max_v1, residual_v1, force, capacity, ratio, reserve, rotation = numbers
+        severity, outcome, criterion = codes
+        return cls(
+            mass=mass,
+            velocity=velocity,
+            max_v1=max_v1,
+            residual_v1=residual_v1,
+            peak_contact_force=force,
+            remaining_capacity=capacity,
+            capacity_ratio=ratio,
+            capacity_reserve=reserve,
+            max_plastic_rotation=rotation,
+            severity=Severity(severity),
+            outcome=Outcome(outcome),
+            deciding_criterion=CRITERIA[criterion],
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"<Screening {self.mass:g} kg at {self.velocity:g} m/s: {self.severity} ({self.deciding_criterion}), "
+            f"{self.outcome}, max v1 {1e3 * self.max_v1:.4g} mm, capacity {100 * self.capacity_ratio:.3g} %>"
+        )
+
+    def _repr_html_(self) -> str:
+        from . import _html
+
+        return _html.screening(self)
+
+
+def table_of(rows: bytearray) -> npt.NDArray[np.void]:
+    """The rows of a batch as a structured array, without a copy."""
+    return np.frombuffer(rows, dtype=SCREENING)
+
+
+def to_pandas(screenings: npt.NDArray[np.void]) -> pd.DataFrame:
+    """A batch as a table with one row per impact; severity, outcome and criterion become words. Needs pandas.
+
+    >>> table = to_pandas(Column().screen_batch([1500.0, 2500.0], 10.0))
+    >>> table.groupby("severity", observed=True)["max_v1"].max()
+    """
+    import pandas as pd
+
+    flat = screenings.reshape(-1)
+    table = pd.DataFrame({name: flat[name] for name in _NUMBERS})
+
+    names = {"severity": map(str, Severity), "outcome": map(str, Outcome), "deciding_criterion": CRITERIA}
+    for name in _CODES:
+        words = pd.Index(list(names[name]))
+        table[name] = pd.Categorical.from_codes(flat[name].tolist(), words, ordered=name == "severity")
+    return table

@@ -1,0 +1,98 @@
+//! Many impacts at once, in rows of bytes that numpy reads as a structured array.
+
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+use column_twin::column::Impact;
+use column_twin::parameters::CRITERION_NAMES;
+use column_twin::study::{Batch, Screening};
+use pyo3::prelude::*;
+
+/// Numbers of a row.
+pub const NUMBERS: usize = 9;
+
+/// Bytes of a row: its numbers, three codes, and what aligns the next row.
+pub const ROW_BYTES: usize = NUMBERS * 8 + 8;
+
+/// Time between two looks at the signals of Python.
+const SIGNALS: Duration = Duration::from_millis(50);
+
+/// One impact and what it leads to, as numbers. The order is that of `_screening.py`.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// Mass, velocity, max v1, residual v1, peak contact force, remaining capacity, its ratio, its reserve, and the largest
+    /// plastic rotation; NaN where there is none.
+    pub numbers: [f64; NUMBERS],
+    /// Severity, outcome, and the place of the deciding criterion among the names.
+    pub codes: [u8; 3],
+}
+
+impl Row {
+    pub fn new(impact: &Impact, screening: &Screening) -> Self {
+        let criterion = CRITERION_NAMES
+            .iter()
+            .position(|name| *name == screening.deciding_criterion)
+            .expect("every criterion has a name");
+        Self {
+            numbers: [
+                impact.mass,
+                impact.velocity,
+                screening.max_v1,
+                screening.residual_v1.unwrap_or(f64::NAN),
+                screening.peak_contact_force,
+                screening.remaining_capacity,
+                screening.capacity_ratio,
+                screening.capacity_reserve.unwrap_or(f64::NAN),
+                screening.max_plastic_rotation,
+            ],
+            codes: [
+                screening.severity as u8,
+                screening.outcome as u8,
+                criterion as u8,
+            ],
+        }
+    }
+
+    pub fn write(&self, bytes: &mut [u8; ROW_BYTES]) {
+        let (numbers, codes) = bytes.split_at_mut(NUMBERS * 8);
+        let (chunks, _) = numbers.as_chunks_mut::<8>();
+        for (chunk, number) in chunks.iter_mut().zip(self.numbers) {
+            *chunk = number.to_ne_bytes();
+        }
+        codes.fill(0);
+        codes[..self.codes.len()].copy_from_slice(&self.codes);
+    }
+}
+
+/// Does the work of a batch in another thread without the GIL, and interrupts the batch on Ctrl-C.
+pub fn interruptible<R: Send>(
+    py: Python<'_>,
+    batch: &Batch,
+    work: impl FnOnce(&Batch) -> R + Send,
+) -> PyResult<R> {
+    py.detach(|| {
+        thread::scope(|scope| {
+            let (running, ended) = sync_channel::<()>(0);
+            let worker = scope.spawn(move || {
+                // Dropped at the end, and also by a panic.
+                let _running = running;
+                work(batch)
+            });
+            let mut raised = None;
+            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGNALS) {
+                if raised.is_none() {
+                    raised = Python::attach(|py| py.check_signals()).err();
+                    if raised.is_some() {
+                        batch.interrupt();
+                    }
+                }
+            }
+            match (worker.join(), raised) {
+                (Err(panic), _) => std::panic::resume_unwind(panic),
+                (Ok(_), Some(raised)) => Err(raised),
+                (Ok(result), None) => Ok(result),
+            }
+        })
+    })
+}

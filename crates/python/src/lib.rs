@@ -1,0 +1,66 @@
+//! The native part of the Python package `column_twin`: it computes, and hands plain numbers, bytes and JSON to the Python
+//! sources in `python/column_twin/`, which are the interface that users see.
+//!
+//! Whatever computes for longer than microseconds releases the GIL.
+
+mod batch;
+mod column;
+mod fault;
+mod values;
+
+use pyo3::prelude::*;
+
+/// The native part of the package `column_twin`; use the package instead.
+#[pymodule(name = "_native")]
+mod native {
+    use pyo3::prelude::*;
+
+    use column_twin::parameters::{CRITERION_NAMES, catalogue};
+
+    use super::SectionRow;
+    #[pymodule_export]
+    use super::column::Column;
+
+    /// Version of the package and of the library.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// The catalogue of vehicles with the source of every number, as JSON.
+    #[pymodule_export]
+    const VEHICLES_JSON: &str = include_str!("../../../config/vehicles.json");
+
+    /// Bytes of one row of a batch.
+    #[pymodule_export]
+    const ROW_BYTES: usize = super::batch::ROW_BYTES;
+
+    /// Names of the criteria, to which the numbers in a batch refer.
+    #[pyfunction]
+    fn criteria() -> Vec<&'static str> {
+        CRITERION_NAMES.to_vec()
+    }
+
+    /// The catalogue of rolled sections: name, then h, b, tw, tf, r, A, I, W_pl and mass per length in SI units.
+    #[pyfunction]
+    fn sections() -> Vec<SectionRow> {
+        catalogue().iter().map(super::section_row).collect()
+    }
+}
+
+/// A section of the catalogue: its name and numbers in SI units.
+type SectionRow = (String, [f64; 9]);
+
+fn section_row(section: &column_twin::parameters::CatalogueSection) -> SectionRow {
+    let (d, p) = (&section.dimensions, section.properties());
+    let numbers = [
+        d.depth,
+        d.width,
+        d.web_thickness,
+        d.flange_thickness,
+        d.root_radius,
+        p.area,
+        p.second_moment,
+        p.plastic_modulus,
+        p.mass_per_length,
+    ];
+    (section.name.clone(), numbers)
+}

@@ -1,0 +1,104 @@
+"""One impact: numbers of the paper, of the command line and of another implementation."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from column_twin import Column, Outcome, Severity
+
+Program = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def test_the_paper_example(root: Path, paper: Column) -> None:
+    """The history of an independent implementation of the paper's equations (tests/data)."""
+    result = paper.with_changes(solver__scheme="midpoint").simulate(mass=1500.0, velocity=10.0)
+    with (root / "tests/data/heb220_ellipse.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    time = np.array([float(row["t_s"]) for row in rows])
+    for column in ("v1_m", "u2_m", "Na_N", "M3_Nm"):
+        expected = np.array([float(row[column]) for row in rows])
+        found = np.interp(time, result.time, result.history[column])
+        inside = time <= result.time[-1]
+        scale = np.abs(expected).max()
+        assert np.abs(found - expected)[inside].max() < 0.02 * scale, column
+    assert result.outcome is Outcome.PLASTIC
+    assert result.max_v1 == pytest.approx(0.0946, rel=2e-3)
+
+
+@pytest.mark.parametrize("vehicle", [None, "mid_car", "lorry_8t"])
+def test_report_and_history_are_those_of_the_command_line(
+    root: Path, steel: Column, program: Program, tmp_path: Path, vehicle: str | None
+) -> None:
+    table = tmp_path / "history.csv"
+    named = [] if vehicle is None else ["--vehicle", vehicle]
+    config = str(root / "config/heb220_s355.yaml")
+    ran = program("simulate", "--config", config, *named, "--velocity", "7.5", "--json", "--csv", str(table))
+    assert ran.returncode == 0, ran.stderr
+    result = steel.simulate(vehicle=vehicle, velocity=7.5)
+    expected = json.loads(ran.stdout)
+    found = dict(result.report)
+    del expected["solve_time_s"], found["solve_time_s"]
+    assert found == expected
+    with table.open() as file:
+        header, *rows = csv.reader(file)
+    assert list(result.history) == header
+    assert len(rows) == result.time.size
+    numbers = np.array(rows, dtype=np.float64)
+    for index, name in enumerate(header):
+        assert np.array_equal(numbers[:, index], result.history[name]), name
+
+
+def test_capacity_is_that_of_the_command_line(root: Path, paper: Column, program: Program) -> None:
+    config = ("--config", str(root / "config/heb220_paper.yaml"), "--json")
+    for arguments, capacity in [
+        ((), paper.capacity()),
+        (("--after-impact", "--velocity", "10"), paper.capacity(velocity=10.0)),
+    ]:
+        expected = json.loads(program("capacity", *config, *arguments).stdout)
+        found = dict(capacity.report)
+        del expected["state"], found["state"]
+        assert found == expected
+    after = paper.capacity(velocity=10.0)
+    assert after.push_down.force.max() == pytest.approx(after.force, rel=1e-6)
+    assert 0.0 < after.ratio < 1.0
+
+
+def test_arrays_over_hinges_and_springs(steel: Column) -> None:
+    result = steel.simulate(vehicle="mid_car", velocity=10.0)
+    steps = result.time.size
+    assert result.moments.shape == result.normal_forces.shape == result.plastic_rotations.shape == (steps, 4)
+    assert np.array_equal(result.moments[:, 3], result.history["M3_Nm"])
+    assert np.array_equal(result.normal_forces[:, 3], result.history["Na_N"])
+    assert result.crush.shape[1] == len(result.report["crush_max_m"]) >= 1
+    assert result.crush.max() == pytest.approx(max(result.report["crush_max_m"]), rel=1e-3)
+    assert steel.simulate(mass=1500.0, velocity=3.0).crush.shape[1] == 0
+
+
+def test_a_screening_is_the_report_without_the_history(steel: Column) -> None:
+    for vehicle, velocity in [("mid_car", 10.0), ("van", 20.0), ("articulated_36t", 25.0), ("rigid", 4.0)]:
+        screening = steel.screen(vehicle=vehicle, velocity=velocity)
+        result = steel.simulate(vehicle=vehicle, velocity=velocity)
+        assert screening.severity is result.severity
+        assert screening.outcome is result.outcome
+        assert screening.deciding_criterion == result.report["deciding_criterion"]
+        assert screening.max_v1 == pytest.approx(result.max_v1, rel=1e-3)
+        if result.residual_v1 is None:
+            assert np.isnan(screening.residual_v1)
+    assert steel.screen("rigid", 36e3, 25.0).severity is Severity.EVACUATE
+
+
+def test_defaults_of_an_impact_are_those_of_the_parameters(steel: Column) -> None:
+    column = steel.with_changes(vehicle__name="van", impact__mass=3000.0, impact__velocity=4.0)
+    screening = column.screen()
+    assert (screening.mass, screening.velocity) == (3000.0, 4.0)
+    assert column.screen(vehicle="mid_car").mass == 1719.0
+    assert column.screen(vehicle="mid_car", mass=1800.0).mass == 1800.0
+    # The rigid mass has no mass of its own: it is that of the parameters.
+    assert column.screen(vehicle="rigid").mass == 3000.0

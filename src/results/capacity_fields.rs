@@ -1,0 +1,60 @@
+//! The capacity of a column under the names that programs see.
+
+use serde::Serialize;
+
+use crate::assessment::{Assessment, Criterion, RemainingCapacity, Severity};
+use crate::column::CapacityEnd;
+
+/// The capacity of a column for programs, in SI units; the names are a stable interface. A value that does not exist is null.
+#[derive(Debug, Serialize)]
+pub struct CapacityFields<'a> {
+    state: &'a str,
+    virgin_capacity_n: f64,
+    virgin_end: CapacityEnd,
+    residual_capacity_n: f64,
+    residual_end: CapacityEnd,
+    lower_bound: bool,
+    capacity_ratio: f64,
+    damage: f64,
+    carried_load_n: f64,
+    reserve: Option<f64>,
+    imperfection_m: f64,
+    v1_at_virgin_capacity_m: f64,
+    v1_at_residual_capacity_m: f64,
+    strong_axis_resistance_n: f64,
+    weak_axis_resistance_n: Option<f64>,
+    remaining_resistance_n: Option<f64>,
+    severity: Severity,
+    deciding_criterion: &'a str,
+    reason: &'a str,
+    criteria: &'a [Criterion],
+}
+
+impl<'a> CapacityFields<'a> {
+    /// The fields of these results; `state` tells what has happened to the column.
+    #[must_use]
+    pub fn of(state: &'a str, remaining: &RemainingCapacity, assessment: &'a Assessment) -> Self {
+        Self {
+            state,
+            virgin_capacity_n: remaining.virgin.force,
+            virgin_end: remaining.virgin.end,
+            residual_capacity_n: remaining.now.force,
+            residual_end: remaining.now.end,
+            lower_bound: remaining.now.is_lower_bound() || remaining.virgin.is_lower_bound(),
+            capacity_ratio: remaining.ratio,
+            damage: remaining.damage,
+            carried_load_n: remaining.carried_load,
+            reserve: remaining.reserve,
+            imperfection_m: remaining.virgin.imperfection,
+            v1_at_virgin_capacity_m: remaining.virgin.v1,
+            v1_at_residual_capacity_m: remaining.now.v1,
+            strong_axis_resistance_n: remaining.strong.force,
+            weak_axis_resistance_n: remaining.weak.map(|weak| weak.force),
+            remaining_resistance_n: remaining.resistance,
+            severity: assessment.severity,
+            deciding_criterion: assessment.deciding_criterion,
+            reason: &assessment.reason,
+            criteria: &assessment.criteria,
+        }
+    }
+}

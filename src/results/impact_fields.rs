@@ -1,0 +1,158 @@
+//! The outcome of one impact under the names that programs see.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::assessment::{Criterion, ImpactEvaluation, Severity};
+use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome};
+
+/// The outcome of one impact for programs, in SI units; the names are a stable interface. A value that does not exist is null.
+#[derive(Debug, Serialize)]
+pub struct ImpactFields<'a> {
+    severity: Option<Severity>,
+    deciding_criterion: Option<&'static str>,
+    reason: Option<&'a str>,
+    outcome: Outcome,
+    end: End,
+    end_time_s: f64,
+    max_v1_m: f64,
+    max_v1_time_s: f64,
+    residual_v1_m: Option<f64>,
+    max_u2_m: f64,
+    residual_u2_m: Option<f64>,
+    first_contact_time_s: Option<f64>,
+    release_time_s: Option<f64>,
+    contact_duration_s: f64,
+    impactor_velocity_m_s: f64,
+    peak_contact_force_n: f64,
+    peak_contact_force_time_s: Option<f64>,
+    percussions: u32,
+    percussion_impulse_n_s: f64,
+    impulse_n_s: f64,
+    input_energy_j: f64,
+    load_work_j: f64,
+    plastic_work_j: f64,
+    impact_loss_j: f64,
+    damping_work_j: f64,
+    column_kinetic_energy_j: f64,
+    impactor_kinetic_energy_j: f64,
+    elastic_energy_change_j: f64,
+    ledger_residual: f64,
+    steps: u64,
+    solve_time_s: f64,
+    dt_s: f64,
+    error_estimate: Option<f64>,
+    max_v1_hardening_band_m: Option<[f64; 2]>,
+    vehicle: &'a str,
+    crush_max_m: &'a [f64],
+    crush_permanent_m: &'a [f64],
+    vehicle_dissipated_j: &'a [f64],
+    vehicle_elastic_energy_j: f64,
+    vehicle_velocity_m_s: &'a [f64],
+    plateau_force_n: f64,
+    front_force_n: Option<f64>,
+    dynamic_factor_max: [f64; HINGES],
+    virgin_capacity_n: Option<f64>,
+    residual_capacity_n: Option<f64>,
+    capacity_ratio: Option<f64>,
+    carried_load_n: Option<f64>,
+    reserve: Option<f64>,
+    criteria: Option<&'a [Criterion]>,
+    hinges: BTreeMap<&'static str, HingeFields>,
+}
+
+#[derive(Debug, Serialize)]
+struct HingeFields {
+    first_yield_s: Option<f64>,
+    plastic_rotation_rad: f64,
+    plastic_elongation_m: f64,
+    max_utilisation: f64,
+}
+
+impl<'a> ImpactFields<'a> {
+    /// The fields of this evaluation. `vehicle_name` is empty for a vehicle that is given by numbers; `solve_time` is the
+    /// computing time of the response alone.
+    #[must_use]
+    pub fn of(
+        evaluation: &'a ImpactEvaluation,
+        vehicle_name: &'a str,
+        solve_time: Duration,
+    ) -> Self {
+        let report = &evaluation.report;
+        let assessment = evaluation.assessment.as_ref();
+        let remaining = evaluation.remaining.as_ref();
+        let vehicle = &report.vehicle;
+        Self {
+            severity: assessment.map(|it| it.severity),
+            deciding_criterion: assessment.map(|it| it.deciding_criterion),
+            reason: assessment.map(|it| it.reason.as_str()),
+            outcome: report.outcome,
+            end: report.end,
+            end_time_s: report.end_time,
+            max_v1_m: report.max_v1,
+            max_v1_time_s: report.max_v1_time,
+            residual_v1_m: report.residual_v1,
+            max_u2_m: report.max_u2,
+            residual_u2_m: report.residual_u2,
+            first_contact_time_s: report.first_contact_time,
+            release_time_s: report.release_time,
+            contact_duration_s: report.contact_duration,
+            impactor_velocity_m_s: report.impactor_velocity,
+            peak_contact_force_n: report.peak_contact_force,
+            peak_contact_force_time_s: report.peak_contact_force_time,
+            percussions: report.percussions,
+            percussion_impulse_n_s: report.percussion_impulse,
+            impulse_n_s: report.impulse,
+            input_energy_j: report.input_energy,
+            load_work_j: report.load_work,
+            plastic_work_j: report.plastic_work,
+            impact_loss_j: report.impact_loss,
+            damping_work_j: report.damping_work,
+            column_kinetic_energy_j: report.column_kinetic_energy,
+            impactor_kinetic_energy_j: report.impactor_kinetic_energy,
+            elastic_energy_change_j: report.elastic_energy_change,
+            ledger_residual: report.ledger_residual,
+            steps: report.steps,
+            solve_time_s: solve_time.as_secs_f64(),
+            dt_s: evaluation.step,
+            error_estimate: evaluation.error_estimate,
+            max_v1_hardening_band_m: evaluation.band.map(|it| it.max_v1),
+            vehicle: vehicle_name,
+            crush_max_m: &vehicle.max_crush[..vehicle.masses],
+            crush_permanent_m: &vehicle.permanent_crush[..vehicle.masses],
+            vehicle_dissipated_j: &vehicle.dissipated[..vehicle.masses],
+            vehicle_elastic_energy_j: vehicle.elastic_energy,
+            // A rigid vehicle is one mass without a spring.
+            vehicle_velocity_m_s: match vehicle.masses {
+                0 => std::slice::from_ref(&report.impactor_velocity),
+                masses => &vehicle.velocity[..masses],
+            },
+            plateau_force_n: evaluation.plateau,
+            front_force_n: evaluation.front_force,
+            dynamic_factor_max: report.max_dynamic_factor,
+            virgin_capacity_n: remaining.map(|it| it.virgin.force),
+            residual_capacity_n: remaining.map(|it| it.now.force),
+            capacity_ratio: remaining.map(|it| it.ratio),
+            carried_load_n: remaining.map(|it| it.carried_load),
+            reserve: remaining.and_then(|it| it.reserve),
+            criteria: assessment.map(|it| it.criteria.as_slice()),
+            hinges: HINGE_NAMES
+                .into_iter()
+                .zip(report.hinges.iter().map(HingeFields::from))
+                .collect(),
+        }
+    }
+}
+
+impl From<&HingeReport> for HingeFields {
+    fn from(hinge: &HingeReport) -> Self {
+        Self {
+            first_yield_s: hinge.first_yield,
+            plastic_rotation_rad: hinge.plastic_rotation,
+            plastic_elongation_m: hinge.plastic_elongation,
+            max_utilisation: hinge.max_utilisation,
+        }
+    }
+}

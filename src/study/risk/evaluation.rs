@@ -1,0 +1,163 @@
+//! The severity of a sample, by the response of the column.
+
+use super::departure::Departure;
+use super::scenario::Scenario;
+use crate::assessment::Severity;
+use crate::column::{Impact, VehicleError};
+use crate::parameters::{ParameterFaults, Parameters, Value};
+use crate::study::{Screening, StudyColumn, StudyError};
+
+/// Severities that may be reached or exceeded, least severe first.
+pub const SEVERITIES: [Severity; 4] = [
+    Severity::Inspect,
+    Severity::Restrict,
+    Severity::Prop,
+    Severity::Evacuate,
+];
+
+/// What decides how severe a vehicle's impact is. A study asks it for every sample that it does not skip.
+pub trait LimitState: Sync {
+    /// The severity of this vehicle's impact; `None` if it cannot be computed.
+    fn severity(&self, departure: &Departure) -> Option<Severity>;
+}
+
+/// The column of a risk study: for every class of vehicles, struck where that class strikes.
+#[derive(Debug, Clone)]
+pub struct RiskColumn {
+    classes: Vec<ClassColumn>,
+    yield_strength: Option<f64>,
+    top_load: f64,
+}
+
+#[derive(Debug, Clone)]
+struct ClassColumn {
+    vehicle: &'static str,
+    nominal: StudyColumn,
+}
+
+/// Why a column and a scenario make no study.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RiskError {
+    /// The column, an impact or a step.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// Parameters, as a sample changes them.
+    #[error(transparent)]
+    Parameters(#[from] ParameterFaults),
+    /// The vehicle of a sample.
+    #[error(transparent)]
+    Vehicle(#[from] VehicleError),
+    /// A class of vehicles that strikes above the top of the column.
+    #[error(
+        "the vehicle {vehicle} strikes {height} m above the base; expected less than {total} m, the height of the column: \
+         give classes[].height_m, or a taller column"
+    )]
+    Height {
+        /// Its name.
+        vehicle: &'static str,
+        /// The height of the contact \[m\].
+        height: f64,
+        /// The height of the column \[m\].
+        total: f64,
+    },
+}
+
+impl RiskColumn {
+    /// The column of the parameters, as the vehicles of the scenario strike it.
+    ///
+    /// # Errors
+    /// Parameters that make no column, or a vehicle that strikes above its top.
+    pub fn new(parameters: &Parameters, scenario: &Scenario) -> Result<Self, RiskError> {
+        let properties = parameters.column_properties();
+        let total = properties.length_below + properties.length_above;
+        let classes: Result<Vec<_>, RiskError> = scenario
+            .classes
+            .iter()
+            .map(|class| {
+                let parameters = match class.height {
+                    None => parameters.clone(),
+                    Some(height) if height < total => parameters.with_changes([
+                        ("geometry.length_below", Value::Double(height)),
+                        ("geometry.length_above", Value::Double(total - height)),
+                    ])?,
+                    Some(height) => {
+                        return Err(RiskError::Height {
+                            vehicle: class.vehicle,
+                            height,
+                            total,
+                        });
+                    }
+                };
+                Ok(ClassColumn {
+                    vehicle: class.vehicle,
+                    nominal: StudyColumn::virgin(&parameters)?,
+                })
+            })
+            .collect();
+        let settings = parameters.settings();
+        let by_steel = settings.resistance.moment == 0.0 && settings.resistance.axial == 0.0;
+        let strength = &scenario.yield_strength_factor.distribution;
+        let nominal = strength.is_fixed() && strength.mean() == 1.0;
+        Ok(Self {
+            classes: classes?,
+            yield_strength: (by_steel && !nominal).then(|| parameters.steel().yield_strength),
+            top_load: settings.top.load,
+        })
+    }
+
+    /// Whether the yield strength of the samples enters: it does where the resistances follow from it, and not where they
+    /// are given as numbers.
+    #[must_use]
+    pub fn varies_yield_strength(&self) -> bool {
+        self.yield_strength.is_some()
+    }
+
+    /// The column and the impact of a sample.
+    ///
+    /// # Errors
+    /// Numbers that are out of range.
+    pub fn sample(&self, departure: &Departure) -> Result<(StudyColumn, Impact), RiskError> {
+        let class = &self.classes[departure.class];
+        let mut changes = Vec::new();
+        if let Some(nominal) = self.yield_strength {
+            let strength = Value::Double(nominal * departure.yield_factor);
+            changes.push(("steel.yield_strength", strength));
+        }
+        if departure.load_factor != 1.0 {
+            changes.push((
+                "top.load",
+                Value::Double(self.top_load * departure.load_factor),
+            ));
+        }
+        let column = match changes.is_empty() {
+            true => class.nominal.clone(),
+            false => StudyColumn::virgin(&class.nominal.parameters().with_changes(changes)?)?,
+        };
+        let mut impact = column.impact(
+            Some(class.vehicle),
+            Some(departure.mass),
+            departure.velocity,
+        )?;
+        if let Some(vehicle) = impact.vehicle {
+            impact.vehicle = Some(vehicle.with_force_factor(departure.force_factor)?);
+        }
+        Ok((column, impact))
+    }
+
+    /// What the impact of a sample leads to.
+    ///
+    /// # Errors
+    /// Numbers that are out of range, or a response that does not converge.
+    pub fn screen(&self, departure: &Departure) -> Result<Screening, RiskError> {
+        let (column, impact) = self.sample(departure)?;
+        Ok(column.screen(&impact)?)
+    }
+}
+
+impl LimitState for RiskColumn {
+    fn severity(&self, departure: &Departure) -> Option<Severity> {
+        self.screen(departure)
+            .ok()
+            .map(|screening| screening.severity)
+    }
+}

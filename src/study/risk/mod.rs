@@ -1,0 +1,62 @@
+//! Risk: how often does a vehicle damage the column, and how severely?
+//!
+//! Vehicles that leave the road and reach the column are drawn from the laws of a [`Scenario`] by a [`DepartureSampler`], and a
+//! [`RiskColumn`] says
+//! how severe the impact of each is. A [`RiskStudy`] counts them in a [`Tally`], from which a [`RiskResult`] follows.
+//! `docs/risk.md` describes model, data and estimator.
+//!
+//! Sample `i` depends on the seed and on `i` only, so that a study has the same result on any number of threads, and parts
+//! of it can be computed apart and merged.
+//!
+//! ```
+//! use column_twin::parameters::Parameters;
+//! use column_twin::study::{Batch, StudyError};
+//! use column_twin::study::risk::{
+//!     DepartureSampler, Exposure, RiskColumn, RiskResult, RiskStudy, Scenario, StudyRunError,
+//! };
+//!
+//! let scenario = Scenario::shipped("parking_garage")?;
+//! let column = RiskColumn::new(&Parameters::default(), &scenario)?;
+//! let sampler = DepartureSampler::new(&scenario, 1);
+//! let study = RiskStudy::new(&sampler, &column);
+//! let (tally, _) = study.run(&Batch::default(), 0..20, |_| Ok::<_, StudyRunError>(()))?;
+//!
+//! let exposure = Exposure::new(&scenario, 2000.0, 1.0);
+//! let result = RiskResult::new(&scenario, &tally, exposure, 0.95);
+//! assert_eq!(result.counts.samples, 20);
+//! assert!(result.severities[3].in_period.high < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod critical_speeds;
+mod departure;
+mod distribution;
+mod estimate;
+mod evaluation;
+mod fragility;
+mod normal;
+mod random;
+mod reach;
+mod result;
+mod scenario;
+mod sensitivity;
+mod study;
+mod tally;
+#[cfg(test)]
+mod tests;
+mod traffic;
+
+pub use critical_speeds::CriticalSpeedSurface;
+pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS, LEAST_SPEED};
+pub use distribution::{Distribution, DistributionFault};
+pub use estimate::Estimate;
+pub use evaluation::{LimitState, RiskColumn, RiskError, SEVERITIES};
+pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
+pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
+pub use scenario::{
+    Input, MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
+};
+pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
+pub use study::{CONTROL_SHARE, RiskStudy, StudyRunError};
+pub use tally::{Basis, RiskSample, Tally};
+pub use traffic::Exposure;

@@ -1,0 +1,196 @@
+//! The result of a study: probabilities, fragility curves, sensitivities.
+
+use serde::Serialize;
+
+use super::estimate::{Estimate, deviations, wilson};
+use super::evaluation::SEVERITIES;
+use super::fragility::{FragilityCurve, curve};
+use super::scenario::Scenario;
+use super::sensitivity::SeveritySensitivity;
+use super::tally::Tally;
+use super::traffic::Exposure;
+use crate::assessment::Severity;
+
+/// The result of a study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RiskResult {
+    /// Confidence level of every interval.
+    pub confidence: f64,
+    /// Traffic.
+    pub exposure: Exposure,
+    /// `n T lambda dx`: expected vehicles in the period that leave the road on a course to the column.
+    pub departures: f64,
+    /// Probability that such a vehicle reaches the column.
+    pub impact: Estimate,
+    /// Probability of at least one impact in the period.
+    pub impact_in_period: Estimate,
+    /// By severity that is reached or exceeded.
+    pub severities: Vec<SeverityRisk>,
+    /// By class of vehicles.
+    pub classes: Vec<ClassRisk>,
+    /// Of the whole traffic, then of every class, by severity.
+    pub fragility: Vec<FragilityCurve>,
+    /// By severity.
+    pub sensitivity: Vec<SeveritySensitivity>,
+    /// Effort and controls.
+    pub counts: Counts,
+}
+
+/// The risk of one severity or a higher one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SeverityRisk {
+    /// The severity that is reached or exceeded.
+    pub severity: Severity,
+    /// Probability given an impact.
+    pub given_impact: Estimate,
+    /// Probability given a vehicle that leaves the road on a course to the column.
+    pub given_departure: Estimate,
+    /// Probability of at least one such impact in the period.
+    pub in_period: Estimate,
+    /// Mean time between such impacts \[a\]: low and high are those of the interval's ends; `None` where it is infinite.
+    pub return_period_years: [Option<f64>; 3],
+}
+
+/// What a class of vehicles contributes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClassRisk {
+    /// Its name.
+    pub vehicle: &'static str,
+    /// Share of the traffic.
+    pub share: f64,
+    /// Samples that hit the column.
+    pub impacts: u64,
+    /// Probability of each severity or a higher one given an impact of this class.
+    pub given_impact: Vec<Estimate>,
+    /// Share of this class in all events of each severity or a higher one; NaN without such an event.
+    pub contribution: Vec<Option<f64>>,
+}
+
+/// Samples of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Counts {
+    /// All.
+    pub samples: u64,
+    /// Those that hit the column.
+    pub impacts: u64,
+    /// Those whose response was computed, the controls included.
+    pub responses: u64,
+    /// Those whose severity was predicted, the controls included.
+    pub predicted: u64,
+    /// Predictions that were computed, too.
+    pub controls: u64,
+    /// Controls whose prediction was wrong.
+    pub wrong_predictions: u64,
+    /// Those whose response could not be computed; they count as the most severe ones.
+    pub undetermined: u64,
+}
+
+impl RiskResult {
+    /// Evaluates the counts of a study; `confidence` is that of every interval, such as 0.95.
+    #[must_use]
+    pub fn new(scenario: &Scenario, tally: &Tally, exposure: Exposure, confidence: f64) -> Self {
+        let z = deviations(confidence);
+        let total = tally.total();
+        let period = |estimate: Estimate| estimate.map(|it| exposure.probability(it));
+        let impact = reach(tally, z);
+        let risk = |severity: Severity| {
+            let given_impact = total.at_least(severity, z);
+            let given_departure = match impact.high > 0.0 {
+                true => impact.product(given_impact),
+                false => impact,
+            };
+            let years = |it: f64| exposure.return_period(it);
+            SeverityRisk {
+                severity,
+                given_impact,
+                given_departure,
+                in_period: period(given_departure),
+                return_period_years: [
+                    given_departure.value,
+                    given_departure.high,
+                    given_departure.low,
+                ]
+                .map(years),
+            }
+        };
+        let severities: Vec<SeverityRisk> = SEVERITIES.into_iter().map(risk).collect();
+        let impacts = total.impacts();
+        let classes = scenario
+            .classes
+            .iter()
+            .zip(&tally.by_class)
+            .map(|(class, cell)| ClassRisk {
+                vehicle: class.vehicle,
+                share: class.share,
+                impacts: cell.impacts(),
+                given_impact: SEVERITIES
+                    .into_iter()
+                    .map(|severity| cell.at_least(severity, z))
+                    .collect(),
+                contribution: severities
+                    .iter()
+                    .map(|risk| {
+                        let own = cell.at_least_of(impacts, risk.severity, z).value;
+                        let share = own / risk.given_impact.value;
+                        share.is_finite().then_some(share)
+                    })
+                    .collect(),
+            })
+            .collect();
+        let whole = SEVERITIES
+            .into_iter()
+            .map(|severity| curve(tally, None, severity, z));
+        let of_classes = scenario
+            .classes
+            .iter()
+            .enumerate()
+            .flat_map(|(index, class)| {
+                SEVERITIES
+                    .into_iter()
+                    .map(move |severity| curve(tally, Some((index, class.vehicle)), severity, z))
+            });
+        let sensitivity = SEVERITIES
+            .into_iter()
+            .map(|severity| SeveritySensitivity::new(tally, scenario, severity, impact, z))
+            .collect();
+        Self {
+            confidence,
+            exposure,
+            departures: exposure.departures(),
+            impact,
+            impact_in_period: period(impact),
+            severities,
+            classes,
+            fragility: whole.chain(of_classes).collect(),
+            sensitivity,
+            counts: Counts {
+                samples: total.samples(),
+                impacts: total.impacts(),
+                responses: total.computed.iter().sum::<u64>() + total.controls(),
+                predicted: total.predicted.iter().sum(),
+                controls: total.controls(),
+                wrong_predictions: total.wrong_predictions(),
+                undetermined: tally.undetermined,
+            },
+        }
+    }
+}
+
+/// Probability that a vehicle that leaves the road on a course to the column reaches it.
+fn reach(tally: &Tally, z: f64) -> Estimate {
+    let impacts = tally.total().impacts();
+    match tally.points {
+        0 => Estimate {
+            value: 0.0,
+            low: 0.0,
+            high: tally.reach_bound,
+        },
+        // Every point is accepted where every vehicle reaches the column, which needs no estimate.
+        points if points == impacts && tally.reach_bound >= 1.0 - 1e-12 => Estimate {
+            value: 1.0,
+            low: 1.0,
+            high: 1.0,
+        },
+        points => wilson(impacts, points, z).times(tally.reach_bound),
+    }
+}

@@ -1,0 +1,703 @@
+//! The inputs of a risk study as data: shipped scenarios in `config/risk.json`, a user's file, single laws.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json};
+
+use super::distribution::{Distribution, DistributionFault};
+use crate::parameters::{CatalogueVehicle, Provenance, RIGID, vehicle_names};
+
+const SHIPPED_NAME: &str = "config/risk.json";
+const SHIPPED: &str = include_str!("../../../config/risk.json");
+
+/// Largest deviation of the sum of shares from 1: what rounding to six digits leaves.
+const SHARE_TOLERANCE: f64 = 1e-4;
+/// Most classes of vehicles.
+const MAX_CLASSES: usize = 16;
+/// Longest text of a file of scenarios \[bytes\].
+pub const MAX_SCENARIO_FILE_BYTES: u64 = 1 << 20;
+
+/// A law with its provenance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// The law.
+    pub distribution: Distribution,
+    /// Where its numbers come from; `None` for those of a user who gives none.
+    pub tag: Option<Provenance>,
+    /// The source, or the reason.
+    pub source: String,
+}
+
+/// Vehicles of one kind in the traffic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrafficClass {
+    /// Name in the catalogue of vehicles, or `rigid`.
+    pub vehicle: &'static str,
+    /// Share of the traffic, 0 to 1.
+    pub share: f64,
+    /// Total mass \[kg\].
+    pub mass: Input,
+    /// Factor of the forces of its front.
+    pub force_factor: Input,
+    /// Height of the contact above the base of the column \[m\]; `None`: where the column's parameters have it.
+    pub height: Option<f64>,
+    /// Where the share comes from.
+    pub tag: Option<Provenance>,
+    /// The source of the share, or the reason.
+    pub source: String,
+}
+
+/// The inputs of a risk study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// Such as `parking_garage`.
+    pub name: String,
+    /// In a few words.
+    pub description: String,
+    /// Speed when leaving the road \[km/h\].
+    pub speed: Input,
+    /// Angle between road and course \[degrees\].
+    pub angle: Input,
+    /// Deceleration behind the edge of the road \[m/s²\].
+    pub deceleration: Input,
+    /// Distance of the column from the edge of the road \[m\].
+    pub distance: Input,
+    /// Rate at which vehicles leave the road, per metre and vehicle \[1/m\].
+    pub accident_rate: Input,
+    /// Width across the course of the vehicle within which it hits the column \[m\].
+    pub hit_width: Input,
+    /// Yield strength over the nominal one.
+    pub yield_strength_factor: Input,
+    /// Load at the top over that of the parameters.
+    pub top_load_factor: Input,
+    /// The traffic; the shares add up to 1.
+    pub classes: Vec<TrafficClass>,
+}
+
+/// An entry of a scenario that is wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScenarioFault {
+    /// File or option.
+    pub place: String,
+    /// Which entry.
+    pub entry: String,
+    /// What it contains.
+    pub found: String,
+    /// What is expected instead, and what to do.
+    pub expected: String,
+}
+
+impl fmt::Display for ScenarioFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            place,
+            entry,
+            found,
+            expected,
+        } = self;
+        write!(f, "{place}: {entry}: found {found}; expected {expected}")
+    }
+}
+
+impl std::error::Error for ScenarioFault {}
+
+/// What an entry with a law may be; the rest is cut away by its definition.
+struct Definition {
+    name: &'static str,
+    /// Smallest and largest value that the law may give.
+    range: [f64; 2],
+    unit: &'static str,
+    /// Whether it may have only one value.
+    constant: bool,
+}
+
+/// Every law of a scenario, in the order of the fields.
+const LAWS: [Definition; 8] = [
+    law("speed_km_h", [0.0, MAX_SPEED_KM_H], "km/h"),
+    law("angle_deg", [0.0, 90.0], "degrees"),
+    law("deceleration_m_s2", [0.0, f64::INFINITY], "m/s2"),
+    law("distance_m", [0.0, f64::INFINITY], "m"),
+    constant("accident_rate_per_m", [0.0, 1.0], "1/m"),
+    constant("hit_width_m", [0.0, 100.0], "m"),
+    law("yield_strength_factor", [1e-3, 100.0], "-"),
+    law("top_load_factor", [0.0, 100.0], "-"),
+];
+
+/// The largest speed that a vehicle may have \[km/h\]: that of the parameter `impact.velocity`.
+const MAX_SPEED_KM_H: f64 = 216.0;
+
+const MASS: Definition = law("mass_kg", [1e-3, 1e6], "kg");
+const FORCE_FACTOR: Definition = law("force_factor", [1e-3, 100.0], "-");
+
+const fn law(name: &'static str, range: [f64; 2], unit: &'static str) -> Definition {
+    Definition {
+        name,
+        range,
+        unit,
+        constant: false,
+    }
+}
+
+const fn constant(name: &'static str, range: [f64; 2], unit: &'static str) -> Definition {
+    Definition {
+        name,
+        range,
+        unit,
+        constant: true,
+    }
+}
+
+/// A law as files have it.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LawRow {
+    law: String,
+    value: Option<f64>,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+    tag: Option<Provenance>,
+    #[serde(default)]
+    source: String,
+}
+
+/// A class of vehicles as files have it; its laws are read one by one, for messages that name them.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClassRow {
+    vehicle: String,
+    share: f64,
+    mass_kg: Json,
+    force_factor: Option<Json>,
+    height_m: Option<f64>,
+    tag: Option<Provenance>,
+    #[serde(default)]
+    source: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    #[allow(dead_code, reason = "for people")]
+    about: String,
+    #[serde(default)]
+    #[allow(dead_code, reason = "for people")]
+    tags: Map<String, Json>,
+    scenarios: Vec<Map<String, Json>>,
+}
+
+static SHIPPED_SCENARIOS: LazyLock<Vec<Map<String, Json>>> = LazyLock::new(|| {
+    let file: File =
+        serde_json::from_str(SHIPPED).expect("config/risk.json is embedded and tested");
+    file.scenarios
+});
+
+fn name_of(rows: &Map<String, Json>) -> &str {
+    rows.get("name").and_then(Json::as_str).unwrap_or_default()
+}
+
+/// The names of the shipped scenarios.
+pub fn scenario_names() -> impl Iterator<Item = &'static str> {
+    SHIPPED_SCENARIOS.iter().map(name_of)
+}
+
+impl Scenario {
+    /// The shipped scenario of this name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn shipped(name: &str) -> Result<Self, ScenarioFault> {
+        let rows = shipped_rows(name).ok_or_else(|| ScenarioFault {
+            place: SHIPPED_NAME.to_owned(),
+            entry: "scenarios".to_owned(),
+            found: format!("no scenario named {name}"),
+            expected: format!("one of {}", scenario_names().collect::<Vec<_>>().join(", ")),
+        })?;
+        Self::from_rows(SHIPPED_NAME, rows)
+    }
+
+    /// The scenario of this name in the text of a user's file, or the shipped one where the file has none of this name. A
+    /// scenario of the file takes every entry that it lacks from the shipped scenario that its entry `based_on` names, or
+    /// from that of its own name; `place` is the file in messages.
+    ///
+    /// # Errors
+    /// The first entry that is wrong.
+    pub fn from_json(place: &str, text: &str, name: &str) -> Result<Self, ScenarioFault> {
+        let fault = |entry: &str, found: String, expected: String| ScenarioFault {
+            place: place.to_owned(),
+            entry: entry.to_owned(),
+            found,
+            expected,
+        };
+        let file: File = serde_json::from_str(text).map_err(|wrong| {
+            fault(
+                "the file",
+                wrong.to_string(),
+                "JSON as in config/risk.json: an object with an array `scenarios`".into(),
+            )
+        })?;
+        for (index, rows) in file.scenarios.iter().enumerate() {
+            if name_of(rows).is_empty() {
+                return Err(fault(
+                    &format!("scenarios[{index}]"),
+                    "no name".into(),
+                    "an entry `name` with a text".into(),
+                ));
+            }
+        }
+        let Some(own) = file.scenarios.iter().find(|rows| name_of(rows) == name) else {
+            if shipped_rows(name).is_some() {
+                return Self::shipped(name);
+            }
+            let own = file.scenarios.iter().map(name_of);
+            let known: Vec<&str> = own.chain(SHIPPED_SCENARIOS.iter().map(name_of)).collect();
+            return Err(fault(
+                "scenarios",
+                format!("no scenario named {name}"),
+                format!("one of {}", known.join(", ")),
+            ));
+        };
+        let base = match own.get("based_on") {
+            None => shipped_rows(name),
+            Some(base) => {
+                let rows = base.as_str().and_then(shipped_rows);
+                let entry = format!("scenarios.{name}.based_on");
+                let shipped =
+                    || format!("one of {}", scenario_names().collect::<Vec<_>>().join(", "));
+                Some(rows.ok_or_else(|| fault(&entry, base.to_string(), shipped()))?)
+            }
+        };
+        let mut rows = base.cloned().unwrap_or_default();
+        // An entry replaces the shipped one as a whole, so that no source stands beside numbers that it does not have.
+        rows.extend(own.iter().map(|(key, value)| (key.clone(), value.clone())));
+        rows.remove("based_on");
+        Self::from_rows(place, &rows)
+    }
+
+    fn from_rows(place: &str, rows: &Map<String, Json>) -> Result<Self, ScenarioFault> {
+        let name = name_of(rows);
+        let fault = |entry: String, found: String, expected: String| ScenarioFault {
+            place: place.to_owned(),
+            entry: format!("scenarios.{name}.{entry}"),
+            found,
+            expected,
+        };
+        let known = |key: &str| {
+            ["name", "description", "classes"].contains(&key)
+                || LAWS.iter().any(|it| it.name == key)
+        };
+        if let Some(key) = rows.keys().find(|key| !known(key)) {
+            let laws: Vec<_> = LAWS.iter().map(|it| it.name).collect();
+            return Err(fault(
+                key.clone(),
+                "an unknown entry".to_owned(),
+                format!(
+                    "one of name, description, based_on, classes, {}",
+                    laws.join(", ")
+                ),
+            ));
+        }
+        let law = |definition: &Definition| -> Result<Input, ScenarioFault> {
+            let json = rows.get(definition.name).ok_or_else(|| {
+                let expected =
+                    "a law; or name a shipped scenario in `based_on`, which has it".to_owned();
+                fault(definition.name.to_owned(), "nothing".to_owned(), expected)
+            })?;
+            definition
+                .input(json)
+                .map_err(|(entry, found, expected)| fault(entry, found, expected))
+        };
+        let [
+            speed,
+            angle,
+            deceleration,
+            distance,
+            accident_rate,
+            hit_width,
+            yield_strength,
+            top_load,
+        ] = &LAWS;
+        let classes = rows
+            .get("classes")
+            .and_then(Json::as_array)
+            .ok_or_else(|| {
+                fault(
+                    "classes".to_owned(),
+                    "nothing".to_owned(),
+                    "an array of classes of vehicles".to_owned(),
+                )
+            })?;
+        let classes: Result<Vec<_>, _> = classes
+            .iter()
+            .enumerate()
+            .map(|(index, json)| {
+                traffic_class(json).map_err(|(entry, found, expected)| {
+                    let dot = if entry.is_empty() { "" } else { "." };
+                    fault(format!("classes[{index}]{dot}{entry}"), found, expected)
+                })
+            })
+            .collect();
+        let classes = classes?;
+        if classes.is_empty() || classes.len() > MAX_CLASSES {
+            return Err(fault(
+                "classes".to_owned(),
+                format!("{} classes", classes.len()),
+                format!("1 to {MAX_CLASSES}"),
+            ));
+        }
+        let total: f64 = classes.iter().map(|class| class.share).sum();
+        if (total - 1.0).abs() > SHARE_TOLERANCE {
+            return Err(fault(
+                "classes".to_owned(),
+                format!("shares that add up to {total:.6}"),
+                "shares that add up to 1; correct the shares".to_owned(),
+            ));
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            description: rows
+                .get("description")
+                .and_then(Json::as_str)
+                .unwrap_or_default()
+                .to_owned(),
+            speed: law(speed)?,
+            angle: law(angle)?,
+            deceleration: law(deceleration)?,
+            distance: law(distance)?,
+            accident_rate: law(accident_rate)?,
+            hit_width: law(hit_width)?,
+            yield_strength_factor: law(yield_strength)?,
+            top_load_factor: law(top_load)?,
+            classes,
+        })
+    }
+
+    /// Replaces one law, given as `name=law:numbers`, such as `speed_km_h=lognormal:12:5` (mean, standard deviation),
+    /// `distance_m=fixed:3`, `angle_deg=rayleigh:10` (mean) or `distance_m=uniform:2:5`. Normal, lognormal and Rayleigh laws
+    /// may be cut: `speed_km_h=lognormal:12:5:0:60`.
+    ///
+    /// # Errors
+    /// An unknown name, or numbers that make no law.
+    pub fn set(&mut self, place: &str, assignment: &str) -> Result<(), ScenarioFault> {
+        let fault = |entry: &str, found: &str, expected: String| ScenarioFault {
+            place: place.to_owned(),
+            entry: entry.to_owned(),
+            found: found.to_owned(),
+            expected,
+        };
+        let (name, text) = assignment.split_once('=').ok_or_else(|| {
+            fault(
+                "the law",
+                assignment,
+                "name=law:numbers, such as speed_km_h=lognormal:12:5".into(),
+            )
+        })?;
+        let definition = LAWS.iter().find(|it| it.name == name).ok_or_else(|| {
+            let names: Vec<_> = LAWS.iter().map(|it| it.name).collect();
+            fault("the name", name, format!("one of {}", names.join(", ")))
+        })?;
+        let row = LawRow::parse(text).map_err(|expected| fault(name, text, expected))?;
+        let input = definition
+            .check(&row)
+            .map_err(|(entry, found, expected)| fault(&entry, &found, expected))?;
+        *self
+            .law_mut(definition.name)
+            .expect("every law has a field") = input;
+        Ok(())
+    }
+
+    fn law_mut(&mut self, name: &str) -> Option<&mut Input> {
+        Some(match name {
+            "speed_km_h" => &mut self.speed,
+            "angle_deg" => &mut self.angle,
+            "deceleration_m_s2" => &mut self.deceleration,
+            "distance_m" => &mut self.distance,
+            "accident_rate_per_m" => &mut self.accident_rate,
+            "hit_width_m" => &mut self.hit_width,
+            "yield_strength_factor" => &mut self.yield_strength_factor,
+            "top_load_factor" => &mut self.top_load_factor,
+            _ => return None,
+        })
+    }
+
+    /// Every law with its name, in the order of the file, without those of the classes.
+    pub fn laws(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+        let inputs = [
+            &self.speed,
+            &self.angle,
+            &self.deceleration,
+            &self.distance,
+            &self.accident_rate,
+            &self.hit_width,
+            &self.yield_strength_factor,
+            &self.top_load_factor,
+        ];
+        LAWS.iter().map(|it| it.name).zip(inputs)
+    }
+}
+
+fn shipped_rows(name: &str) -> Option<&'static Map<String, Json>> {
+    SHIPPED_SCENARIOS.iter().find(|rows| name_of(rows) == name)
+}
+
+/// Entry, what was found, what is expected.
+type Wrong = (String, String, String);
+
+impl LawRow {
+    /// The notation of a command line; the error is what is expected.
+    fn parse(text: &str) -> Result<Self, String> {
+        let mut parts = text.split(':');
+        let law = parts.next().unwrap_or_default().trim().to_owned();
+        let numbers: Result<Vec<f64>, _> = parts.map(|part| part.trim().parse::<f64>()).collect();
+        let numbers =
+            numbers.map_err(|_| "numbers after the law, separated by colons".to_owned())?;
+        let mut row = Self {
+            law,
+            source: "given on the command line".to_owned(),
+            ..Self::default()
+        };
+        let (places, form): (&mut [&mut Option<f64>], _) = match row.law.as_str() {
+            "fixed" => (&mut [&mut row.value], "fixed:VALUE"),
+            "normal" | "lognormal" => (
+                &mut [&mut row.mean, &mut row.sd, &mut row.min, &mut row.max],
+                "normal:MEAN:SD or lognormal:MEAN:SD, with :MIN:MAX where it is cut",
+            ),
+            "rayleigh" => (
+                &mut [&mut row.mean, &mut row.min, &mut row.max],
+                "rayleigh:MEAN, with :MIN:MAX where it is cut",
+            ),
+            "uniform" => (&mut [&mut row.min, &mut row.max], "uniform:MIN:MAX"),
+            _ => return Err("a law: fixed, normal, lognormal, rayleigh or uniform".to_owned()),
+        };
+        let required = match places.len() {
+            4 => 2,
+            3 => 1,
+            all => all,
+        };
+        if numbers.len() != required && numbers.len() != places.len() {
+            return Err(form.to_owned());
+        }
+        for (place, number) in places.iter_mut().zip(numbers) {
+            **place = Some(number);
+        }
+        Ok(row)
+    }
+
+    fn distribution(&self) -> Result<Distribution, DistributionFault> {
+        let wrong = |number, found: &str, expected: &str| DistributionFault {
+            number,
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        };
+        let given = |number: &'static str, value: Option<f64>| {
+            value.ok_or_else(|| {
+                wrong(
+                    number,
+                    "nothing",
+                    &format!("a number, as the law {} needs it", self.law),
+                )
+            })
+        };
+        let absent = |numbers: &[(&'static str, Option<f64>)]| match numbers
+            .iter()
+            .find(|it| it.1.is_some())
+        {
+            Some((number, Some(value))) => Err(wrong(
+                number,
+                &value.to_string(),
+                &format!("nothing: the law {} has no such number", self.law),
+            )),
+            _ => Ok(()),
+        };
+        let limits = [
+            self.min.unwrap_or(f64::NEG_INFINITY),
+            self.max.unwrap_or(f64::INFINITY),
+        ];
+        let (value, mean, sd) = (("value", self.value), ("mean", self.mean), ("sd", self.sd));
+        match self.law.as_str() {
+            "fixed" => {
+                absent(&[mean, sd, ("min", self.min), ("max", self.max)])?;
+                Distribution::fixed(given("value", self.value)?)
+            }
+            "normal" => {
+                absent(&[value])?;
+                Distribution::normal(given("mean", self.mean)?, given("sd", self.sd)?, limits)
+            }
+            "lognormal" => {
+                absent(&[value])?;
+                Distribution::lognormal(given("mean", self.mean)?, given("sd", self.sd)?, limits)
+            }
+            "rayleigh" => {
+                absent(&[value, sd])?;
+                Distribution::rayleigh(given("mean", self.mean)?, limits)
+            }
+            "uniform" => {
+                absent(&[value, mean, sd])?;
+                Distribution::uniform([given("min", self.min)?, given("max", self.max)?])
+            }
+            other => Err(wrong(
+                "law",
+                other,
+                "fixed, normal, lognormal, rayleigh or uniform",
+            )),
+        }
+    }
+}
+
+impl Definition {
+    fn input(&self, json: &Json) -> Result<Input, Wrong> {
+        let row: LawRow = serde_json::from_value(json.clone()).map_err(|wrong| {
+            (
+                self.name.to_owned(),
+                wrong.to_string(),
+                "a law as in config/risk.json".to_owned(),
+            )
+        })?;
+        self.check(&row)
+    }
+
+    fn check(&self, row: &LawRow) -> Result<Input, Wrong> {
+        let distribution = row.distribution().map_err(|fault| {
+            (
+                format!("{}.{}", self.name, fault.number),
+                fault.found,
+                fault.expected,
+            )
+        })?;
+        let [lowest, highest] = self.range;
+        // Beyond these levels there is one draw in a billion, which would count as one that cannot be computed.
+        let [lower, upper] = [1e-9, 1.0 - 1e-9].map(|level| distribution.quantile(level));
+        if lower < lowest || upper > highest {
+            let found = format!("{distribution}");
+            let range = match highest.is_finite() {
+                true => format!("from {lowest} to {highest} {}", self.unit),
+                false => format!("not below {lowest} {}", self.unit),
+            };
+            return Err((
+                self.name.to_owned(),
+                found,
+                format!("values {range}; cut the law with min and max"),
+            ));
+        }
+        if self.constant && !distribution.is_fixed() {
+            return Err((
+                self.name.to_owned(),
+                format!("{distribution}"),
+                "one value: law fixed".to_owned(),
+            ));
+        }
+        Ok(Input {
+            distribution,
+            tag: row.tag,
+            source: row.source.clone(),
+        })
+    }
+}
+
+fn traffic_class(json: &Json) -> Result<TrafficClass, Wrong> {
+    let row: ClassRow = serde_json::from_value(json.clone()).map_err(|wrong| {
+        (
+            String::new(),
+            wrong.to_string(),
+            "a class as in config/risk.json".to_owned(),
+        )
+    })?;
+    let known = vehicle_names().find(|name| *name == row.vehicle);
+    let vehicle = known.ok_or_else(|| {
+        let names: Vec<_> = vehicle_names().collect();
+        (
+            "vehicle".to_owned(),
+            row.vehicle.clone(),
+            format!("one of {}", names.join(", ")),
+        )
+    })?;
+    if !(0.0..=1.0).contains(&row.share) {
+        return Err((
+            "share".to_owned(),
+            row.share.to_string(),
+            "a share from 0 to 1".to_owned(),
+        ));
+    }
+    let catalogue = CatalogueVehicle::named(vehicle);
+    let mass = MASS.input(&row.mass_kg)?;
+    // The rearmost mass takes the difference to the catalogue's total, and has to stay positive.
+    if let Some(catalogue) = catalogue {
+        let masses = &catalogue.masses.value.kg;
+        let front: f64 = masses[..masses.len() - 1].iter().sum();
+        let least = mass.distribution.limits()[0];
+        if least <= front {
+            return Err((
+                "mass_kg".to_owned(),
+                format!("masses from {least} kg"),
+                format!(
+                    "more than {front} kg, which the front masses of {vehicle} have; give a larger min"
+                ),
+            ));
+        }
+    }
+    let force_factor = match (&row.force_factor, catalogue) {
+        (Some(json), Some(_)) => FORCE_FACTOR.input(json)?,
+        (Some(_), None) => {
+            let expected = format!("nothing: the vehicle {RIGID} has no front with a force");
+            return Err(("force_factor".to_owned(), "a law".to_owned(), expected));
+        }
+        (None, Some(catalogue)) => {
+            let scatter = &catalogue.force_variation;
+            let limits = [FORCE_FACTOR.range[0], FORCE_FACTOR.range[1]];
+            Input {
+                distribution: Distribution::lognormal(1.0, scatter.value.coefficient, limits)
+                    .map_err(|fault| ("force_factor".to_owned(), fault.found, fault.expected))?,
+                tag: Some(scatter.tag),
+                source: scatter.source.clone(),
+            }
+        }
+        (None, None) => Input {
+            distribution: Distribution::fixed(1.0).expect("1 is finite"),
+            tag: None,
+            source: "a rigid vehicle has no front with a force".to_owned(),
+        },
+    };
+    let height = row
+        .height_m
+        .or_else(|| catalogue.map(|it| it.contact_height.value.height_m));
+    if let Some(height) = height
+        && !(height.is_finite() && height > 0.0)
+    {
+        return Err((
+            "height_m".to_owned(),
+            height.to_string(),
+            "a height > 0 m above the base".to_owned(),
+        ));
+    }
+    Ok(TrafficClass {
+        vehicle,
+        share: row.share,
+        mass,
+        force_factor,
+        height,
+        tag: row.tag,
+        source: row.source,
+    })
+}
+
+/// A law and its provenance, for programs.
+impl Serialize for Input {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Row<'a> {
+            law: String,
+            tag: Option<Provenance>,
+            source: &'a str,
+        }
+        Row {
+            law: self.distribution.to_string(),
+            tag: self.tag,
+            source: &self.source,
+        }
+        .serialize(serializer)
+    }
+}

@@ -1,0 +1,122 @@
+//! The samples of a study, on all processors.
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+use rayon::ThreadPoolBuildError;
+
+use super::critical_speeds::CriticalSpeedSurface;
+use super::departure::{Departure, DepartureSampler};
+use super::evaluation::LimitState;
+use super::tally::{Basis, RiskSample, Tally};
+use crate::study::{Batch, BatchEnd};
+
+/// Which share of the predicted samples is computed, too, as a control of the predictions.
+pub const CONTROL_SHARE: f64 = 0.05;
+
+/// A study: vehicles that leave the road, and what decides how severe each of their impacts is.
+#[derive(Debug)]
+pub struct RiskStudy<'a, L> {
+    sampler: &'a DepartureSampler,
+    limit_state: &'a L,
+    /// Predictions of the severity; `None`: every response is computed.
+    predictions: Option<&'a CriticalSpeedSurface>,
+}
+
+impl<'a, L: LimitState> RiskStudy<'a, L> {
+    /// A study that computes the response of every sample.
+    #[must_use]
+    pub fn new(sampler: &'a DepartureSampler, limit_state: &'a L) -> Self {
+        Self {
+            sampler,
+            limit_state,
+            predictions: None,
+        }
+    }
+
+    /// The same study, which computes the response where these predictions are in doubt, and a control share of the others.
+    #[must_use]
+    pub fn with_predictions(self, predictions: &'a CriticalSpeedSurface) -> Self {
+        Self {
+            predictions: Some(predictions),
+            ..self
+        }
+    }
+
+    /// The sample of this number with its severity.
+    #[must_use]
+    pub fn sample(&self, index: u64) -> RiskSample {
+        let departure = self.sampler.departure(index);
+        RiskSample {
+            basis: self.basis(&departure),
+            departure,
+        }
+    }
+
+    fn basis(&self, departure: &Departure) -> Basis {
+        if !departure.reaches_column() {
+            return Basis::Stopped;
+        }
+        let predicted = self.predictions.and_then(|it| it.predict(departure));
+        if let Some(severity) = predicted
+            && departure.choice >= CONTROL_SHARE
+        {
+            return Basis::Predicted(severity);
+        }
+        match (predicted, self.limit_state.severity(departure)) {
+            // A control that cannot be computed says nothing about the prediction, and counts among the computed ones.
+            (_, None) => Basis::Undetermined,
+            (None, Some(severity)) => Basis::Computed(severity),
+            (Some(predicted), Some(computed)) => Basis::Control {
+                predicted,
+                computed,
+            },
+        }
+    }
+
+    /// Computes the samples of these numbers, counts them, and hands each to `sink`, in their order. After an interruption
+    /// the samples that were finished without a gap are counted.
+    ///
+    /// # Errors
+    /// The system gives no threads, or the first error of `sink`.
+    pub fn run<E: From<ThreadPoolBuildError>>(
+        &self,
+        batch: &Batch,
+        numbers: Range<u64>,
+        mut sink: impl FnMut(&RiskSample) -> Result<(), E>,
+    ) -> Result<(Tally, BatchEnd), E> {
+        let mut tally = Tally::new(self.sampler);
+        let count = numbers.end.saturating_sub(numbers.start);
+        let end = batch.run(
+            count,
+            |index| self.sample(numbers.start + index),
+            |samples| {
+                for sample in &samples {
+                    tally.add(sample);
+                    sink(sample)?;
+                }
+                Ok::<(), E>(())
+            },
+        )?;
+        Ok((tally, end))
+    }
+}
+
+/// A batch for this number of threads; `None`: as many as there are processors.
+#[must_use]
+pub(super) fn batch(threads: Option<NonZeroUsize>) -> Batch {
+    let mut batch = Batch::default();
+    batch.threads = threads;
+    batch
+}
+
+/// Why the samples of a study end early.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyRunError {
+    /// The system gives no threads.
+    #[error("cannot start the threads of the study: {0}")]
+    Threads(#[from] ThreadPoolBuildError),
+    /// The samples cannot be written.
+    #[error("cannot write the samples: {0}")]
+    Write(#[from] std::io::Error),
+}

@@ -1,0 +1,208 @@
+//! Counts of a study. They are whole numbers, so that they do not depend on the order of the samples.
+
+use super::departure::{Departure, DepartureSampler, INPUTS};
+use crate::assessment::Severity;
+
+/// Number of severities.
+pub(super) const LEVELS: usize = 5;
+/// Intervals of speed at the column in the fragility curves.
+pub(super) const SPEED_BINS: usize = 40;
+/// Intervals of equal probability of every input, for the sensitivities.
+pub(super) const INPUT_BINS: usize = 50;
+
+/// How the severity of a sample is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Basis {
+    /// No vehicle that reaches the column was found: there is no impact.
+    Stopped,
+    /// The response was computed.
+    Computed(Severity),
+    /// The response could not be computed; it counts as the most severe one.
+    Undetermined,
+    /// Predicted by the critical velocities of its class, far from each of them.
+    Predicted(Severity),
+    /// Predicted, and computed as a control of the predictions.
+    Control {
+        /// By the critical velocities.
+        predicted: Severity,
+        /// By the response.
+        computed: Severity,
+    },
+}
+
+/// A sample with its severity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RiskSample {
+    /// The vehicle.
+    pub departure: Departure,
+    /// The severity of its impact.
+    pub basis: Basis,
+}
+
+impl Basis {
+    /// The severity, by the response where it was computed; `None` without an impact.
+    #[must_use]
+    pub fn severity(self) -> Option<Severity> {
+        match self {
+            Self::Stopped => None,
+            Self::Computed(severity) | Self::Predicted(severity) => Some(severity),
+            Self::Undetermined => Some(Severity::Evacuate),
+            Self::Control { computed, .. } => Some(computed),
+        }
+    }
+}
+
+/// Counts of samples with something in common.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Cell {
+    pub stopped: u64,
+    /// Computed because they are no predictions, by severity.
+    pub computed: [u64; LEVELS],
+    /// Predicted, by severity as predicted; those computed as a control included.
+    pub predicted: [u64; LEVELS],
+    /// Of the predicted ones those computed as a control, by severity as predicted and as computed.
+    pub control: [[u64; LEVELS]; LEVELS],
+}
+
+impl Cell {
+    fn add(&mut self, basis: Basis) {
+        match basis {
+            Basis::Stopped => self.stopped += 1,
+            Basis::Computed(severity) => self.computed[severity as usize] += 1,
+            Basis::Undetermined => self.computed[Severity::Evacuate as usize] += 1,
+            Basis::Predicted(severity) => self.predicted[severity as usize] += 1,
+            Basis::Control {
+                predicted,
+                computed,
+            } => {
+                self.predicted[predicted as usize] += 1;
+                self.control[predicted as usize][computed as usize] += 1;
+            }
+        }
+    }
+
+    pub fn merge(&mut self, other: &Self) {
+        self.stopped += other.stopped;
+        for level in 0..LEVELS {
+            self.computed[level] += other.computed[level];
+            self.predicted[level] += other.predicted[level];
+            for computed in 0..LEVELS {
+                self.control[level][computed] += other.control[level][computed];
+            }
+        }
+    }
+
+    /// Samples with an impact.
+    pub fn impacts(&self) -> u64 {
+        self.computed.iter().sum::<u64>() + self.predicted.iter().sum::<u64>()
+    }
+
+    /// Samples, with and without an impact.
+    pub fn samples(&self) -> u64 {
+        self.stopped + self.impacts()
+    }
+
+    /// Samples computed as a control.
+    pub fn controls(&self) -> u64 {
+        self.control.iter().flatten().sum()
+    }
+
+    /// Controls whose prediction is wrong.
+    pub fn wrong_predictions(&self) -> u64 {
+        let right: u64 = (0..LEVELS).map(|level| self.control[level][level]).sum();
+        self.controls() - right
+    }
+}
+
+/// The counts of a study, from any number of its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tally {
+    /// Upper end of the fragility curves \[m/s\].
+    pub(super) greatest_speed: f64,
+    pub(super) undetermined: u64,
+    /// Points that were drawn for the samples.
+    pub(super) points: u64,
+    /// Bound of the probability of reaching the column, of which the accepted points are a share.
+    pub(super) reach_bound: f64,
+    /// By class, and by interval of the speed at the column; faster ones are in the last interval.
+    pub(super) by_speed: Vec<Vec<Cell>>,
+    /// Those that stop, by class.
+    pub(super) by_class: Vec<Cell>,
+    /// By input, and by interval of its level.
+    pub(super) by_input: Vec<Vec<Cell>>,
+}
+
+impl Tally {
+    /// No sample yet.
+    #[must_use]
+    pub fn new(sampler: &DepartureSampler) -> Self {
+        let classes = sampler.scenario().classes.len();
+        Self {
+            greatest_speed: sampler.greatest_speed(),
+            points: 0,
+            reach_bound: sampler.reach_bound(),
+            undetermined: 0,
+            by_speed: vec![vec![Cell::default(); SPEED_BINS]; classes],
+            by_class: vec![Cell::default(); classes],
+            by_input: vec![vec![Cell::default(); INPUT_BINS]; INPUTS],
+        }
+    }
+
+    /// Counts one more sample.
+    pub fn add(&mut self, sample: &RiskSample) {
+        let RiskSample { departure, basis } = sample;
+        self.undetermined += u64::from(*basis == Basis::Undetermined);
+        self.points += departure.points;
+        self.by_class[departure.class].add(*basis);
+        if *basis == Basis::Stopped {
+            return;
+        }
+        {
+            let bin = departure.velocity / self.greatest_speed * SPEED_BINS as f64;
+            self.by_speed[departure.class][(bin as usize).min(SPEED_BINS - 1)].add(*basis);
+        }
+        for (cells, level) in self.by_input.iter_mut().zip(departure.levels) {
+            let bin = (level * INPUT_BINS as f64) as usize;
+            cells[bin.min(INPUT_BINS - 1)].add(*basis);
+        }
+    }
+
+    /// Counts the samples of another part of the same study, too.
+    pub fn merge(&mut self, other: &Self) {
+        self.undetermined += other.undetermined;
+        self.points += other.points;
+        let pairs = self.by_class.iter_mut().zip(&other.by_class);
+        let by_speed = self
+            .by_speed
+            .iter_mut()
+            .flatten()
+            .zip(other.by_speed.iter().flatten());
+        let by_input = self
+            .by_input
+            .iter_mut()
+            .flatten()
+            .zip(other.by_input.iter().flatten());
+        for (own, others) in pairs.chain(by_speed).chain(by_input) {
+            own.merge(others);
+        }
+    }
+
+    /// All samples together.
+    pub(super) fn total(&self) -> Cell {
+        sum(self.by_class.iter())
+    }
+
+    /// Samples that were counted.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.total().samples()
+    }
+}
+
+/// Cells together.
+pub(super) fn sum<'a>(cells: impl Iterator<Item = &'a Cell>) -> Cell {
+    cells.fold(Cell::default(), |mut total, cell| {
+        total.merge(cell);
+        total
+    })
+}

@@ -1,0 +1,717 @@
+//! Tests of whole studies against closed forms and numerical integrals.
+
+use std::num::NonZeroUsize;
+
+use super::study::batch;
+use super::*;
+use crate::assessment::Severity;
+use crate::column::{Impact, Outcome};
+use crate::parameters::{Parameters, Provenance, Value};
+use crate::study::{BatchEnd, StudyColumn};
+
+/// A limit state with a known answer: the severity follows from a function of the departure.
+struct Known<F>(F);
+
+impl<F: Fn(&Departure) -> Severity + Sync> LimitState for Known<F> {
+    fn severity(&self, departure: &Departure) -> Option<Severity> {
+        Some((self.0)(departure))
+    }
+}
+
+fn scenario(name: &str, laws: &[&str]) -> Scenario {
+    let mut scenario = Scenario::shipped(name).unwrap();
+    for law in laws {
+        scenario.set("test", law).unwrap();
+    }
+    scenario
+}
+
+fn run<L: LimitState>(
+    study: &RiskStudy<'_, L>,
+    threads: usize,
+    samples: std::ops::Range<u64>,
+) -> Tally {
+    let batch = batch(NonZeroUsize::new(threads));
+    let (tally, end) = study
+        .run(&batch, samples, |_| Ok::<_, StudyRunError>(()))
+        .unwrap();
+    assert_eq!(end, BatchEnd::Complete);
+    tally
+}
+
+fn result(scenario: &Scenario, tally: &Tally, confidence: f64) -> RiskResult {
+    RiskResult::new(
+        scenario,
+        tally,
+        Exposure::new(scenario, 1000.0, 1.0),
+        confidence,
+    )
+}
+
+/// At a distance of 0 the speed at the column is that of the road, so that P(V > v) is known.
+fn lognormal_exceedance(scenario: &Scenario, speed: f64) -> f64 {
+    1.0 - scenario.speed.distribution.probability(speed * 3.6)
+}
+
+/// 90 % intervals hold the truth for about 90 % of the seeds: of 400, between 85 % and 95 % (3.3 standard errors of a binomial
+/// share on either side). So they do with predictions, where only a part of the responses is computed.
+#[test]
+fn intervals_have_their_coverage() {
+    let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
+    // The critical speed depends on the mass, too, so that the predictions have something to learn.
+    let severity =
+        |departure: &Departure| match departure.velocity * (departure.mass / 1500.0).sqrt() > 4.5 {
+            true => Severity::Evacuate,
+            false => Severity::None,
+        };
+    // By quadrature over the classes and over the levels of the mass.
+    let mut truth = 0.0;
+    for class in &scenario.classes {
+        let count = 2000;
+        for index in 0..count {
+            let mass = class
+                .mass
+                .distribution
+                .quantile((f64::from(index) + 0.5) / f64::from(count));
+            let critical = 4.5 / (mass / 1500.0).sqrt();
+            truth += class.share / f64::from(count) * lognormal_exceedance(&scenario, critical);
+        }
+    }
+    let known = Known(severity);
+    let interval = |tally: &Tally| result(&scenario, tally, 0.9).severities[3].given_departure;
+    let mut held = 0;
+    for seed in 0..400 {
+        let sampler = DepartureSampler::new(&scenario, seed);
+        let tally = run(&RiskStudy::new(&sampler, &known), 1, 0..1000);
+        held += u32::from(interval(&tally).contains(truth));
+    }
+    assert!(
+        (340..=380).contains(&held),
+        "{held} of 400 intervals hold {truth}"
+    );
+
+    let mut held = 0;
+    for seed in 0..60 {
+        let sampler = DepartureSampler::new(&scenario, seed);
+        let search = batch(None);
+        let surface = CriticalSpeedSurface::new(&sampler, seed, &known, 10_000_000, &search)
+            .unwrap()
+            .unwrap();
+        assert_eq!(surface.not_monotonic(), 0);
+        let tally = run(
+            &RiskStudy::new(&sampler, &known).with_predictions(&surface),
+            2,
+            0..5000,
+        );
+        let counts = result(&scenario, &tally, 0.9).counts;
+        assert!(counts.responses < counts.samples / 4, "{counts:?}");
+        held += u32::from(interval(&tally).contains(truth));
+    }
+    // The intervals of the control samples are on the safe side where no prediction is wrong.
+    assert!(held >= 50, "{held} of 60 intervals hold {truth}");
+}
+
+/// A limit state that misleads the predictions: inside a window of mass and yield strength that no smooth interpolation sees,
+/// it is exceeded at any speed. The controls find it, and the estimate stays unbiased.
+#[test]
+fn wrong_predictions_do_not_bias_the_result() {
+    let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
+    let window = |departure: &Departure| {
+        let [.., mass, _, yielding, _] = departure.levels;
+        (0.45..0.55).contains(&mass) && (0.4..0.6).contains(&yielding)
+    };
+    let known =
+        Known(
+            |departure: &Departure| match departure.velocity > 5.0 || window(departure) {
+                true => Severity::Prop,
+                false => Severity::None,
+            },
+        );
+    let fast = lognormal_exceedance(&scenario, 5.0);
+    let truth = fast + (1.0 - fast) * 0.1 * 0.2;
+    // The predictions were learnt without the window.
+    let learnt = Known(|departure: &Departure| match departure.velocity > 5.0 {
+        true => Severity::Prop,
+        false => Severity::None,
+    });
+    let (mut sum, mut held, seeds) = (0.0, 0, 40);
+    for seed in 0..seeds {
+        let sampler = DepartureSampler::new(&scenario, seed);
+        let surface = CriticalSpeedSurface::new(&sampler, seed, &learnt, 10_000_000, &batch(None))
+            .unwrap()
+            .unwrap();
+        let study = RiskStudy::new(&sampler, &known).with_predictions(&surface);
+        let tally = run(&study, 2, 0..10_000);
+        let found = result(&scenario, &tally, 0.95);
+        assert!(found.counts.wrong_predictions > 0);
+        sum += found.severities[2].given_departure.value;
+        held += i32::from(found.severities[2].given_departure.contains(truth));
+    }
+    let mean = sum / f64::from(seeds as u32);
+    // Standard deviation of one estimate: about 0.0088 (200 controls per thousand-fold weight); of the mean of 40, 0.0011.
+    assert!((mean - truth).abs() < 0.005, "{mean} instead of {truth}");
+    assert!(held >= 34, "{held} of {seeds}");
+}
+
+/// A column that stays elastic, hit by a rigid mass: `max v1 = v+ sqrt((m + m_e) / k)` with `v+ = m V / (m + m_e)`,
+/// `m_e = m_l (L_a + L_b) / 3` and `k = 3 E I (L_a + L_b)^3 / (L_a L_b)^3` of the beam that is built in at both ends. A
+/// limit on the displacement is a limit on the speed, whose exceedance is that of the lognormal law.
+struct ElasticColumn {
+    column: StudyColumn,
+    mass: f64,
+    limit: f64,
+}
+
+impl LimitState for ElasticColumn {
+    fn severity(&self, departure: &Departure) -> Option<Severity> {
+        let impact = Impact::rigid(self.mass, departure.velocity);
+        let found = self.column.screen(&impact).ok()?;
+        assert_eq!(found.outcome, Outcome::Elastic);
+        Some(match found.max_v1 > self.limit {
+            true => Severity::Inspect,
+            false => Severity::None,
+        })
+    }
+}
+
+#[test]
+fn the_probability_of_a_displacement_of_an_elastic_column_is_in_its_interval() {
+    let (below, above, mass, limit) = (1.0, 3.0, 1500.0, 2e-3);
+    let parameters = Parameters::from_values([
+        ("resistance.moment", Value::Double(1e9)),
+        ("resistance.axial", Value::Double(1e10)),
+        ("top.load", Value::Double(0.0)),
+        ("response.duration", Value::Double(0.1)),
+    ])
+    .unwrap();
+    let properties = parameters.column_properties();
+    let total: f64 = below + above;
+    let stiffness = 3.0 * properties.bending_stiffness * total.powi(3) / (below * above).powi(3);
+    let effective = mass + properties.mass_per_length * total / 3.0;
+    let critical = limit * (effective / mass) * (stiffness / effective).sqrt();
+    let scenario = scenario(
+        "parking_garage",
+        &["distance_m=fixed:0", "speed_km_h=lognormal:1.6:0.8"],
+    );
+    let truth = lognormal_exceedance(&scenario, critical);
+    assert!((0.1..0.9).contains(&truth), "{truth}");
+    let column = ElasticColumn {
+        column: StudyColumn::virgin(&parameters).unwrap(),
+        mass,
+        limit,
+    };
+    // The displacement at the critical speed first: the deviation of the mechanics must not eat up the interval.
+    let at = column
+        .column
+        .screen(&Impact::rigid(mass, critical))
+        .unwrap();
+    assert!((at.max_v1 / limit - 1.0).abs() < 2e-3, "{}", at.max_v1);
+    for seed in [1, 2, 3] {
+        let sampler = DepartureSampler::new(&scenario, seed);
+        let tally = run(&RiskStudy::new(&sampler, &column), 2, 0..400);
+        let found = result(&scenario, &tally, 0.99).severities[0].given_departure;
+        assert!(found.contains(truth), "{found:?} does not hold {truth}");
+        assert!(found.high - found.low < 0.15);
+    }
+}
+
+/// The rate of exceedance of a static force, `n T lambda dx P[sqrt(m k (v0^2 - 2 a r)) > X]`, of the JCSS Probabilistic Model
+/// Code, against an integral over speed, angle and deceleration by the midpoint rule.
+#[test]
+fn the_rate_of_exceedance_is_the_integral() {
+    let scenario = scenario("urban", &["distance_m=fixed:5"]);
+    let (stiffness, force) = (300e3, 150e3);
+    let exceeds =
+        |mass: f64, square: f64| square > 0.0 && (mass * stiffness * square).sqrt() > force;
+    let middle = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
+    let (angles, decelerations, masses) = (150, 60, 60);
+    let mut integral = 0.0;
+    for class in &scenario.classes {
+        for angle in 0..angles {
+            let angle = scenario
+                .angle
+                .distribution
+                .quantile(middle(angle, angles))
+                .to_radians();
+            let path = 5.0 / angle.sin();
+            for deceleration in 0..decelerations {
+                let deceleration = scenario
+                    .deceleration
+                    .distribution
+                    .quantile(middle(deceleration, decelerations));
+                for mass in 0..masses {
+                    let mass = class.mass.distribution.quantile(middle(mass, masses));
+                    // The integral over the speed is closed.
+                    let least =
+                        (force * force / (mass * stiffness) + 2.0 * deceleration * path).sqrt();
+                    let weight = class.share / f64::from(angles * decelerations * masses);
+                    integral += weight * lognormal_exceedance(&scenario, least);
+                }
+            }
+        }
+    }
+    let known =
+        Known(
+            |departure: &Departure| match exceeds(departure.mass, departure.velocity.powi(2)) {
+                true => Severity::Evacuate,
+                false => Severity::None,
+            },
+        );
+    let sampler = DepartureSampler::new(&scenario, 5);
+    let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..200_000);
+    let exposure = Exposure::new(&scenario, 20_000.0, 50.0);
+    let found = RiskResult::new(&scenario, &tally, exposure, 0.99);
+    // n T lambda dx with b = 2.5 m and a mean angle of 10 degrees.
+    let departures = 20_000.0 * 365.25 * 50.0 * 1e-10 * 2.5 / 10_f64.to_radians().sin();
+    assert!((found.departures / departures - 1.0).abs() < 1e-12);
+    let rate = departures * integral;
+    let interval = found.severities[3].given_departure.times(departures);
+    assert!(interval.contains(rate), "{interval:?} does not hold {rate}");
+    assert!((interval.high - interval.low) < 0.15 * rate, "{interval:?}");
+    let years = found.severities[3].return_period_years;
+    assert!((years[0].unwrap() * interval.value / 50.0 - 1.0).abs() < 1e-12);
+    assert!(years[1].unwrap() < years[0].unwrap() && years[0].unwrap() < years[2].unwrap());
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_threads_nor_on_the_parts() {
+    let scenario = scenario("courtyard", &["distance_m=uniform:1:6"]);
+    let column = RiskColumn::new(&Parameters::default(), &scenario).unwrap();
+    let sampler = DepartureSampler::new(&scenario, 11);
+    let study = RiskStudy::new(&sampler, &column);
+    let whole = run(&study, 1, 0..120);
+    assert!(whole.total().impacts() > 10);
+    for threads in [2, 3] {
+        assert_eq!(run(&study, threads, 0..120), whole);
+    }
+    let mut parts = run(&study, 2, 0..37);
+    parts.merge(&run(&study, 1, 37..120));
+    assert_eq!(parts, whole);
+    // An interrupted study is the study of its first samples.
+    let batch = batch(NonZeroUsize::new(2));
+    batch.interrupt();
+    let (none, end) = study
+        .run(&batch, 0..120, |_| Ok::<_, StudyRunError>(()))
+        .unwrap();
+    assert_eq!((end, none.samples()), (BatchEnd::Interrupted(0), 0));
+    let nothing = result(&scenario, &none, 0.95).severities[0].given_departure;
+    assert_eq!((nothing.low, nothing.high), (0.0, sampler.reach_bound()));
+}
+
+#[test]
+fn a_study_without_scatter_is_the_simulation() {
+    let mut scenario = scenario(
+        "parking_garage",
+        &[
+            "distance_m=fixed:0",
+            "speed_km_h=fixed:36",
+            "yield_strength_factor=fixed:1",
+            "top_load_factor=fixed:1",
+        ],
+    );
+    scenario.classes.truncate(2);
+    for class in &mut scenario.classes {
+        class.share = f64::from(class.vehicle == "mid_car");
+        class.mass.distribution = Distribution::fixed(1719.0).unwrap();
+        class.force_factor.distribution = Distribution::fixed(1.0).unwrap();
+        class.height = None;
+    }
+    let parameters = Parameters::default();
+    let column = RiskColumn::new(&parameters, &scenario).unwrap();
+    let departure = DepartureSampler::new(&scenario, 3).departure(8);
+    let direct = StudyColumn::virgin(&parameters).unwrap();
+    let impact = direct.impact(Some("mid_car"), None, 10.0).unwrap();
+    assert_eq!(
+        column.screen(&departure).unwrap(),
+        direct.screen(&impact).unwrap()
+    );
+    // A fixed factor other than 1 changes the column.
+    scenario
+        .set("test", "yield_strength_factor=fixed:0.5")
+        .unwrap();
+    scenario.set("test", "top_load_factor=fixed:0.25").unwrap();
+    let column = RiskColumn::new(&parameters, &scenario).unwrap();
+    let departure = DepartureSampler::new(&scenario, 3).departure(8);
+    let (sample, _) = column.sample(&departure).unwrap();
+    assert_eq!(sample.parameters().steel().yield_strength, 0.5 * 355e6);
+    assert_eq!(
+        sample.parameters().settings().top.load,
+        0.25 * parameters.settings().top.load
+    );
+}
+
+#[test]
+fn a_vehicle_that_brakes_long_enough_stops() {
+    let laws = [
+        "speed_km_h=fixed:36",
+        "angle_deg=fixed:30",
+        "deceleration_m_s2=fixed:4",
+        "distance_m=fixed:3",
+    ];
+    let scenario = scenario("parking_garage", &laws);
+    // v^2 = 100 - 2 * 4 * 6 = 52.
+    let sampler = DepartureSampler::new(&scenario, 1);
+    let departure = sampler.departure(0);
+    assert!((departure.velocity - 52_f64.sqrt()).abs() < 1e-12);
+    assert!((sampler.reach_bound() - 1.0).abs() < 1e-12);
+    let mut farther = scenario;
+    farther.set("test", "distance_m=fixed:6.3").unwrap();
+    let sampler = DepartureSampler::new(&farther, 1);
+    assert!(!sampler.departure(0).reaches_column());
+    assert_eq!(sampler.reach_bound(), 0.0);
+    // The result of a column that cannot be hit is a probability of 0.
+    let known = Known(|_: &Departure| Severity::Evacuate);
+    let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..100);
+    let found = result(&farther, &tally, 0.95);
+    assert_eq!(found.impact.high, 0.0);
+    assert_eq!(found.severities[3].in_period.high, 0.0);
+}
+
+/// The vehicles that reach the column have the same law as those that a search among all departures finds, and their share
+/// is the same: in a common case, where the search finds enough of them, and with distances that scatter.
+#[test]
+fn those_that_reach_the_column_are_those_of_all_departures() {
+    for distance in ["distance_m=fixed:0.7", "distance_m=uniform:0.2:1.2"] {
+        let scenario = scenario("urban", &[distance]);
+        let sampler = DepartureSampler::new(&scenario, 9);
+        let (mut mean, mut square, mut points) = ([0.0; 5], [0.0; 5], 0);
+        let count = 40_000;
+        for index in 0..count {
+            let it = sampler.departure(index);
+            points += it.points;
+            let found = [
+                it.velocity,
+                it.angle,
+                it.deceleration,
+                it.distance,
+                it.speed,
+            ];
+            for (input, x) in found.into_iter().enumerate() {
+                mean[input] += x / count as f64;
+                square[input] += x * x / count as f64;
+            }
+        }
+        let share = sampler.reach_bound() * count as f64 / points as f64;
+        assert!(points < 3 * count, "{points} points");
+        // A plain search over sequences of Weyl, which have nothing in common with the sampler.
+        let generators = [2_f64, 3.0, 5.0, 7.0].map(|it| it.sqrt().fract());
+        let (all, mut reached, mut expected) = (1_000_000_u32, 0.0, [0.0; 5]);
+        for point in 1..=all {
+            let [speed, angle, deceleration, distance] =
+                generators.map(|it| (f64::from(point) * it).fract());
+            let speed = scenario.speed.distribution.quantile(speed) / 3.6;
+            let angle = scenario.angle.distribution.quantile(angle).to_radians();
+            let deceleration = scenario.deceleration.distribution.quantile(deceleration);
+            let distance = scenario.distance.distribution.quantile(distance);
+            let square = speed * speed - 2.0 * deceleration * distance / angle.sin();
+            if square > LEAST_SPEED * LEAST_SPEED {
+                reached += 1.0;
+                for (sum, x) in
+                    expected
+                        .iter_mut()
+                        .zip([square.sqrt(), angle, deceleration, distance, speed])
+                {
+                    *sum += x;
+                }
+            }
+        }
+        let plain = reached / f64::from(all);
+        assert!(
+            (share / plain - 1.0).abs() < 0.02,
+            "{distance}: {share} {plain}"
+        );
+        for input in 0..5 {
+            let expected = expected[input] / reached;
+            let error =
+                ((square[input] - mean[input] * mean[input]).max(0.0) / count as f64).sqrt();
+            assert!(
+                (mean[input] - expected).abs() < 4.0 * error + 1e-3 * expected,
+                "{distance}: {input}: {} {expected}",
+                mean[input]
+            );
+        }
+    }
+}
+
+/// A column in a car park at 3 m, which two of a thousand departing vehicles reach: the probability is that of a quadrature.
+#[test]
+fn rare_impacts_have_the_probability_of_a_quadrature() {
+    let scenario = scenario("parking_garage", &["distance_m=fixed:3"]);
+    // P(angle > asin(2 a d / v^2)) over speed and deceleration, in their tails, too.
+    let count = 1200;
+    let deviations = |index: u32| 16.0 * (f64::from(index) + 0.5) / f64::from(count) - 8.0;
+    let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let lognormal = |mean: f64, deviation: f64, z: f64| {
+        let variance = (deviation / mean).powi(2).ln_1p();
+        (mean.ln() - 0.5 * variance + variance.sqrt() * z).exp()
+    };
+    let scale = 10.0 / std::f64::consts::FRAC_PI_2.sqrt();
+    let mut truth = 0.0;
+    for i in 0..count {
+        let speed = lognormal(10.0, 5.0, deviations(i)) / 3.6;
+        for j in 0..count {
+            let sine = 2.0 * lognormal(4.0, 1.3, deviations(j)) * 3.0 / (speed * speed);
+            if sine < 1.0 {
+                let angle = sine.asin().to_degrees();
+                let weight = density(deviations(i)) * density(deviations(j));
+                truth += weight
+                    * (16.0 / f64::from(count)).powi(2)
+                    * (-0.5 * (angle / scale).powi(2)).exp();
+            }
+        }
+    }
+    assert!(truth < 5e-3, "{truth}");
+    let sampler = DepartureSampler::new(&scenario, 4);
+    let known = Known(|_: &Departure| Severity::Inspect);
+    let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..20_000);
+    let found = result(&scenario, &tally, 0.99);
+    assert!(
+        found.impact.contains(truth),
+        "{:?} does not hold {truth}",
+        found.impact
+    );
+    assert!(found.impact.high / found.impact.low - 1.0 < 0.05);
+    assert_eq!(found.counts.impacts, 20_000);
+}
+
+/// Which input matters is known of limit states that depend on one or two of them.
+#[test]
+fn the_input_that_decides_has_all_of_the_variance() {
+    let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
+    let sampler = DepartureSampler::new(&scenario, 2);
+    let heavy = Known(|departure: &Departure| match departure.levels[5] > 0.7 {
+        true => Severity::Prop,
+        false => Severity::None,
+    });
+    let tally = run(&RiskStudy::new(&sampler, &heavy), 2, 0..20_000);
+    let found = &result(&scenario, &tally, 0.95).sensitivity[2];
+    assert_eq!(
+        (found.inputs[0].input, found.variance[0].input),
+        ("mass", "mass")
+    );
+    assert!(found.variance[0].first_order > 0.99, "{:?}", found.variance);
+    let (low, high) = (found.inputs[0].low, found.inputs[0].high);
+    // At a distance of 0 every vehicle reaches the column.
+    assert!(
+        low.value == 0.0 && low.high > 0.0 && low.high < 0.01 && high.contains(1.0),
+        "{low:?} {high:?}"
+    );
+    for other in &found.variance[1..] {
+        assert!(other.first_order < 4.0 * other.error + 1e-3, "{other:?}");
+    }
+    // The event that both of two levels exceed 1/2: P = 1/4, V(E[Y|X]) = 1/16, V(Y) = 3/16, so 1/3 each and 1/3 together.
+    let both =
+        Known(
+            |departure: &Departure| match departure.levels[5].min(departure.levels[6]) > 0.5 {
+                true => Severity::Prop,
+                false => Severity::None,
+            },
+        );
+    let tally = run(&RiskStudy::new(&sampler, &both), 2, 0..40_000);
+    let found = &result(&scenario, &tally, 0.95).sensitivity[2];
+    for input in &found.variance[..2] {
+        assert!(
+            (input.first_order - 1.0 / 3.0).abs() < 4.0 * input.error,
+            "{input:?}"
+        );
+        assert!(input.error < 0.01);
+    }
+    assert!((found.interactions - 1.0 / 3.0).abs() < 0.02);
+    // The highest tenth of the mass: the other one exceeds 1/2 with an even chance.
+    assert!(found.inputs[0].high.contains(0.5), "{:?}", found.inputs[0]);
+}
+
+#[test]
+fn every_shipped_scenario_is_complete_and_has_its_sources() {
+    let names: Vec<_> = scenario_names().collect();
+    assert_eq!(names, ["motorway", "urban", "courtyard", "parking_garage"]);
+    for name in names {
+        let scenario = Scenario::shipped(name).unwrap();
+        let of_classes = scenario
+            .classes
+            .iter()
+            .flat_map(|it| [&it.mass, &it.force_factor]);
+        for input in scenario.laws().map(|(_, input)| input).chain(of_classes) {
+            let tag = input.tag.unwrap_or_else(|| panic!("{name}: {input:?}"));
+            assert!(input.source.len() > 5, "{name}: {input:?}");
+            if tag == Provenance::Read {
+                assert!(input.source.contains("JCSS"), "{name}: {input:?}");
+            }
+        }
+        RiskColumn::new(&Parameters::default(), &scenario).unwrap();
+    }
+    // The values of the JCSS Probabilistic Model Code, 2.18.
+    for (name, mean) in [
+        ("motorway", 80.0),
+        ("urban", 40.0),
+        ("courtyard", 15.0),
+        ("parking_garage", 10.0),
+    ] {
+        let scenario = Scenario::shipped(name).unwrap();
+        assert!(
+            (scenario.speed.distribution.mean() - mean).abs() < 1e-3 * mean,
+            "{name}"
+        );
+        assert!((scenario.angle.distribution.mean() - 10.0).abs() < 1e-9);
+        assert!((scenario.deceleration.distribution.mean() - 4.0).abs() < 1e-9);
+        assert_eq!(scenario.accident_rate.distribution.mean(), 1e-10);
+    }
+}
+
+/// The shares of the classes are those of the laws of the masses of cars and of lorries, so that all classes together have
+/// the law as it stands in the source, cut at the outermost limits.
+#[test]
+fn the_classes_together_have_the_law_of_the_source() {
+    let no_limits = [f64::NEG_INFINITY, f64::INFINITY];
+    let cars = Distribution::normal(1500.0, 400.0, no_limits).unwrap();
+    let lorries = Distribution::normal(20e3, 12e3, no_limits).unwrap();
+    for name in scenario_names() {
+        let scenario = Scenario::shipped(name).unwrap();
+        for law in [cars, lorries] {
+            let heavy = law == lorries;
+            let group: Vec<_> = scenario
+                .classes
+                .iter()
+                .filter(|it| (it.mass.distribution.limits()[0] > 3200.0) == heavy)
+                .collect();
+            let total: f64 = group.iter().map(|it| it.share).sum();
+            let limits: Vec<[f64; 2]> = group
+                .iter()
+                .map(|it| it.mass.distribution.limits())
+                .collect();
+            let Some(([first, _], [_, last])) = limits.first().zip(limits.last()) else {
+                assert!(heavy && name == "parking_garage");
+                continue;
+            };
+            let whole = law.probability(*last) - law.probability(*first);
+            for (class, [lower, upper]) in group.iter().zip(&limits) {
+                let share = (law.probability(*upper) - law.probability(*lower)) / whole;
+                assert!(
+                    (class.share - total * share).abs() < 2e-6,
+                    "{name}: {}",
+                    class.vehicle
+                );
+            }
+            assert!(limits.windows(2).all(|pair| pair[0][1] == pair[1][0]));
+        }
+    }
+}
+
+#[test]
+fn a_users_file_replaces_whole_entries() {
+    let text = r#"{"scenarios": [{"name": "hall", "based_on": "parking_garage",
+        "speed_km_h": {"law": "normal", "mean": 8, "sd": 3},
+        "classes": [{"vehicle": "forklift", "share": 1, "mass_kg": {"law": "fixed", "value": 6000}}]}]}"#;
+    let error = Scenario::from_json("hall.json", text, "hall").unwrap_err();
+    assert_eq!(error.entry, "scenarios.hall.speed_km_h", "{error}");
+    let text = text.replace("\"sd\": 3", "\"sd\": 3, \"min\": 0");
+    let hall = Scenario::from_json("hall.json", &text, "hall").unwrap();
+    assert_eq!(hall.speed.tag, None);
+    assert_eq!(hall.classes.len(), 1);
+    assert_eq!(hall.classes[0].height, Some(0.75));
+    assert_eq!(
+        hall.deceleration,
+        Scenario::shipped("parking_garage").unwrap().deceleration
+    );
+    // A shipped scenario that the file does not have.
+    assert!(Scenario::from_json("hall.json", &text, "urban").is_ok());
+    let unknown = Scenario::from_json("hall.json", &text, "hal")
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        unknown,
+        "hall.json: scenarios: found no scenario named hal; expected one of hall, motorway, urban, courtyard, parking_garage"
+    );
+}
+
+#[test]
+fn wrong_entries_are_named_with_what_is_expected() {
+    let scenario = |entry: &str| {
+        format!(r#"{{"scenarios": [{{"name": "x", "based_on": "urban", {entry}}}]}}"#)
+    };
+    for (entry, expected) in [
+        (
+            r#""speed_km_h": {"law": "lognormal", "mean": 10, "sd": -5}"#,
+            "f.json: scenarios.x.speed_km_h.sd: found -5; expected a finite number > 0",
+        ),
+        (
+            r#""speed_km_h": {"law": "normal", "mean": 10, "sd": 5, "min": 50, "max": 20}"#,
+            "f.json: scenarios.x.speed_km_h.min: found 50 with max 20; expected a lower limit (min) less than the upper limit (max)",
+        ),
+        (
+            r#""speed_km_h": {"law": "normal", "mean": 10, "sd": 5, "min": -10, "max": 20}"#,
+            "f.json: scenarios.x.speed_km_h: found normal, mean 10, sd 5, from -10 to 20; expected values from 0 to 216 km/h; cut the law with min and max",
+        ),
+        (
+            r#""angle_deg": {"law": "rayleigh", "mean": 10, "sd": 10, "max": 90}"#,
+            "f.json: scenarios.x.angle_deg.sd: found 10; expected nothing: the law rayleigh has no such number",
+        ),
+        (
+            r#""distance_m": {"law": "fixed"}"#,
+            "f.json: scenarios.x.distance_m.value: found nothing; expected a number, as the law fixed needs it",
+        ),
+        (
+            r#""distance_m": {"law": "gumbel", "mean": 2}"#,
+            "f.json: scenarios.x.distance_m.law: found gumbel; expected fixed, normal, lognormal, rayleigh or uniform",
+        ),
+        (
+            r#""accident_rate_per_m": {"law": "uniform", "min": 0, "max": 1e-9}"#,
+            "f.json: scenarios.x.accident_rate_per_m: found uniform, from 0 to 0.000000001; expected one value: law fixed",
+        ),
+        (
+            r#""classes": []"#,
+            "f.json: scenarios.x.classes: found 0 classes; expected 1 to 16",
+        ),
+        (
+            r#""classes": [{"vehicle": "mid_car", "share": 0.5, "mass_kg": {"law": "fixed", "value": 1500}}]"#,
+            "f.json: scenarios.x.classes: found shares that add up to 0.500000; expected shares that add up to 1; correct the shares",
+        ),
+        (
+            r#""classes": [{"vehicle": "mid_car", "share": -1, "mass_kg": {"law": "fixed", "value": 1500}}]"#,
+            "f.json: scenarios.x.classes[0].share: found -1; expected a share from 0 to 1",
+        ),
+        (
+            r#""classes": [{"vehicle": "lorry_8t", "share": 1, "mass_kg": {"law": "fixed", "value": 5000}}]"#,
+            "f.json: scenarios.x.classes[0].mass_kg: found masses from 5000 kg; expected more than 5500 kg, which the front masses of lorry_8t have; give a larger min",
+        ),
+    ] {
+        let fault = Scenario::from_json("f.json", &scenario(entry), "x").unwrap_err();
+        assert_eq!(fault.to_string(), expected);
+    }
+    let unknown = Scenario::from_json("f.json", &scenario(r#""sped": 1"#), "x").unwrap_err();
+    assert!(
+        unknown
+            .to_string()
+            .starts_with("f.json: scenarios.x.sped: found an unknown entry; expected one of name,")
+    );
+    let broken = Scenario::from_json("f.json", "{", "x")
+        .unwrap_err()
+        .to_string();
+    assert!(broken.contains("line 1"), "{broken}");
+    let mut urban = Scenario::shipped("urban").unwrap();
+    for (law, expected) in [
+        (
+            "speed_km_h=lognormal:12:-5",
+            "--law: speed_km_h.sd: found -5; expected a finite number > 0",
+        ),
+        (
+            "speed=fixed:1",
+            "--law: the name: found speed; expected one of speed_km_h,",
+        ),
+        (
+            "speed_km_h",
+            "--law: the law: found speed_km_h; expected name=law:numbers",
+        ),
+        (
+            "speed_km_h=lognormal:12",
+            "--law: speed_km_h: found lognormal:12; expected normal:MEAN:SD or lognormal:MEAN:SD",
+        ),
+        (
+            "speed_km_h=fixed:x",
+            "--law: speed_km_h: found fixed:x; expected numbers after the law",
+        ),
+    ] {
+        let fault = urban.set("--law", law).unwrap_err().to_string();
+        assert!(fault.starts_with(expected), "{fault}");
+    }
+}
