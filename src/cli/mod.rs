@@ -16,6 +16,7 @@ mod impact;
 mod impact_args;
 #[cfg(feature = "record")]
 mod info;
+mod interruption;
 #[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
 mod keystore;
 mod map;
@@ -77,10 +78,10 @@ enum CliCommand {
     Simulate(SimulateArgs),
     /// Compute the axial capacity of the column, virgin and damaged, and assess what is left
     Capacity(CapacityArgs),
-    /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
-    Risk(risk::RiskArgs),
     /// Map what impacts do over two quantities, such as mass and velocity: severity, displacement, capacity
     Map(map::MapArgs),
+    /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
+    Risk(risk::RiskArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -152,8 +153,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Demo(arguments) => demo::run(arguments, &mut shown()),
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
-        CliCommand::Risk(arguments) => risk::run(arguments, &mut io::stdout().lock()),
         CliCommand::Map(arguments) => map::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Risk(arguments) => risk::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),

@@ -1,6 +1,6 @@
 //! The figures of a damage map: the classes over its plane, and the boundaries of several columns in comparison.
 
-use plotters::element::{PathElement, Rectangle};
+use plotters::element::{PathElement, Polygon, Rectangle};
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, RGBColor, WHITE};
 
@@ -16,7 +16,7 @@ use crate::study::{DamageMap, MapAxis, MapGrid, Quantity, RefinedMap, SEVERITIES
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
 /// Most iso-lines of a figure.
-const MAX_LEVELS: usize = 7;
+const MAX_LEVELS: usize = 5;
 /// Height and least distance of the labels on lines.
 const LABEL: i32 = 88;
 
@@ -230,47 +230,53 @@ impl MapFigures<'_> {
             true => (BOUNDARY_POINTS / grid.rows().len()).clamp(1, 24),
             false => 1,
         };
+        let mut areas = Areas::default();
+        let mut islands = Vec::new();
         for row in 0..grid.rows().len() {
             let (left, right) = (row_edges[row], row_edges[row + 1]);
             for part in 0..parts {
                 let at = |part: usize| left + (right - left) * part as f64 / parts as f64;
                 let strip = (at(part), at(part + 1));
                 let middle = 0.5 * (strip.0 + strip.1) / rows.per_si;
-                let mut below: Option<Severity> = None;
+                let exact = |class: Severity, column: usize| {
+                    let value = self.refined?.value_at(self.map, variant, class, middle)?;
+                    let (low, high) = (
+                        columns.at(grid.columns()[column - 1]),
+                        columns.at(grid.columns()[column]),
+                    );
+                    // Within a row of cells, a boundary may run from one cell to the next.
+                    let room = 1.5 * (high - low);
+                    let value = columns.of_si(value);
+                    (low - room..high + room).contains(&value).then_some(value)
+                };
+                let mut begins = [None; SEVERITIES.len()];
+                let mut highest = Severity::None;
                 for column in 0..grid.columns().len() {
                     let found = grid.cell(variant, row, column).map(|cell| cell.severity);
                     let edge = column_edges[column];
-                    match (below, found) {
-                        _ if column == 0 => picture.fill(strip, edge, found)?,
-                        (Some(one), Some(other)) if other > one => {
-                            // Several classes may begin between two cells.
-                            let (low, high) = (
-                                columns.at(grid.columns()[column - 1]),
-                                columns.at(grid.columns()[column]),
-                            );
-                            for class in SEVERITIES
-                                .into_iter()
-                                .filter(|it| *it > one && *it <= other)
-                            {
-                                let exact = self
-                                    .refined
-                                    .and_then(|it| it.value_at(self.map, variant, class, middle))
-                                    .map(|value| columns.of_si(value));
-                                // A boundary runs from one cell to another within a row of cells.
-                                let room = 1.5 * (high - low);
-                                let exact =
-                                    exact.filter(|it| (low - room..high + room).contains(it));
-                                picture.fill(strip, exact.unwrap_or(edge), Some(class))?;
-                            }
+                    for (class, begin) in SEVERITIES.into_iter().zip(&mut begins) {
+                        if begin.is_none() && found.is_some_and(|found| found >= class) {
+                            let exact = if column == 0 {
+                                None
+                            } else {
+                                exact(class, column)
+                            };
+                            *begin = Some(exact.unwrap_or(edge));
                         }
-                        (one, other) if one != other => picture.fill(strip, edge, found)?,
-                        _ => {}
                     }
-                    below = found;
+                    highest = highest.max(found.unwrap_or(highest));
+                    // A class that is left again, and cells that were not computed.
+                    if found != Some(highest) {
+                        islands.push((strip, (edge, column_edges[column + 1]), found));
+                    }
                 }
+                areas.push(strip, begins);
             }
         }
-        Ok(())
+        areas.fill(picture)?;
+        islands
+            .into_iter()
+            .try_for_each(|(strip, range, found)| picture.patch(strip, range, found))
     }
 
     /// Fills the areas between the boundaries, where there are no cells.
@@ -283,28 +289,22 @@ impl MapFigures<'_> {
             Some(_) => BOUNDARY_POINTS,
             None => rows.axis.len() as usize,
         };
+        let mut areas = Areas::default();
         for strip in 0..count {
             let at = |part: usize| {
                 picture.x.from + (picture.x.to - picture.x.from) * part as f64 / count as f64
             };
             let (left, right) = (at(strip), at(strip + 1));
             let middle = 0.5 * (left + right) / rows.per_si;
-            let value = |severity| self.boundary_at(refined, variant, severity, strip, middle);
-            let lowest = SEVERITIES
-                .into_iter()
-                .rfind(|severity| refined.always_at(self.map, variant, *severity, middle));
-            picture.fill(
-                (left, right),
-                picture.y.from,
-                Some(lowest.unwrap_or(Severity::None)),
-            )?;
-            for severity in SEVERITIES {
-                if let Some(value) = value(severity) {
-                    picture.fill((left, right), columns.of_si(value), Some(severity))?;
-                }
-            }
+            let begins = SEVERITIES.map(|severity| {
+                let value = self.boundary_at(refined, variant, severity, strip, middle);
+                let value = value.map(|value| columns.of_si(value));
+                let is_everywhere = refined.always_at(self.map, variant, severity, middle);
+                value.or(is_everywhere.then_some(picture.y.from))
+            });
+            areas.push((left, right), begins);
         }
-        Ok(())
+        areas.fill(picture)
     }
 
     /// A boundary at a value of the axis of the rows, or in a row that has a name.
@@ -396,7 +396,9 @@ impl MapFigures<'_> {
         levels
             .into_iter()
             .map(|level| {
-                let lines = iso_lines(height, width, level, residual);
+                let mut lines = iso_lines(height, width, level, residual);
+                // Next to a collapse, a line falls to pieces between cells that stand and others that do not.
+                lines.retain(|line| line.len() > 5);
                 let lines = lines
                     .into_iter()
                     .map(|line| line.into_iter().map(place).collect());
@@ -487,6 +489,36 @@ fn file_name(label: &str) -> String {
         .collect()
 }
 
+/// Where each class begins, strip by strip: the area of a class reaches from there to the upper edge, and the next class is painted over
+/// it, so that no seams show.
+#[derive(Default)]
+struct Areas {
+    strips: Vec<Strip>,
+}
+
+/// A strip from left to right, and where the classes begin in it.
+type Strip = ((f64, f64), [Option<f64>; SEVERITIES.len()]);
+
+impl Areas {
+    fn push(&mut self, strip: (f64, f64), begins: [Option<f64>; SEVERITIES.len()]) {
+        self.strips.push((strip, begins));
+    }
+
+    fn fill(&self, picture: &Picture<'_, '_, '_>) -> Drawn<()> {
+        picture.background(Severity::None)?;
+        for (class, severity) in SEVERITIES.into_iter().enumerate() {
+            for strips in self.strips.split(|(_, begins)| begins[class].is_none()) {
+                let line = strips.iter().flat_map(|((left, right), begins)| {
+                    let begin = begins[class].unwrap_or(f64::NAN);
+                    [(*left, begin), (*right, begin)]
+                });
+                picture.above(&line.collect::<Vec<_>>(), severity)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A plot on the page.
 struct Picture<'p, 'a, 'b> {
     page: &'p Area<'a>,
@@ -496,21 +528,37 @@ struct Picture<'p, 'a, 'b> {
 }
 
 impl Picture<'_, '_, '_> {
-    /// Fills a strip from `bottom` to the upper edge of the plot; what lies above is painted over it.
-    fn fill(&self, strip: (f64, f64), bottom: f64, severity: Option<Severity>) -> Drawn<()> {
-        let bottom = bottom.clamp(self.y.from, self.y.to);
-        let (left, low) = self.plot.backend_coord(&(strip.0, bottom));
-        let (right, high) = self.plot.backend_coord(&(strip.1, self.y.to));
-        // Neighbours overlap, so that no seam shows; the frame is drawn over the last one.
-        let (edge, _) = self.plot.backend_coord(&(self.x.to, self.y.to));
-        let right = (right + 12).min(edge);
-        if low <= high || right <= left {
-            return Ok(());
-        }
+    /// Fills the whole plot.
+    fn background(&self, severity: Severity) -> Drawn<()> {
+        self.patch(
+            (self.x.from, self.x.to),
+            (self.y.from, self.y.to),
+            Some(severity),
+        )
+    }
+
+    /// Fills a rectangle; grey, where nothing was computed.
+    fn patch(&self, x: (f64, f64), y: (f64, f64), severity: Option<Severity>) -> Drawn<()> {
+        let lower = self.plot.backend_coord(&(x.0, y.0));
+        let upper = self.plot.backend_coord(&(x.1, y.1));
         let colour = severity.map_or(NOT_COMPUTED, rgb);
-        self.page.draw(&Rectangle::new(
-            [(left, high), (right, low)],
-            colour.filled(),
+        self.page
+            .draw(&Rectangle::new([lower, upper], colour.filled()))
+    }
+
+    /// Fills what lies above a line.
+    fn above(&self, line: &[(f64, f64)], severity: Severity) -> Drawn<()> {
+        let (Some(first), Some(last)) = (line.first(), line.last()) else {
+            return Ok(());
+        };
+        let corners = [(last.0, self.y.to), (first.0, self.y.to)];
+        let points = line.iter().chain(&corners).map(|(x, y)| {
+            let y = y.clamp(self.y.from, self.y.to);
+            self.plot.backend_coord(&(*x, y))
+        });
+        self.page.draw(&Polygon::new(
+            points.collect::<Vec<_>>(),
+            rgb(severity).filled(),
         ))
     }
 

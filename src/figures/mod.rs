@@ -1,8 +1,8 @@
 //! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force, the
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
-//! [`draw_risk`] draws the figures of a risk study.
 //! The figures of a damage map are drawn in the same way.
+//! [`draw_risk`] draws the figures of a risk study.
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 

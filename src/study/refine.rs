@@ -18,7 +18,10 @@ const LEAST_INTERVALS: u64 = 8;
 /// Intervals of the scan of a row whose axis is not logarithmic.
 const LINEAR_INTERVALS: u32 = 12;
 /// Largest ratio of two values that follow each other in the scan of a logarithmic row.
-const SCAN_RATIO: f64 = 1.4;
+const SCAN_RATIO: f64 = 1.2;
+/// Places below a boundary, each 2 % or two hundredths of the axis from the next, at which a class that has bands is looked for
+/// once more.
+const BAND_PROBES: u32 = 8;
 /// Classes that have a boundary.
 const CLASSES: usize = SEVERITIES.len();
 
@@ -251,13 +254,7 @@ impl Row<'_> {
         if let Some((_, severity)) = self.known.get(place).filter(|(known, _)| *known == at) {
             return Ok(*severity);
         }
-        let ends = self.map.columns().ends().unwrap_or_default();
-        // The ends are those of the axis to the last bit.
-        let value = match at {
-            at if at == self.scale.ends[0] => ends[0],
-            at if at == self.scale.ends[1] => ends[1],
-            at => self.scale.value(at),
-        };
+        let value = self.value(at);
         let (rows, columns) = (self.map.rows(), self.map.columns());
         let values = [rows.value(self.row), AxisValue::Number(value)];
         self.responses.fetch_add(1, Ordering::Relaxed);
@@ -326,10 +323,63 @@ impl Row<'_> {
             }
         }
         Ok(RowBoundary::Between {
-            below: self.scale.value(below),
-            at: self.scale.value(at),
+            below: self.value(below),
+            at: self.value(at),
             rising: !first,
         })
+    }
+
+    /// The value at a place; the ends are those of the axis to the last bit.
+    fn value(&self, at: f64) -> f64 {
+        let ends = self.map.columns().ends().unwrap_or_default();
+        match at {
+            at if at == self.scale.ends[0] => ends[0],
+            at if at == self.scale.ends[1] => ends[1],
+            at => self.scale.value(at),
+        }
+    }
+
+    /// The lowest band of a class below a boundary that was found, or else this boundary.
+    fn lowest_band(
+        &mut self,
+        severity: Severity,
+        mut found: RowBoundary,
+    ) -> Result<RowBoundary, RefineError> {
+        let step = 2.0 * self.scale.tolerance();
+        while let RowBoundary::Between {
+            below,
+            rising: true,
+            ..
+        } = found
+        {
+            let mut below = self.scale.at(below);
+            let mut lower = None;
+            for _ in 0..BAND_PROBES {
+                let at = below - step;
+                if at <= self.scale.ends[0] {
+                    break;
+                }
+                if self.severity(at)? >= severity {
+                    lower = Some(at);
+                    break;
+                }
+                below = at;
+            }
+            let Some(at) = lower else {
+                break;
+            };
+            // The places that were probed above it do not have the class; a place below it has not, either, sooner or later.
+            let (mut below, mut upper) = (at - step, at);
+            while below > self.scale.ends[0] && self.severity(below)? >= severity {
+                (below, upper) = (below - step, below);
+            }
+            let below = below.max(self.scale.ends[0]);
+            if self.severity(below)? >= severity {
+                return Ok(RowBoundary::Always);
+            }
+            found = self.narrowed(severity, [below, upper])?;
+        }
+        Ok(found)
     }
 
     /// The boundary of a class in a row that was scanned.
@@ -438,9 +488,10 @@ struct Trace {
 impl DamageMap {
     /// The boundaries of the severity classes, to 1 % along the axis of the columns, with a small part of the responses of the map.
     ///
-    /// Five rows are scanned from their lowest value, in ratios of at most 1.4 along an axis whose values are above 0, until
+    /// Five rows are scanned from their lowest value, in ratios of at most 1.2 along an axis whose values are above 0, until
     /// every class has changed; the first change counts, as for
-    /// [`CriticalSearch`](super::CriticalSearch). In the rows between them, each boundary is searched around the place that
+    /// [`CriticalSearch`](super::CriticalSearch). Severity need not grow along a row, and a class may come in bands; below the boundary that was
+    /// found, a lower band is looked for in eight steps of 2 %. In the rows between them, each boundary is searched around the place that
     /// interpolation lets expect. Halves of an interval between two rows are computed in turn, down to the rows of the map, until the
     /// boundary of the middle row is within 1 % of the expected one. Islands of another class that no scan meets are not found.
     /// Rows that have names are scanned one by one.
@@ -582,8 +633,14 @@ impl Job {
         }
         for (class, severity) in SEVERITIES.into_iter().enumerate() {
             found[class] = match self.expected[class] {
-                Some(expected) => Some(row.expected(severity, expected)?),
-                None if self.scan => Some((row.scanned(severity)?, false)),
+                Some(expected) => match row.expected(severity, expected)? {
+                    (found, true) => Some((found, true)),
+                    (found, false) => Some((row.lowest_band(severity, found)?, false)),
+                },
+                None if self.scan => {
+                    let found = row.scanned(severity)?;
+                    Some((row.lowest_band(severity, found)?, false))
+                }
                 None => None,
             };
         }

@@ -3,7 +3,6 @@
 mod arguments;
 mod boundaries;
 mod files;
-mod study;
 mod summary;
 mod table_writer;
 
@@ -14,19 +13,19 @@ use std::time::Instant;
 pub use arguments::MapArgs;
 
 use super::failure::{Exit, Failure, unless_closed};
+use super::interruption::Interruption;
 use boundaries::{boundary_columns, boundary_rows, show_boundaries};
 use column_twin::figures::{self, FigureError, MapFigures};
 use column_twin::study::{
     BatchEnd, DamageMap, MapError, MapGrid, RefineError, RefinedMap, TableValue,
 };
 use files::{Files, MapFileError};
-use study::Interruption;
 use summary::{MapSummary, extent};
 
 /// Why there is no map.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum MapCommandError {
-    #[error("{0}")]
+    #[error(transparent)]
     #[diagnostic(help("see `column-twin map --help` and docs/study.md"))]
     Map(#[from] MapError),
     #[error("a map has two axes; found {found}{}", listed(.names))]
@@ -157,7 +156,7 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
     let mut end_cell = cells.start;
     let batch = arguments.batch();
     let interruption = Interruption::listen();
-    let result = interruption.watch(&batch, cells.end - cells.start, || {
+    let result = interruption.watch(&batch, cells.end - cells.start, "impacts", || {
         map.compute(&batch, cells.clone(), |part| {
             for cell in &part {
                 let values: Vec<TableValue<'_>> = map.table_values(cell).collect();
@@ -183,7 +182,9 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
     let mut refined = None;
     if grid.is_some() && is_complete && arguments.shard.is_none() && map.columns().ends().is_some()
     {
-        refined = interruption.watch(&batch, 0, || map.refine(&batch)).ok();
+        refined = interruption
+            .watch(&batch, 0, "impacts", || map.refine(&batch))
+            .ok();
         if let Some(refined) = &refined {
             summary.refine(refined);
         }
@@ -265,7 +266,7 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
     .map_err(MapCommandError::from)?;
     let batch = arguments.batch();
     let start = Instant::now();
-    let refined = Interruption::listen().watch(&batch, 0, || map.refine(&batch));
+    let refined = Interruption::listen().watch(&batch, 0, "impacts", || map.refine(&batch));
     let refined: RefinedMap = refined.map_err(MapCommandError::from)?;
     let elapsed = start.elapsed();
     boundary_rows(map, &refined, |values| files.row(values)).map_err(MapCommandError::from)?;

@@ -8,8 +8,8 @@ use column_twin::assessment::Severity;
 use column_twin::figures::units::{Unit, significant};
 use column_twin::report::short;
 use column_twin::study::{
-    CellPlace, DamageMap, MapAxis, MapCell, RefinedMap, RowBoundary, SEVERITIES, Screening,
-    severity_name,
+    AxisValue, CellPlace, DamageMap, MapAxis, MapCell, RefinedMap, RowBoundary, SEVERITIES,
+    Screening, severity_name,
 };
 
 /// Rows of which the summary shows the critical values.
@@ -32,10 +32,18 @@ pub(super) struct MapSummary<'a> {
 #[derive(Debug, Clone, Serialize)]
 struct CriticalRow {
     variant: String,
-    row: String,
+    row: RowValue,
     #[serde(skip)]
     place: (usize, u64),
     critical: [Critical; SEVERITIES.len()],
+}
+
+/// The value of a row.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+enum RowValue {
+    Number(f64),
+    Name(String),
 }
 
 /// Where a row reaches a class.
@@ -87,7 +95,10 @@ impl<'a> MapSummary<'a> {
         let rows = map.variants().iter().enumerate().flat_map(|(variant, it)| {
             shown.iter().map(move |&row| CriticalRow {
                 variant: it.label.clone(),
-                row: map.rows().value(row).to_string(),
+                row: match map.rows().value(row) {
+                    AxisValue::Number(number) => RowValue::Number(number),
+                    AxisValue::Name(name) => RowValue::Name(name.to_owned()),
+                },
                 place: (variant, row),
                 critical: [Critical::NotReached; SEVERITIES.len()],
             })
@@ -239,7 +250,10 @@ impl<'a> MapSummary<'a> {
         writeln!(f)?;
         let highest = columns.number(columns.len() - 1).unwrap_or(f64::NAN);
         for row in &self.rows {
-            let number = row.row.parse().map_or_else(|_| row.row.clone(), short);
+            let number = match &row.row {
+                RowValue::Number(number) => short(*number),
+                RowValue::Name(name) => name.clone(),
+            };
             write!(f, "{}", lead(&row.variant, &number))?;
             for critical in &row.critical {
                 let text = match critical {
