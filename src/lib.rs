@@ -23,6 +23,7 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;
 #[cfg(feature = "security")]
@@ -41,7 +42,6 @@ pub mod results;
 pub mod ros;
 pub mod senses;
 pub mod shape;
-#[cfg(feature = "study")]
 pub mod study;
 pub mod twin;
 #[cfg(feature = "viewer")]

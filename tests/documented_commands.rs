@@ -137,6 +137,8 @@ const COMMANDS: &[(&str, How)] = &[
     ("column-twin watch", Stays("watching")),
     ("column-twin impact", Ends),
     ("column-twin simulate", Ends),
+    ("column-twin risk", Ends),
+    ("column-twin map", Ends),
     ("cargo run --release -- simulate", Ends),
     ("column-twin replay BAG --clock", Ends),
     ("column-twin replay", Ends),
@@ -349,6 +351,11 @@ fn every_command_of_the_readme_is_run() {
 #[test]
 fn every_command_of_the_launch_notes_is_run() {
     run_all_of("launch_notes.md");
+}
+
+#[test]
+fn every_command_of_the_studies_is_run() {
+    run_all_of("docs/study.md");
 }
 
 #[test]

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
-    Problem, STEEL_GRADES, Settings, Source, Value, catalogue, markdown, parse_override,
-    vehicle_names,
+    Problem, SENSOR_PARAMETERS, STEEL_GRADES, Settings, Source, Value, catalogue, markdown,
+    parse_override, vehicle_names,
 };
 use column_twin::printable::is_printable;
+use column_twin::senses::{Quantity, Sensor};
 use proptest::prelude::*;
 
 fn in_repository(path: &str) -> PathBuf {
@@ -446,6 +447,20 @@ fn admissible(values: &'static Admissible) -> BoxedStrategy<Value> {
         ]
         .prop_map(|text: String| Value::from(text))
         .boxed(),
+        Admissible::Sign => prop::sample::select(vec![1_i64, -1])
+            .prop_map(Value::Integer)
+            .boxed(),
+        Admissible::SensorName => {
+            let characters = ('a'..='z').chain('A'..='Z').chain('0'..='9').chain(['_']);
+            let character = prop::sample::select(characters.collect::<Vec<_>>());
+            prop::collection::vec(character, 1..=40)
+                .prop_map(|characters| characters.into_iter().collect())
+                .prop_filter("reserved", |name: &String| {
+                    name != "names" && name != "time"
+                })
+                .prop_map(Value::from)
+                .boxed()
+        }
         Admissible::SectionName => {
             let names: Vec<_> = catalogue()
                 .iter()
@@ -607,5 +622,422 @@ fn control_and_bidirectional_characters_of_a_file_are_not_shown() {
         let report = report_of(text);
         let shown = |c: char| c == '\n' || is_printable(c);
         assert!(report.chars().all(shown), "{report:?}");
+    }
+}
+
+/// What a file declares of sensors of the default column, which is 4 m high.
+fn with_sensors(sensors: &str) -> Result<Parameters, ParameterFaults> {
+    let text = format!("column_twin:\n  ros__parameters:\n    sensors:\n{sensors}");
+    Parameters::from_yaml(Path::new("s.yaml"), &text)
+}
+
+const TWO_SENSORS: &str = "      names: [top_laser, base_strain]
+      top_laser: {quantity: displacement, height: 2.5, noise: 1.0e-4, bandwidth: 1000, sign: -1}
+      base_strain: {quantity: bending_strain, height: 0.25, rate: 2000.0}
+";
+
+#[test]
+fn sensors_are_declared_by_their_names() {
+    let parameters = with_sensors(TWO_SENSORS).expect("right");
+    let laser = Sensor {
+        name: "top_laser".to_owned(),
+        quantity: Quantity::Displacement,
+        height: 2.5,
+        range: 0.0,
+        noise: 1e-4,
+        bias: 0.0,
+        gain_error: 0.0,
+        rate: 10_000.0,
+        bandwidth: 1000.0,
+        reversed: true,
+        fibre: 0.11,
+    };
+    let strain = Sensor {
+        name: "base_strain".to_owned(),
+        quantity: Quantity::BendingStrain,
+        height: 0.25,
+        noise: 0.0,
+        rate: 2000.0,
+        bandwidth: 1000.0,
+        reversed: false,
+        ..laser.clone()
+    };
+    assert_eq!(parameters.sensors(), [laser, strain]);
+    assert_eq!(
+        parameters.get("sensors.top_laser.sign"),
+        Some(Value::Integer(-1))
+    );
+    assert_eq!(parameters.get("sensors.side_laser.sign"), None);
+    assert_eq!(parameters.get("sensors.<name>.sign"), None);
+
+    let names: Vec<_> = parameters
+        .iter()
+        .map(|(it, _)| it.name.to_owned())
+        .collect();
+    let count = PARAMETERS.len();
+    assert_eq!(names.len(), count + 2 * SENSOR_PARAMETERS.len());
+    assert_eq!(names[count - 1], "sensors.names");
+    assert_eq!(names[count], "sensors.top_laser.quantity");
+    assert_eq!(names[names.len() - 1], "sensors.base_strain.fibre");
+    for (declared, value) in parameters.iter() {
+        assert_eq!(parameters.get(declared.name), Some(value));
+        assert_eq!(parameters.declared(declared.name), Some(declared));
+    }
+    let changed = parameters.changed_from(&Parameters::default());
+    assert_eq!(changed.len(), 1 + 2 * SENSOR_PARAMETERS.len());
+    assert!(changed.iter().all(|it| it.row.read_only()));
+    assert_eq!(Parameters::default().sensors(), []);
+}
+
+/// The names may stand behind what they declare, in the file, in a later file and on the command line.
+#[test]
+fn the_order_of_declaration_does_not_matter() {
+    let expected = with_sensors(TWO_SENSORS).expect("right");
+    let mut lines: Vec<_> = TWO_SENSORS.lines().collect();
+    lines.reverse();
+    assert_eq!(
+        with_sensors(&(lines.join("\n") + "\n")),
+        Ok(expected.clone())
+    );
+    let assignments = [
+        "sensors.base_strain.height:=0.25",
+        "sensors.top_laser.sign:=-1",
+        "sensors.top_laser.quantity:=displacement",
+        "sensors.top_laser.noise:=1e-4",
+        "sensors.base_strain.rate:=2000",
+        "sensors.names:=[top_laser, base_strain]",
+        "sensors.base_strain.quantity:=bending_strain",
+        "sensors.top_laser.height:=2.5",
+        "sensors.top_laser.bandwidth:=1000.0",
+    ];
+    for turns in 0..assignments.len() {
+        let mut turned = assignments;
+        turned.rotate_left(turns);
+        let loaded = Parameters::load(&[], &turned.map(parse_override));
+        assert_eq!(loaded, Ok(expected.clone()));
+    }
+}
+
+#[test]
+fn the_shipped_sensors_suit_the_shipped_column() {
+    let files = ["config/heb220_s355.yaml", "config/sensors_industrial.yaml"].map(in_repository);
+    let parameters = Parameters::load(&files, &[]).expect("the shipped files");
+    let column = Parameters::load(&files[..1], &[]).expect("the shipped file");
+    assert_eq!(parameters.column_properties(), column.column_properties());
+    let sensors = parameters.sensors();
+    let facts: Vec<_> = sensors
+        .iter()
+        .map(|it| (it.quantity, it.height, it.bandwidth))
+        .collect();
+    assert_eq!(
+        facts,
+        [
+            (Quantity::Acceleration, 1.0, 5000.0),
+            (Quantity::Displacement, 1.0, 5000.0),
+            (Quantity::BendingStrain, 0.11, 5000.0),
+        ]
+    );
+    const G: f64 = 9.806_65;
+    let accelerometer = &sensors[0];
+    for (given, in_g) in [
+        (accelerometer.range, 50.0),
+        (accelerometer.noise, 2.2e-3),
+        (accelerometer.bias, 50e-3),
+    ] {
+        assert!((given / (in_g * G) - 1.0).abs() < 1e-6);
+    }
+    assert_eq!(sensors[2].fibre, 0.11);
+}
+
+#[test]
+fn sensors_survive_a_file_json_and_settings() {
+    let parameters = with_sensors(TWO_SENSORS).expect("right");
+    let read = Parameters::from_yaml(Path::new("written.yaml"), &parameters.to_yaml());
+    assert_eq!(read, Ok(parameters.clone()));
+    let json = serde_json::to_string(&parameters).expect("serializes");
+    let read = serde_json::from_str::<Parameters>(&json).expect("reads");
+    assert_eq!(read, parameters);
+    let wrong = json.replace("\"height\":2.5", "\"height\":25.0");
+    let error = serde_json::from_str::<Parameters>(&wrong)
+        .expect_err("above the column")
+        .to_string();
+    assert!(
+        error.contains("sensors.top_laser.height is 25 m"),
+        "{error}"
+    );
+    let mut settings: Settings = parameters.clone().into();
+    settings.sensors.names.pop();
+    let faults = Parameters::try_from(settings).expect_err("not declared");
+    assert!(faults.to_string().contains("does not contain base_strain"));
+    let mut settings: Settings = parameters.into();
+    settings.sensors.each.remove("base_strain");
+    let faults = Parameters::try_from(settings).expect_err("not described");
+    assert!(
+        faults
+            .to_string()
+            .contains("sensors.base_strain.quantity is required")
+    );
+}
+
+#[test]
+fn sensors_change_with_the_other_parameters() {
+    let before = with_sensors(TWO_SENSORS).expect("right");
+    let moved = before
+        .with_changes([("sensors.top_laser.height", 3.0.into())])
+        .expect("right");
+    let names: Vec<_> = moved
+        .changed_from(&before)
+        .iter()
+        .map(|it| it.name)
+        .collect();
+    assert_eq!(names, ["sensors.top_laser.height"]);
+    // A sensor that is taken out of the list takes its values with it.
+    let one = vec!["base_strain".to_owned()];
+    let fewer = before
+        .with_changes([("sensors.names", Value::from(one))])
+        .expect("right");
+    assert_eq!(fewer.sensors(), before.sensors()[1..]);
+    assert_eq!(fewer.get("sensors.top_laser.height"), None);
+    let names: Vec<_> = fewer
+        .changed_from(&before)
+        .iter()
+        .map(|it| it.name)
+        .collect();
+    assert_eq!(names, ["sensors.names"]);
+    // The column becomes shorter than the place of a sensor.
+    let shorter = before.with_changes([("geometry.length_above", 1.0.into())]);
+    let faults = shorter
+        .expect_err("the laser is above the column")
+        .to_string();
+    assert!(
+        faults.contains("sensors.top_laser.height is 2.5 m, but the column is 2 m high"),
+        "{faults}"
+    );
+}
+
+const WRONG_SENSORS: &str = r#"column_twin:
+  ros__parameters:
+    sensors:
+      top_lazer: {quantity: displacement}
+      names: [top_laser, gauge, base, force, tilt]
+      top_laser:
+        height: 4.5
+        heigth: 2.0
+        quantity: displacment
+        sign: 0
+        rate: .nan
+        noise: -1.0e-3
+      gauge: {quantity: bending_strain, height: 1.0, fibre: 0.2, bandwidth: 1e9, range: [1.0]}
+      base: {height: 0.0}
+      force: {quantity: contact_force, sign: "1"}
+      tilt: {quantity: rotation, gain_error: 1 %}
+      "b\e[2J": {height: 1.0}
+      other: 3.0
+"#;
+
+/// The message as users read it, kept whole so that changes to it are reviewed.
+#[test]
+fn all_faults_of_wrong_sensors_are_listed() {
+    let faults = Parameters::from_yaml(Path::new("s.yaml"), WRONG_SENSORS).expect_err("wrong");
+    assert_eq!(faults.to_string(), WRONG_SENSORS_LISTED);
+}
+
+const WRONG_SENSORS_LISTED: &str = r#"16 faults in the parameters
+  s.yaml:4:19: sensors.top_lazer.quantity is given, but sensors.names does not contain top_lazer (did you mean top_laser?); known: top_laser, gauge, base, force, tilt
+  s.yaml:5:7: sensors.base.quantity is required, because sensors.names contains base; allowed: acceleration, displacement, rotation, bending_strain, axial_strain or contact_force
+  s.yaml:5:7: sensors.tilt.height is required, because sensors.names contains tilt; allowed: 0 to 200 m
+  s.yaml:7:17: sensors.top_laser.height is 4.5 m, but the column is 4 m high; give at most that
+  s.yaml:8:9: sensors.top_laser.heigth is not a parameter (did you mean sensors.top_laser.height?)
+  s.yaml:9:19: sensors.top_laser.quantity: `displacment` is not known (did you mean displacement?); allowed: acceleration, displacement, rotation, bending_strain, axial_strain or contact_force
+  s.yaml:10:15: sensors.top_laser.sign: `0` is out of range; allowed: 1 or -1 (-1 if the sensor is mounted in the opposite direction, so that its readings have the opposite sign)
+  s.yaml:11:15: sensors.top_laser.rate: `.nan` is not a finite number; allowed: 1 to 1e6 Hz
+  s.yaml:12:16: sensors.top_laser.noise: `-1.0e-3` is out of range; allowed: 0 to 1e12 (root mean square of the noise, in the unit of the quantity)
+  s.yaml:13:61: sensors.gauge.fibre is 0.2 m, outside the section, which is 0.22 m high; give at most 0.11 m, or 0 for half the section height
+  s.yaml:13:77: sensors.gauge.bandwidth: `1e9` is out of range; allowed: 0.1 to 1e6 Hz, or 0 (half the rate) (cut-off frequency of the anti-alias filter; more than half the rate has the effect of half the rate)
+  s.yaml:13:82: sensors.gauge.range is a list; allowed: 1e-12 to 1e12, or 0 (no clipping)
+  s.yaml:15:46: sensors.force.sign: `1` is a string, not a number; omit the quotes, and write an exponent with a decimal point (1.0e7); allowed: 1 or -1
+  s.yaml:16:46: sensors.tilt.gain_error: `1 %` is a string, not a number; omit the unit; allowed: 0 to 1
+  s.yaml:17:18: sensors.b\u{1b}[2J.height is given, but sensors.names does not contain b\u{1b}[2J; known: top_laser, gauge, base, force, tilt
+  s.yaml:18:7: sensors.other is a group of parameters, not a parameter; it contains sensors.other.quantity, sensors.other.height, sensors.other.range, sensors.other.noise, sensors.other.bias, sensors.other.gain_error, sensors.other.rate, sensors.other.bandwidth, sensors.other.sign, sensors.other.fibre"#;
+
+#[test]
+fn wrong_names_of_sensors_are_rejected() {
+    let many: Vec<_> = (0..65).map(|number| format!("s{number}")).collect();
+    let too_many = format!("[{}]", many.join(", "));
+    let too_long = format!("[{}]", "s".repeat(41));
+    for (names, words) in [
+        (
+            "[a, b, a, b, c]",
+            "sensors.names contains a, b more than once; give each sensor its own name",
+        ),
+        (
+            "[\"\"]",
+            "sensors.names: `` (element 1) is not a valid string",
+        ),
+        (
+            "[a, top.laser]",
+            "`top.laser` (element 2) is not a valid string; allowed: a name of 1 to 40 letters, digits and underscores other than names or time",
+        ),
+        ("[\"a b\"]", "(element 1) is not a valid string"),
+        ("[kr\u{e4}fte]", "(element 1) is not a valid string"),
+        ("[names]", "(element 1) is not a valid string"),
+        ("[time]", "(element 1) is not a valid string"),
+        (too_long.as_str(), "(element 1) is not a valid string"),
+        ("[1]", "is a number; put a string in quotes"),
+        ("top_laser", "is not a list; write [\"top_laser\"]"),
+        (
+            too_many.as_str(),
+            "has 65 elements; allowed: a list of 0 to 64 elements",
+        ),
+    ] {
+        // The parameters of a sensor are not reported, too, where the list of names is wrong.
+        let overrides = [
+            format!("sensors.names:={names}"),
+            "sensors.a.height:=1.0".to_owned(),
+        ];
+        let faults = Parameters::load(&[], &overrides.map(|it| parse_override(&it)));
+        let faults = faults.expect_err(names).to_string();
+        assert!(faults.contains(words), "{faults}");
+        assert!(!faults.contains("is given, but"), "{faults}");
+    }
+    let all = (0..64).flat_map(|number| {
+        let names = ["quantity", "height"].map(|it| format!("sensors.s{number}.{it}"));
+        names
+            .into_iter()
+            .zip([Value::from("axial_strain"), 1.0.into()])
+    });
+    let names = ("sensors.names".to_owned(), Value::from(many[..64].to_vec()));
+    let parameters = Parameters::from_values(all.chain([names])).expect("64 sensors");
+    assert_eq!(parameters.sensors().len(), 64);
+}
+
+#[test]
+fn a_bending_strain_needs_the_distance_of_its_fibre() {
+    let section = [
+        ("section.area", 91e-4),
+        ("section.second_moment", 8091e-8),
+        ("section.mass_per_length", 70.1),
+        ("resistance.moment", 0.3e6),
+    ];
+    let section = section.map(|(name, number)| (name, Value::from(number)));
+    let with = |more: &[(&'static str, Value)]| {
+        let gauge = [
+            ("sensors.names", Value::from(vec!["gauge".to_owned()])),
+            ("sensors.gauge.quantity", "bending_strain".into()),
+            ("sensors.gauge.height", 0.5.into()),
+        ];
+        let all = section.iter().chain(&gauge).chain(more);
+        let loaded = Parameters::from_values(all.cloned());
+        loaded
+            .map(|it| it.sensors()[0].fibre)
+            .map_err(|it| it.to_string())
+    };
+    let missing = with(&[]).expect_err("no height of the section");
+    assert!(
+        missing.contains("sensors.gauge.fibre is required for a bending strain"),
+        "{missing}"
+    );
+    assert_eq!(with(&[("section.height", 0.3.into())]), Ok(0.15));
+    assert_eq!(with(&[("sensors.gauge.fibre", 0.1.into())]), Ok(0.1));
+    let both = [
+        ("section.height", Value::from(0.3)),
+        ("sensors.gauge.fibre", 0.15.into()),
+    ];
+    assert_eq!(with(&both), Ok(0.15));
+    assert_eq!(
+        with(&[("sensors.gauge.quantity", "axial_strain".into())]),
+        Ok(0.0)
+    );
+}
+
+/// A section for any node may declare the sensors of another one.
+#[test]
+fn sensors_of_other_nodes_are_only_warned_of() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = "/**:\n  ros__parameters:\n    sensors.names: [top_laser]\n    sensors.top_laser: {quantity: displacement, height: 1.0}\n    \
+                sensors.top_lazer.noise: 1.0e-4\n    sensors.lidar.angle: 3.0\n    sensors.top_laser.heigth: 2.0\n";
+    let file = Source::File(written(&folder, "any.yaml", text));
+    let (parameters, warnings) =
+        Parameters::load_in_order(&NodeName::default(), [file]).expect("warnings only");
+    assert_eq!(parameters.sensors().len(), 1);
+    let ends: Vec<_> = warnings
+        .iter()
+        .filter_map(|it| {
+            it.to_string()
+                .split_once("any.yaml")
+                .map(|it| it.1.to_owned())
+        })
+        .collect();
+    const NONE: &str = "is not a parameter of this node and has no effect on it";
+    assert_eq!(
+        ends,
+        [
+            format!(":6:5: sensors.lidar.angle {NONE} (did you mean sensors.lidar.range?)"),
+            format!(
+                ":7:5: sensors.top_laser.heigth {NONE} (did you mean sensors.top_laser.height?)"
+            ),
+            format!(":5:5: sensors.top_lazer.noise {NONE} (did you mean sensors.top_laser.noise?)"),
+        ]
+    );
+}
+
+/// Many parameters of sensors that are not declared cost no more than their number.
+#[test]
+fn many_undeclared_sensors_are_all_listed_and_the_first_ones_get_suggestions() {
+    let wrong = (0..100).map(|k| (format!("sensors.laser_{k}.height"), Value::from(1.0)));
+    let names = (
+        "sensors.names".to_owned(),
+        Value::from(vec!["laser_x".to_owned()]),
+    );
+    let faults = Parameters::from_values(wrong.chain([names])).expect_err("wrong");
+    let suggested = faults
+        .faults()
+        .iter()
+        .filter_map(|fault| match &fault.problem {
+            Problem::UnknownSensor { nearest, .. } => Some(!nearest.is_empty()),
+            _ => None,
+        });
+    let suggested: Vec<_> = suggested.collect();
+    assert_eq!(suggested, [[true; 16].as_slice(), &[false; 84]].concat());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn admissible_sensors_survive_a_file(values in SENSOR_PARAMETERS.iter().map(|row| admissible(&row.admissible)).collect::<Vec<_>>(), name in admissible(&Admissible::SensorName)) {
+        let sensor = name.plain();
+        let rows = SENSOR_PARAMETERS.iter().map(|row| row.name.replace("<name>", &sensor));
+        let names = ("sensors.names".to_owned(), Value::from(vec![sensor.clone()]));
+        let given: Vec<_> = rows.zip(values).chain([names]).collect();
+        match Parameters::from_values(given.clone()) {
+            Ok(parameters) => {
+                for (name, value) in given {
+                    prop_assert_eq!(parameters.get(&name), Some(value));
+                }
+                let read = Parameters::from_yaml(Path::new("written.yaml"), &parameters.to_yaml());
+                prop_assert_eq!(read, Ok(parameters.clone()));
+                let sensor = &parameters.sensors()[0];
+                prop_assert!(sensor.bandwidth > 0.0 && sensor.bandwidth <= sensor.rate / 2.0);
+                prop_assert!(sensor.fibre > 0.0);
+            }
+            Err(faults) => prop_assert!(only_inconsistent(&faults), "{}", faults),
+        }
+    }
+
+    #[test]
+    fn no_sensor_panics(number in any::<f64>(), whole in any::<i64>(), characters in prop::collection::vec(any::<char>(), 0..30)) {
+        let text: String = characters.into_iter().collect();
+        for row in SENSOR_PARAMETERS {
+            for value in [Value::Double(number), Value::Integer(whole), Value::from(text.as_str())] {
+                for sensor in ["a", &text] {
+                    let name = row.name.replace("<name>", sensor);
+                    let names = ("sensors.names".to_owned(), Value::from(vec![sensor.to_owned()]));
+                    if let Err(faults) = Parameters::from_values([(name, value.clone()), names]) {
+                        prop_assert_eq!(faults.to_string().lines().count(), faults.faults().len() + 1);
+                    }
+                }
+            }
+        }
     }
 }

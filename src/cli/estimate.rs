@@ -222,7 +222,12 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
         ("Momentum", last.momentum, 1e-3, "kN s"),
         ("Peak v1", last.peak_v1, 1e3, "mm"),
         ("Residual v1", last.residual_v1, 1e3, "mm"),
-        ("Remaining capacity", last.capacity_ratio, 100.0, "% of the virgin column's"),
+        (
+            "Remaining capacity",
+            last.capacity_ratio,
+            100.0,
+            "% of the virgin column's",
+        ),
     ];
     for (name, interval, factor, unit) in rows {
         let CredibleInterval { mean, low, high } = interval;
@@ -235,15 +240,24 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
         );
     }
     let list = |pairs: &mut dyn Iterator<Item = (String, f64)>| {
-        let mut listed: Vec<_> = pairs.filter(|(_, probability)| *probability >= 0.005).collect();
+        let mut listed: Vec<_> = pairs
+            .filter(|(_, probability)| *probability >= 0.005)
+            .collect();
         listed.sort_by(|a, b| b.1.total_cmp(&a.1));
         let each = listed
             .iter()
             .map(|(name, probability)| format!("{name} {:.0} %", 100.0 * probability));
         each.collect::<Vec<_>>().join(", ")
     };
-    let severity = last.severity.iter().map(|(severity, p)| (severity.to_string(), *p));
-    let _ = writeln!(text, "Severity           {}", list(&mut severity.into_iter()));
+    let severity = last
+        .severity
+        .iter()
+        .map(|(severity, p)| (severity.to_string(), *p));
+    let _ = writeln!(
+        text,
+        "Severity           {}",
+        list(&mut severity.into_iter())
+    );
     let _ = writeln!(
         text,
         "Vehicle            {}",
@@ -269,7 +283,10 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             cell(&estimate.mass, 1.0),
             cell(&estimate.velocity, 1.0),
             cell(&estimate.peak_v1, 1e3),
-            likely.map_or_else(String::new, |(severity, p)| format!("{severity} {:.0} %", 100.0 * p)),
+            likely.map_or_else(String::new, |(severity, p)| format!(
+                "{severity} {:.0} %",
+                100.0 * p
+            )),
         );
     }
     if last.effective_responses < 20.0 {

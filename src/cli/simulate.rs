@@ -29,9 +29,9 @@ use column_twin::parameters::{
 #[cfg(feature = "record")]
 use column_twin::recording::{RecordingError, SealKey, WriterOptions};
 use column_twin::report::{Origin, ReportDocument, ReportedImpact, title};
+use column_twin::senses::simulate_sensors;
 #[cfg(feature = "viewer")]
 use column_twin::viewer::{self, ViewerError};
-use column_twin::senses::simulate_sensors;
 use column_twin::whole_file::{self, WholeFile};
 
 /// Arguments of `column-twin simulate`.
@@ -136,7 +136,7 @@ impl From<SimulateError> for Failure {
         let exit = match &fault {
             SimulateError::Height { .. } | SimulateError::OneOutput | SimulateError::NoSensors => {
                 Exit::BadInput
-            },
+            }
             SimulateError::Simulation(SimulationError::Model(_) | SimulationError::Impact(_)) => {
                 Exit::BadInput
             }
@@ -241,7 +241,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 }
 
 /// Whether a path names the standard output, which then belongs to the history alone.
-fn is_standard_output(path: &Path) -> bool {
+pub(super) fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .iter()
         .any(|name| path == Path::new(name))
@@ -432,7 +432,7 @@ pub(super) fn parameters_of(
 
 /// Loads the parameters of the files with the overrides.
 /// The parameters, with warnings about deprecated values.
-fn load(
+pub(super) fn load(
     files: &[PathBuf],
     overrides: &[String],
 ) -> Result<(Parameters, Vec<Fault>), ParameterFaults> {

@@ -1,19 +1,25 @@
 //! The figures of one impact: the paper's Figures 5 to 8, the shape of the column, the energy ledger, the contact force, the
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
+//! The figures of a damage map are drawn in the same way.
+//! [`draw_risk`] draws the figures of a risk study.
+//!
 //! The font is embedded, so that a figure looks the same on every machine.
 
 mod axis;
 mod chart;
+mod damage_map;
 mod deformed_shape;
 mod energy_ledger;
 mod force_crush;
 mod histories;
+mod iso_lines;
 mod page;
 mod path_chart;
 mod push_down;
 mod raster;
 mod response_history;
+mod risk;
 mod thinning;
 pub mod units;
 mod yield_path;
@@ -25,8 +31,10 @@ use std::path::{Path, PathBuf};
 use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
+pub use damage_map::MapFigures;
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
+pub use risk::{draw_risk, risk_svg};
 pub use thinning::HistoryThinning;
 
 /// Why the figures cannot be drawn.
@@ -76,7 +84,24 @@ pub fn draw_all(
     folder: &Path,
     response: &ResponseHistory<'_>,
 ) -> Result<Vec<PathBuf>, FigureError> {
-    let drawings = draw_svg(response)?;
+    write_all(folder, draw_svg(response)?)
+}
+
+/// Draws the figures of a damage map into `folder`, which is created if it does not exist, and returns the files written: SVG and
+/// PNG alternately.
+///
+/// # Errors
+/// See [`FigureError`].
+pub fn draw_map(folder: &Path, map: &MapFigures<'_>) -> Result<Vec<PathBuf>, FigureError> {
+    let figures = map.draw().into_iter();
+    let figures: Result<Vec<_>, _> = figures
+        .map(|(name, svg)| drawn(&name, svg).map(|svg| (name, svg)))
+        .collect();
+    write_all(folder, figures?)
+}
+
+/// Writes figures as SVG and as PNG.
+fn write_all(folder: &Path, drawings: Vec<(String, String)>) -> Result<Vec<PathBuf>, FigureError> {
     fs::create_dir_all(folder).map_err(|reason| FigureError::Folder {
         folder: folder.to_path_buf(),
         reason,

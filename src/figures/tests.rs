@@ -300,3 +300,60 @@ fn a_collapse_with_many_percussions_can_be_drawn() {
     };
     draws(&samples, &report);
 }
+
+/// Figures of a risk study with a known limit state: all texts are on the page, none overlaps another, and the bar of a
+/// probability is where its number says.
+#[test]
+fn the_figures_of_a_risk_study() {
+    use crate::assessment::Severity;
+    use crate::study::Batch;
+    use crate::study::risk::{
+        Departure, DepartureSampler, Exposure, LimitState, RiskResult, RiskStudy, Scenario,
+        StudyRunError,
+    };
+
+    struct Speed;
+    impl LimitState for Speed {
+        fn severity(&self, departure: &Departure) -> Option<Severity> {
+            Some(match departure.velocity * departure.force_factor {
+                v if v > 12.0 => Severity::Prop,
+                v if v > 10.0 => Severity::Restrict,
+                v if v > 6.0 => Severity::Inspect,
+                _ => Severity::None,
+            })
+        }
+    }
+    let scenario = Scenario::shipped("motorway").unwrap();
+    let sampler = DepartureSampler::new(&scenario, 1);
+    let study = RiskStudy::new(&sampler, &Speed);
+    let done = |_: &_| Ok::<_, StudyRunError>(());
+    let (tally, _) = study.run(&Batch::default(), 0..5000, done).unwrap();
+    for (vehicles, years) in [(1.0, 1.0), (54321.0, 50.0)] {
+        let exposure = Exposure::new(&scenario, vehicles, years);
+        let result = RiskResult::new(&scenario, &tally, exposure, 0.95);
+        let figures = risk_svg("HEB 220, 4 m high: column beside a motorway", &result).unwrap();
+        assert_eq!(figures.len(), 3);
+        for (name, svg) in &figures {
+            let tree = tree(svg);
+            let (width, height) = (tree.size().width(), tree.size().height());
+            let texts = texts(&tree);
+            assert!(texts.len() > 15, "{name} has only {} texts", texts.len());
+            for (number, (text, place)) in texts.iter().enumerate() {
+                let inside = place.left() >= 0.0
+                    && place.top() >= 0.0
+                    && place.right() <= width
+                    && place.bottom() <= height;
+                assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
+                for (other, other_place) in &texts[number + 1..] {
+                    let apart = place.right() <= other_place.left()
+                        || other_place.right() <= place.left()
+                        || place.bottom() <= other_place.top()
+                        || other_place.bottom() <= place.top();
+                    assert!(apart, "{name}: {text:?} overlaps {other:?}");
+                }
+            }
+        }
+        // No sample reached the most severe one, and the figure does not show a probability of 0.
+        assert!(svg(&figures, "risk_probability").contains("none seen; below"));
+    }
+}

@@ -6,6 +6,7 @@ use super::given::{Content, Given};
 use super::parameter::{Admissible, Parameter};
 use super::processors::{MAX_PROCESSOR, processors};
 use super::senders::AllowedSender;
+use super::sensors::{MAX_SENSOR_NAME_CHARS, RESERVED_SENSOR_NAMES, is_sensor_name};
 use super::spelling::nearest_word;
 use super::steel::{STEEL_GRADES, SteelGrade};
 use super::value::{Kind, Value, readable};
@@ -91,6 +92,12 @@ impl Parameter {
                 } else {
                     Err(self.out_of_range(admissible))
                 }
+            }
+            (Admissible::Sign, Value::Integer(1 | -1)) => Ok(value.clone()),
+            (Admissible::Sign, Value::Double(1.0)) => Ok(Value::Integer(1)),
+            (Admissible::Sign, Value::Double(-1.0)) => Ok(Value::Integer(-1)),
+            (Admissible::Sign, Value::Integer(_) | Value::Double(_)) => {
+                Err(self.out_of_range(admissible))
             }
             (_, Value::Integer(number)) if admissible.kind() == Kind::Double => {
                 self.check_real(admissible, *number as f64)
@@ -218,6 +225,10 @@ impl Parameter {
                 Ok(sender) => Ok(Value::from(sender.to_string())),
                 Err(_) => Err(invalid()),
             },
+            Admissible::SensorName => match is_sensor_name(text) {
+                true => Ok(Value::from(text)),
+                false => Err(invalid()),
+            },
             Admissible::Text {
                 min_chars,
                 max_chars,
@@ -251,6 +262,7 @@ impl Parameter {
                 let unit = if self.unit.is_empty() { "" } else { " " };
                 format!("a whole number from {min} to {max}{unit}{}", self.unit)
             }
+            Admissible::Sign => "1 or -1".to_owned(),
             Admissible::Real { min, max } => range(min, max),
             Admissible::RealOrZero { min, max, zero } => {
                 format!("{}, or 0 ({zero})", range(min, max))
@@ -286,6 +298,10 @@ impl Parameter {
                 format!("numbers from 0 to {MAX_PROCESSOR} and ranges such as 1,4-7, or \"\"")
             }
             Admissible::Sender => "the first 8 to 24 hexadecimal digits of a GUID, in quotes, or an enclave such as \"/garage/operator\"".to_owned(),
+            Admissible::SensorName => format!(
+                "a name of 1 to {MAX_SENSOR_NAME_CHARS} letters, digits and underscores other than {}",
+                either(&RESERVED_SENSOR_NAMES)
+            ),
             Admissible::List {
                 of,
                 min_len,

@@ -1,12 +1,16 @@
 //! A set of parameters while it is being put together from its sources.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::consistency::{Inconsistency, SPRINGS, inconsistencies};
 use super::fault::{Fault, Origin, ParameterFaults, Problem};
 use super::given::{Assignment, Content, Given};
+use super::lookup::{Entry, members_of, nearest_with_sensors};
 use super::parameter::Parameter;
-use super::settings::Settings;
+use super::sensors::{self, SENSOR_NAMES, SENSOR_PARAMETERS, full_name, is_required, with_sensor};
+use super::settings::{SensorSettings, Settings};
+use super::spelling::nearest_word;
 use super::table::PARAMETERS;
 use super::value::Value;
 use super::vehicles::{RIGID, narrow_by_default};
@@ -20,12 +24,11 @@ const MAX_FOREIGN: usize = 16;
 
 /// Values with their origin, and the faults so far.
 pub(super) struct Draft {
-    /// One per entry of the table, in its order, as are the next two.
-    values: Vec<Value>,
-    /// Where a value was given; `None` for a default.
-    places: Vec<Option<Origin>>,
-    /// Whether a wrong value was given.
-    wrong: Vec<bool>,
+    /// One per entry of the table, in its order.
+    slots: Vec<Slot>,
+    /// What is given for sensors, by the name of the sensor and the index in [`SENSOR_PARAMETERS`], whether or not the sensor
+    /// is declared: `sensors.names` may follow.
+    of_sensors: BTreeMap<(String, usize), SensorSlot>,
     faults: Vec<Fault>,
     warnings: Vec<Fault>,
     /// Unknown names that were compared with all known ones.
@@ -36,12 +39,50 @@ pub(super) struct Draft {
     files: Vec<PathBuf>,
 }
 
+/// The value of a parameter.
+struct Slot {
+    value: Value,
+    /// Where it was given; `None` for a default.
+    place: Option<Origin>,
+    /// Whether a wrong value was given.
+    wrong: bool,
+}
+
+/// The value of a parameter of a sensor.
+struct SensorSlot {
+    slot: Slot,
+    /// Where its name was given, and whether for any node; `None` where it comes from settings, which lose the values of a sensor
+    /// that is no longer declared.
+    name: Option<(Origin, bool)>,
+}
+
+impl Slot {
+    fn of_default(parameter: &Parameter) -> Self {
+        Self {
+            value: parameter.default_value(),
+            place: None,
+            wrong: false,
+        }
+    }
+
+    fn of_settings(value: Value) -> Self {
+        Self {
+            value,
+            place: Some(Origin::Direct),
+            wrong: false,
+        }
+    }
+}
+
 impl Draft {
     pub(super) fn of_defaults() -> Self {
+        Self::of_slots(PARAMETERS.iter().map(Slot::of_default).collect())
+    }
+
+    fn of_slots(slots: Vec<Slot>) -> Self {
         Self {
-            values: PARAMETERS.iter().map(Parameter::default_value).collect(),
-            places: vec![None; PARAMETERS.len()],
-            wrong: vec![false; PARAMETERS.len()],
+            slots,
+            of_sensors: BTreeMap::new(),
             faults: Vec::new(),
             warnings: Vec::new(),
             compared: 0,
@@ -51,17 +92,21 @@ impl Draft {
     }
 
     pub(super) fn of_settings(settings: &Settings) -> Self {
-        let mut draft = Self {
-            values: settings.values(),
-            places: vec![Some(Origin::Direct); PARAMETERS.len()],
-            ..Self::of_defaults()
-        };
+        let values = settings.values().into_iter();
+        let mut draft = Self::of_slots(values.map(Slot::of_settings).collect());
+        for (sensor, given) in &settings.sensors.each {
+            for (row, value) in given.values().into_iter().enumerate() {
+                let slot = Slot::of_settings(value);
+                let slot = SensorSlot { slot, name: None };
+                draft.of_sensors.insert((sensor.clone(), row), slot);
+            }
+        }
         // A value that its vehicle has by default follows a change of the vehicle.
         let vehicle = &settings.vehicle;
         if vehicle.narrow_object == narrow_by_default(&vehicle.name)
             && let Some(index) = Parameter::index_of("vehicle.narrow_object")
         {
-            draft.places[index] = None;
+            draft.slots[index].place = None;
         }
         draft
     }
@@ -86,73 +131,96 @@ impl Draft {
         let Assignment {
             name,
             given,
+            name_place,
             for_any_node,
         } = assignment;
+        let Some(entry) = Entry::named(&name) else {
+            self.report_unknown(name, name_place, for_any_node);
+            return;
+        };
         let fault_at = |given: &Given, problem| Fault {
             name: Some(name.clone()),
             value: given.text.clone(),
             place: given.place.clone(),
             problem,
         };
-        let Some(index) = Parameter::index_of(&name) else {
-            let (problem, found) = match for_any_node {
-                true => match self.of_another_node(&name) {
-                    Some(problem) => (problem, &mut self.warnings),
-                    None => return,
-                },
-                false => (self.unknown(&name), &mut self.faults),
-            };
-            found.push(Fault {
-                value: None,
-                ..fault_at(&given, problem)
-            });
-            return;
-        };
-        let parameter = &PARAMETERS[index];
-        match parameter.accept(&given) {
+        let row = entry.row();
+        let accepted = match row.accept(&given) {
             Ok(value) => {
                 if let Content::Scalar(Value::String(word)) = &given.content
-                    && let Some(replacement) = parameter.replacement_of(word)
+                    && let Some(replacement) = row.replacement_of(word)
                 {
                     let problem = Problem::Deprecated { replacement };
                     self.warnings.push(fault_at(&given, problem));
                 }
-                self.values[index] = value;
+                Some(value)
             }
             Err(problems) => {
-                self.wrong[index] = true;
                 let faults = problems.into_iter();
                 self.faults
                     .extend(faults.map(|(given, problem)| fault_at(given, problem)));
+                None
             }
+        };
+        let slot = match entry {
+            Entry::Single(index) => &mut self.slots[index],
+            Entry::OfSensor(sensor, index) => {
+                let slots = self.of_sensors.entry((sensor.to_owned(), index));
+                let it = slots.or_insert_with(|| SensorSlot {
+                    slot: Slot::of_default(row),
+                    name: None,
+                });
+                it.name = Some((name_place, for_any_node));
+                &mut it.slot
+            }
+        };
+        match accepted {
+            Some(value) => slot.value = value,
+            None => slot.wrong = true,
         }
-        self.places[index] = Some(given.place);
+        slot.place = Some(given.place);
     }
 
-    /// The warning about a name in a section for any node; `None` where there were enough of them.
-    fn of_another_node(&mut self, name: &str) -> Option<Problem> {
+    fn report_unknown(&mut self, name: String, place: Origin, for_any_node: bool) {
+        let (problem, found) = match for_any_node {
+            true => {
+                if self.is_beyond_foreign() {
+                    return;
+                }
+                let nearest = self.nearest(&name);
+                (Problem::OfAnotherNode { nearest }, &mut self.warnings)
+            }
+            false => (self.unknown(&name), &mut self.faults),
+        };
+        found.push(Fault {
+            name: Some(name),
+            value: None,
+            place,
+            problem,
+        });
+    }
+
+    /// Counts a name in a section for any node that this node does not know; whether there were enough warnings of such names.
+    fn is_beyond_foreign(&mut self) -> bool {
         self.foreign += 1;
-        if self.foreign > MAX_FOREIGN {
-            return None;
-        }
-        Some(Problem::OfAnotherNode {
-            nearest: self.nearest(name),
-        })
+        self.foreign > MAX_FOREIGN
     }
 
     fn nearest(&mut self, name: &str) -> Vec<String> {
-        if self.compared == MAX_COMPARED {
-            return Vec::new();
+        match self.may_be_compared() {
+            true => nearest_with_sensors(name),
+            false => Vec::new(),
         }
-        self.compared += 1;
-        let nearest = Parameter::nearest(name).into_iter();
-        nearest.map(str::to_owned).collect()
+    }
+
+    fn may_be_compared(&mut self) -> bool {
+        let may = self.compared < MAX_COMPARED;
+        self.compared += usize::from(may);
+        may
     }
 
     fn unknown(&mut self, name: &str) -> Problem {
-        let members: Vec<_> = Parameter::in_group(name)
-            .map(|parameter| parameter.name.to_owned())
-            .collect();
+        let members = members_of(name);
         if !members.is_empty() {
             return Problem::Group { members };
         }
@@ -180,10 +248,16 @@ impl Draft {
             &[&["vehicle.masses", "vehicle.slack"], SPRINGS.as_flattened()].concat(),
         );
         self.follow_vehicle();
-        let settings =
-            Settings::from_values(&self.values).expect("table and struct agree, which is tested");
+        self.report_repeated_sensors();
+        self.report_undeclared_sensors();
+        self.report_missing_of_sensors();
+        let settings = self.settings();
         for inconsistency in inconsistencies(&settings) {
-            let fault = self.fault_of(inconsistency);
+            let fault = self.fault_of("", inconsistency);
+            self.faults.extend(fault);
+        }
+        for (sensor, inconsistency) in sensors::inconsistencies(&settings) {
+            let fault = self.fault_of(sensor, inconsistency);
             self.faults.extend(fault);
         }
         if self.foreign > MAX_FOREIGN {
@@ -200,16 +274,163 @@ impl Draft {
         ParameterFaults::none_of(self.faults).map(|()| (settings, self.warnings))
     }
 
+    fn settings(&self) -> Settings {
+        let values: Vec<_> = self.slots.iter().map(|slot| slot.value.clone()).collect();
+        let mut settings =
+            Settings::from_values(&values).expect("table and struct agree, which is tested");
+        for sensor in &settings.sensors.names {
+            let value = |(index, row): (usize, &Parameter)| {
+                let given = self.of_sensors.get(&(sensor.clone(), index));
+                given.map_or_else(|| row.default_value(), |it| it.slot.value.clone())
+            };
+            let values: Vec<_> = SENSOR_PARAMETERS.iter().enumerate().map(value).collect();
+            let given = SensorSettings::from_values(&values)
+                .expect("rows and struct agree, which is tested");
+            settings.sensors.each.insert(sensor.clone(), given);
+        }
+        settings
+    }
+
+    fn slot(&self, name: &str) -> Option<&Slot> {
+        match Entry::named(name)? {
+            Entry::Single(index) => self.slots.get(index),
+            Entry::OfSensor(sensor, row) => {
+                let given = self.of_sensors.get(&(sensor.to_owned(), row))?;
+                Some(&given.slot)
+            }
+        }
+    }
+
+    /// The elements of `sensors.names`.
+    fn sensor_names(&self) -> Vec<String> {
+        match self.slot(SENSOR_NAMES).map(|slot| &slot.value) {
+            Some(Value::StringArray(names)) => names.clone(),
+            _ => Vec::new(),
+        }
+    }
+
+    fn report_repeated_sensors(&mut self) {
+        let mut seen = BTreeSet::new();
+        let mut repeated = self.sensor_names();
+        repeated.retain(|name| !seen.insert(name.clone()));
+        repeated.sort();
+        repeated.dedup();
+        if repeated.is_empty() {
+            return;
+        }
+        let fault = self.fault_of(
+            "",
+            Inconsistency {
+                names: vec![SENSOR_NAMES],
+                message: format!(
+                    "contains {} more than once; give each sensor its own name",
+                    repeated.join(", ")
+                ),
+            },
+        );
+        self.faults.extend(fault);
+    }
+
+    /// Reports parameters of sensors that are not declared, unless the declaration itself is wrong.
+    fn report_undeclared_sensors(&mut self) {
+        if self.slot(SENSOR_NAMES).is_some_and(|slot| slot.wrong) {
+            return;
+        }
+        let known = self.sensor_names();
+        let mut given = std::mem::take(&mut self.of_sensors);
+        given.retain(|(sensor, row), slot| {
+            if known.contains(sensor) {
+                return true;
+            }
+            if let Some((place, for_any_node)) = slot.name.take() {
+                self.report_undeclared(
+                    sensor,
+                    &SENSOR_PARAMETERS[*row],
+                    place,
+                    for_any_node,
+                    &known,
+                );
+            }
+            false
+        });
+        self.of_sensors = given;
+    }
+
+    fn report_undeclared(
+        &mut self,
+        sensor: &str,
+        row: &Parameter,
+        place: Origin,
+        for_any_node: bool,
+        known: &[String],
+    ) {
+        if for_any_node && self.is_beyond_foreign() {
+            return;
+        }
+        let nearest = match self.may_be_compared() {
+            true => nearest_word(sensor, known.iter().map(String::as_str)),
+            false => None,
+        };
+        let nearest = nearest.into_iter();
+        let (problem, found) = match for_any_node {
+            true => {
+                let nearest = nearest.map(|it| full_name(row, &it)).collect();
+                (Problem::OfAnotherNode { nearest }, &mut self.warnings)
+            }
+            false => {
+                let problem = Problem::UnknownSensor {
+                    sensor: sensor.to_owned(),
+                    nearest: nearest.collect(),
+                    known: known.to_vec(),
+                };
+                (problem, &mut self.faults)
+            }
+        };
+        found.push(Fault {
+            name: Some(full_name(row, sensor)),
+            value: None,
+            place,
+            problem,
+        });
+    }
+
+    /// Reports what a declared sensor must have and is not given.
+    fn report_missing_of_sensors(&mut self) {
+        let sensors: BTreeSet<_> = self.sensor_names().into_iter().collect();
+        for sensor in &sensors {
+            let of_row = |row: &Parameter| self.slot(&full_name(row, sensor));
+            let [quantity, ..] = SENSOR_PARAMETERS else {
+                return;
+            };
+            let measured = of_row(quantity).map_or_else(|| Value::from(""), |it| it.value.clone());
+            let missing: Vec<_> = SENSOR_PARAMETERS
+                .iter()
+                .filter(|row| is_required(row, &measured) && of_row(row).is_none())
+                .collect();
+            for row in missing {
+                let inconsistency = Inconsistency {
+                    names: vec![row.name, SENSOR_NAMES],
+                    message: format!(
+                        "is required, because sensors.names contains {sensor}; allowed: {}",
+                        row.expectation()
+                    ),
+                };
+                let fault = self.fault_of(sensor, inconsistency);
+                self.faults.extend(fault);
+            }
+        }
+    }
+
     /// What depends on the vehicle and is not given: whether a column is a narrow object for it, and its mass, which is its
     /// own unless it is rigid.
     fn follow_vehicle(&mut self) {
-        let vehicle = Parameter::index_of("vehicle.name").map(|index| self.values[index].plain());
+        let vehicle = self.slot("vehicle.name").map(|it| it.value.plain());
         let name = vehicle.unwrap_or_default();
         let mut set_default = |parameter: &str, value: Value| {
             if let Some(index) = Parameter::index_of(parameter)
-                && self.places[index].is_none()
+                && self.slots[index].place.is_none()
             {
-                self.values[index] = value;
+                self.slots[index].value = value;
             }
         };
         set_default("vehicle.narrow_object", narrow_by_default(&name).into());
@@ -220,7 +441,8 @@ impl Draft {
 
     /// Numbers without a name describe another section, steel or vehicle, not the default one with a few numbers changed.
     fn drop_default_name(&mut self, name: &str, numbers: &[&str]) {
-        let Some(named) = Parameter::index_of(name).filter(|&index| self.places[index].is_none())
+        let Some(named) =
+            Parameter::index_of(name).filter(|&index| self.slots[index].place.is_none())
         else {
             return;
         };
@@ -228,32 +450,29 @@ impl Draft {
             .iter()
             .filter_map(|number| Parameter::index_of(number));
         if numbers.any(|index| {
-            self.places[index].is_some() && self.values[index] != PARAMETERS[index].default_value()
+            let slot = &self.slots[index];
+            slot.place.is_some() && slot.value != PARAMETERS[index].default_value()
         }) {
-            self.values[named] = Value::from("");
+            self.slots[named].value = Value::from("");
         }
     }
 
-    /// A fault at the first of the parameters that was given; `None` if one of them is wrong, which is a fault already.
-    fn fault_of(&self, inconsistency: Inconsistency) -> Option<Fault> {
+    /// A fault at the first of the parameters that was given; `None` if one of them is wrong, which is a fault already. A name
+    /// with a placeholder is that of a parameter of the sensor.
+    fn fault_of(&self, sensor: &str, inconsistency: Inconsistency) -> Option<Fault> {
         let Inconsistency { names, message } = inconsistency;
-        let involved: Vec<_> = names
-            .iter()
-            .filter_map(|name| Parameter::index_of(name))
-            .collect();
-        debug_assert_eq!(
-            involved.len(),
-            names.len(),
+        let names: Vec<_> = names.iter().map(|it| with_sensor(it, sensor)).collect();
+        debug_assert!(
+            names.iter().all(|name| Entry::named(name).is_some()),
             "every name is in the table: {names:?}"
         );
-        if involved.iter().any(|&index| self.wrong[index]) {
+        let slots: Vec<_> = names.iter().filter_map(|name| self.slot(name)).collect();
+        if slots.iter().any(|slot| slot.wrong) {
             return None;
         }
-        let place = involved
-            .iter()
-            .find_map(|&index| self.places[index].clone());
+        let place = slots.iter().find_map(|slot| slot.place.clone());
         Some(Fault {
-            name: names.first().map(|name| (*name).to_owned()),
+            name: names.into_iter().next(),
             value: None,
             place: place.unwrap_or(Origin::Direct),
             problem: Problem::Inconsistent(message),

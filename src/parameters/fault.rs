@@ -66,6 +66,21 @@ pub enum Problem {
         /// Names with a similar spelling, closest first.
         nearest: Vec<String>,
     },
+    /// A parameter of a sensor that is not declared.
+    #[error(
+        "is given, but sensors.names does not contain {}{}; known: {}",
+        Shortened(.sensor),
+        Suggestion(.nearest, ""),
+        Known(.known)
+    )]
+    UnknownSensor {
+        /// The sensor, as written.
+        sensor: String,
+        /// Sensors with a similar name.
+        nearest: Vec<String>,
+        /// All sensors that are declared.
+        known: Vec<String>,
+    },
     /// No parameter of this node has this name, which was given for any node: a warning, not a fault.
     #[error(
         "is not a parameter of this node and has no effect on it{}",
@@ -171,7 +186,9 @@ struct Subject<'a>(Option<&'a str>, Option<&'a str>);
 impl fmt::Display for Subject<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self(Some(name), Some(value)) => write!(f, "{name}: `{}` ", Shortened(value)),
+            Self(Some(name), Some(value)) => {
+                write!(f, "{}: `{}` ", Shortened(name), Shortened(value))
+            }
             Self(Some(name), None) => write!(f, "{} ", Shortened(name)),
             Self(None, _) => Ok(()),
         }
@@ -199,6 +216,17 @@ impl fmt::Display for Suggestion<'_> {
             [] => f.write_str(self.1),
             [one] => write!(f, " (did you mean {one}?)"),
             [most @ .., last] => write!(f, " (did you mean {} or {last}?)", most.join(", ")),
+        }
+    }
+}
+
+struct Known<'a>(&'a [String]);
+
+impl fmt::Display for Known<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [] => f.write_str("none"),
+            names => f.write_str(&names.join(", ")),
         }
     }
 }

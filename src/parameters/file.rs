@@ -9,7 +9,6 @@ use std::sync::Arc;
 use super::fault::{Fault, Origin, Problem, SourceFile};
 use super::given::{self, Assignment, Given};
 use super::node_name::{NodeName, with_slashes};
-use super::parameter::Parameter;
 use super::yaml::{self, Location, YamlContent, YamlKey, YamlNode};
 
 /// Maximum size of a parameter file \[bytes\].
@@ -235,14 +234,15 @@ impl FileReader<'_> {
 
     fn assign(&mut self, name: String, key: &YamlKey, node: &YamlNode) {
         let mut given = Given::of_yaml(node, &|at| self.file.place(at));
+        let name_place = self.file.place(&key.at);
         // A fault in a scalar is shown at the scalar, one in the name or in a whole list at the name.
-        if Parameter::named(&name).is_none() || !matches!(given.content, given::Content::Scalar(_))
-        {
-            given.place = self.file.place(&key.at);
+        if !matches!(given.content, given::Content::Scalar(_)) {
+            given.place = name_place.clone();
         }
         self.found.push(Assignment {
             name,
             given,
+            name_place,
             for_any_node: self.for_any_node,
         });
     }

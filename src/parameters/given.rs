@@ -9,6 +9,8 @@ use super::yaml::{Location, YamlContent, YamlNode};
 pub(super) struct Assignment {
     pub name: String,
     pub given: Given,
+    /// Where the name is.
+    pub name_place: Origin,
     /// Given for any node (`/**`): a name that this node does not know belongs to another one.
     pub for_any_node: bool,
 }
@@ -41,6 +43,7 @@ impl Assignment {
         Self {
             name: name.into(),
             given: Given::direct(value),
+            name_place: Origin::Direct,
             for_any_node: false,
         }
     }

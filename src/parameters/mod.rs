@@ -36,6 +36,7 @@ mod parameter;
 mod processors;
 mod reference;
 mod senders;
+mod sensors;
 mod settings;
 mod spelling;
 mod steel;
@@ -45,6 +46,7 @@ mod vehicles;
 mod yaml;
 mod yaml_1_1;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -55,17 +57,18 @@ pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
-pub use parameter::{Admissible, Applies, DefaultValue, Parameter};
+pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
+pub use sensors::SENSOR_PARAMETERS;
 pub use settings::{
     AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
     GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
     RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, Settings, SolverSettings, SpringSettings, StateSettings,
-    SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode,
-    ViewerSettings, YieldSurfaceSettings,
+    SectionSettings, SendersSettings, SensorSettings, SensorsSettings, Settings, SolverSettings,
+    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
+    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -80,6 +83,7 @@ use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, MAX_RECOMMENDED_STEP_NANOS, Model, RateLaw,
     RateProperties, Support, Vehicle, YieldExponents,
 };
+use crate::senses::Sensor;
 use draft::Draft;
 use given::Assignment;
 use steel::{CEB_STRENGTH_PER_LOG_RATE, rate_factor_cap};
@@ -90,6 +94,8 @@ use table::MAX_RATE_FACTOR;
 #[serde(into = "Settings", try_from = "Settings")]
 pub struct Parameters {
     settings: Settings,
+    /// The full names of the parameters of all sensors, which follow from the settings.
+    names_of_sensors: Vec<String>,
 }
 
 /// Where parameters come from.
@@ -165,7 +171,7 @@ impl Parameters {
             draft.take(assignments, faults);
         }
         let (settings, warnings) = draft.finish()?;
-        Ok((Self { settings }, warnings))
+        Ok((Self::of(settings), warnings))
     }
 
     /// The defaults, changed by the text of a parameter file; `path` is its name in faults.
@@ -212,30 +218,68 @@ impl Parameters {
         faults: Vec<Fault>,
     ) -> Result<Self, ParameterFaults> {
         draft.take(assignments, faults);
-        draft.finish().map(|(settings, _)| Self { settings })
+        draft.finish().map(|(settings, _)| Self::of(settings))
     }
 
-    /// The parameters whose values differ.
+    fn of(settings: Settings) -> Self {
+        Self {
+            names_of_sensors: sensors::names_of_all(&settings),
+            settings,
+        }
+    }
+
+    /// The parameters whose values differ, or that the earlier ones do not have.
     #[must_use]
-    pub fn changed_from(&self, earlier: &Self) -> Vec<&'static Parameter> {
-        let before = earlier.settings.values();
+    pub fn changed_from(&self, earlier: &Self) -> Vec<DeclaredParameter<'_>> {
+        let before: HashMap<_, _> = earlier
+            .iter()
+            .map(|(parameter, value)| (parameter.name, value))
+            .collect();
         self.iter()
-            .zip(before)
-            .filter(|((_, value), before)| value != before)
-            .map(|((parameter, _), _)| parameter)
+            .filter(|(parameter, value)| before.get(parameter.name) != Some(value))
+            .map(|(parameter, _)| parameter)
             .collect()
+    }
+
+    /// The parameter of this name; `None` if these parameters do not have it.
+    #[must_use]
+    pub fn declared(&self, name: &str) -> Option<DeclaredParameter<'_>> {
+        self.all_declared().find(|it| it.name == name)
     }
 
     /// The value of the parameter of this name; `None` if there is no such parameter.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Value> {
-        let index = Parameter::index_of(name)?;
-        self.settings.values().into_iter().nth(index)
+        let index = self.all_declared().position(|it| it.name == name)?;
+        self.values().nth(index)
     }
 
     /// All parameters with their values, in the order of the table.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Value)> + use<> {
-        PARAMETERS.iter().zip(self.settings.values())
+    pub fn iter(&self) -> impl Iterator<Item = (DeclaredParameter<'_>, Value)> {
+        self.all_declared().zip(self.values())
+    }
+
+    /// All parameters, in the order of the table, sensor by sensor.
+    pub fn all_declared(&self) -> impl Iterator<Item = DeclaredParameter<'_>> {
+        let single = PARAMETERS.iter().map(|row| DeclaredParameter {
+            name: row.name,
+            row,
+        });
+        let names = self.names_of_sensors.iter();
+        let of_sensors = names.zip(SENSOR_PARAMETERS.iter().cycle());
+        single.chain(of_sensors.map(|(name, row)| DeclaredParameter { name, row }))
+    }
+
+    /// The values of all parameters, in the order of [`all_declared`](Self::all_declared).
+    fn values(&self) -> impl Iterator<Item = Value> {
+        let single = self.settings.values().into_iter();
+        single.chain(sensors::values_of_all(&self.settings))
+    }
+
+    /// The sensors on the column, in the order of `sensors.names`.
+    #[must_use]
+    pub fn sensors(&self) -> Vec<Sensor> {
+        sensors::sensors_of(&self.settings)
     }
 
     /// All parameters as typed data.
@@ -270,20 +314,7 @@ impl Parameters {
     /// The column's section.
     #[must_use]
     pub fn section(&self) -> ColumnSection {
-        let given = &self.settings.section;
-        let named = CatalogueSection::named(&given.name);
-        let computed = named.map(CatalogueSection::properties);
-        ColumnSection {
-            name: named.map(|section| section.name.as_str()),
-            area: or_of_name(given.area, computed.map(|it| it.area)),
-            second_moment: or_of_name(given.second_moment, computed.map(|it| it.second_moment)),
-            mass_per_length: or_of_name(
-                given.mass_per_length,
-                computed.map(|it| it.mass_per_length),
-            ),
-            height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
-            plastic_modulus: computed.map(|it| it.plastic_modulus),
-        }
+        section_of(&self.settings.section)
     }
 
     /// The column's steel.
@@ -444,8 +475,14 @@ impl TryFrom<Settings> for Parameters {
     type Error = ParameterFaults;
 
     fn try_from(settings: Settings) -> Result<Self, ParameterFaults> {
-        let names = PARAMETERS.iter().map(|parameter| parameter.name);
-        Self::from_values(names.zip(settings.values()))
+        let names = PARAMETERS.iter().map(|row| row.name.to_owned());
+        let single = names.zip(settings.values());
+        let of_sensors = settings.sensors.each.iter().flat_map(|(sensor, given)| {
+            let names = SENSOR_PARAMETERS.iter();
+            let names = names.map(|row| sensors::full_name(row, sensor));
+            names.zip(given.values())
+        });
+        Self::from_values(single.chain(of_sensors))
     }
 }
 
@@ -471,6 +508,20 @@ fn impact_of(settings: &Settings) -> Result<Impact, VehicleFault> {
     let vehicle = settings.vehicle.vehicle()?;
     let rigid = Impact::rigid(given.mass, given.velocity);
     Ok(specification.complete(&rigid, vehicle)?)
+}
+
+/// The section as given, with the properties that its name gives.
+fn section_of(given: &SectionSettings) -> ColumnSection {
+    let named = CatalogueSection::named(&given.name);
+    let computed = named.map(CatalogueSection::properties);
+    ColumnSection {
+        name: named.map(|section| section.name.as_str()),
+        area: or_of_name(given.area, computed.map(|it| it.area)),
+        second_moment: or_of_name(given.second_moment, computed.map(|it| it.second_moment)),
+        mass_per_length: or_of_name(given.mass_per_length, computed.map(|it| it.mass_per_length)),
+        height: or_of_name(given.height, named.map(|it| it.dimensions.depth)),
+        plastic_modulus: computed.map(|it| it.plastic_modulus),
+    }
 }
 
 /// The given number, or else that of the named section or grade.

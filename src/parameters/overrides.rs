@@ -85,6 +85,7 @@ impl Override {
         Ok(Assignment {
             given: self.given.clone().map_err(fault)?,
             name: self.name.clone().unwrap_or_default(),
+            name_place: place.clone(),
             for_any_node: false,
         })
     }

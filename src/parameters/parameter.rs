@@ -5,7 +5,8 @@ use super::value::{Kind, Value};
 /// One parameter with everything that is known about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
-    /// Full name, such as `geometry.length_below`.
+    /// Full name, such as `geometry.length_below`; of a parameter that every sensor has, with `<name>` in the place of the
+    /// sensor's name.
     pub name: &'static str,
     /// SI unit, of an array that of its elements; empty where there is none.
     pub unit: &'static str,
@@ -34,6 +35,8 @@ pub enum DefaultValue {
     Numbers(&'static [f64]),
     /// See [`Value::StringArray`].
     Texts(&'static [&'static str]),
+    /// There is none: the parameter must be given. Of this type; 0 or empty where a value is needed nevertheless.
+    Required(Kind),
 }
 
 /// Admissible values of a parameter; all bounds are inclusive.
@@ -48,6 +51,8 @@ pub enum Admissible {
         /// Largest.
         max: i64,
     },
+    /// 1 or -1.
+    Sign,
     /// A finite number.
     Real {
         /// Smallest.
@@ -101,6 +106,8 @@ pub enum Admissible {
     Processors,
     /// An [allowed sender](super::AllowedSender).
     Sender,
+    /// The name of a sensor.
+    SensorName,
     /// An array of numbers or of strings.
     List {
         /// Admissible values of every element: numbers or strings.
@@ -110,6 +117,15 @@ pub enum Admissible {
         /// Maximum number of elements.
         max_len: usize,
     },
+}
+
+/// A parameter that a set of parameters has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeclaredParameter<'a> {
+    /// Full name, such as `geometry.length_below` or `sensors.top_laser.height`.
+    pub name: &'a str,
+    /// Its row in the table, which every sensor shares.
+    pub row: &'static Parameter,
 }
 
 /// When a change takes effect in the running node.
@@ -142,6 +158,14 @@ impl Parameter {
             DefaultValue::Texts(texts) => {
                 Value::StringArray(texts.iter().map(|it| (*it).to_owned()).collect())
             }
+            DefaultValue::Required(kind) => match kind {
+                Kind::Bool => Value::Bool(false),
+                Kind::Integer => Value::Integer(0),
+                Kind::Double => Value::Double(0.0),
+                Kind::String => Value::from(""),
+                Kind::DoubleArray => Value::DoubleArray(vec![]),
+                Kind::StringArray => Value::StringArray(vec![]),
+            },
         }
     }
 
@@ -157,7 +181,7 @@ impl Admissible {
     pub(super) const fn kind(&self) -> Kind {
         match self {
             Self::Switch => Kind::Bool,
-            Self::Integer { .. } => Kind::Integer,
+            Self::Integer { .. } | Self::Sign => Kind::Integer,
             Self::Real { .. }
             | Self::RealOrZero { .. }
             | Self::RealOrOpen { .. }
@@ -168,7 +192,8 @@ impl Admissible {
             | Self::VehicleName
             | Self::SteelGrade
             | Self::Processors
-            | Self::Sender => Kind::String,
+            | Self::Sender
+            | Self::SensorName => Kind::String,
             Self::List { of, .. } => match of.kind() {
                 Kind::Double => Kind::DoubleArray,
                 Kind::String => Kind::StringArray,

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use super::catalogue::catalogue;
-use super::parameter::{Applies, Parameter};
+use super::parameter::{Applies, DefaultValue, Parameter};
+use super::sensors::SENSOR_PARAMETERS;
 use super::steel::STEEL_GRADES;
 use super::table::PARAMETERS;
 use super::value::{Value, readable};
@@ -22,6 +23,10 @@ pub fn markdown() -> String {
         }
         text.push_str(&row(parameter));
     }
+    for parameter in SENSOR_PARAMETERS {
+        text.push_str(&row(parameter));
+    }
+    text.push_str(SENSORS);
     text.push_str(&steels());
     text.push_str(&sections());
     text.push_str(&vehicles());
@@ -51,6 +56,19 @@ Ranges include their bounds; *or 0 (...)* gives the meaning of 0 where it is out
 *Applies* tells when a change takes effect in the running node; *restart* means read-only while it runs.
 ";
 
+const SENSORS: &str = "
+`<name>` is an element of `sensors.names`: each sensor has all of these parameters, and `sensors.names` may be given before or after \
+them; a later file or override replaces the whole list.
+Readings are relative to the column at rest, as it was before the impact.
+`config/sensors_industrial.yaml` is an example.
+
+```yaml
+sensors:
+  names: [top_laser]
+  top_laser: {quantity: displacement, height: 2.5, noise: 1.0e-4}
+```
+";
+
 fn heading(group: &str) -> String {
     let columns = "| name | type | unit | default | admissible | applies | meaning |\n|---|---|---|---|---|---|---|\n";
     format!("\n## {group}\n\n{columns}")
@@ -58,6 +76,7 @@ fn heading(group: &str) -> String {
 
 fn row(parameter: &Parameter) -> String {
     let default = match parameter.default_value() {
+        _ if matches!(parameter.default, DefaultValue::Required(_)) => "(required)".to_owned(),
         Value::Double(number) => readable(number),
         Value::String(text) if text.is_empty() => "(empty)".to_owned(),
         other => other.plain(),

@@ -1,9 +1,12 @@
 //! The parameters as typed data, grouped as their names are.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
 use super::parameter::Parameter;
+use super::sensors::{SENSOR_PARAMETERS, field};
 use super::table::PARAMETERS;
 use super::value::{Kind, Value};
 use crate::column::{ElasticLaw, Scheme};
@@ -43,6 +46,19 @@ pub struct Settings {
     pub real_time: RealTimeSettings,
     pub record: RecordSettings,
     pub viewer: ViewerSettings,
+    // Left out where there are none, as in the recordings and states of programs that know no sensors.
+    #[serde(default, skip_serializing_if = "SensorsSettings::is_empty")]
+    pub sensors: SensorsSettings,
+}
+
+/// The sensors on the column as given.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SensorsSettings {
+    /// Their names, in the order given.
+    pub names: Vec<String>,
+    /// What is given for each name.
+    #[serde(flatten)]
+    pub each: BTreeMap<String, SensorSettings>,
 }
 
 macro_rules! groups {
@@ -141,6 +157,19 @@ groups! {
         memory_limit: u64,
         magnification: f64,
     }
+    /// One sensor.
+    SensorSettings {
+        quantity: String,
+        height: f64,
+        range: f64,
+        noise: f64,
+        bias: f64,
+        gain_error: f64,
+        rate: f64,
+        bandwidth: f64,
+        sign: i8,
+        fibre: f64,
+    }
 }
 
 macro_rules! words {
@@ -205,7 +234,7 @@ words! {
 }
 
 impl Settings {
-    /// From one checked value per entry of the table, in its order.
+    /// From one checked value per entry of the table, in its order, without the parameters of each sensor.
     ///
     /// # Errors
     /// Table and struct differ, which a test rules out, or a value was not checked.
@@ -220,24 +249,53 @@ impl Settings {
     /// One value per entry of the table, in its order; numbers that are not finite become NaN.
     pub(super) fn values(&self) -> Vec<Value> {
         let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
-        let number = |json: &Json| json.as_f64().unwrap_or(f64::NAN);
-        let text = |json: &Json| json.as_str().unwrap_or_default().to_owned();
         let value = |parameter: &Parameter| {
-            let json = parameter
-                .name
-                .split('.')
-                .fold(&tree, |node, part| &node[part]);
-            let elements = || json.as_array().into_iter().flatten();
-            match parameter.kind() {
-                Kind::Bool => Value::Bool(json.as_bool().unwrap_or_default()),
-                Kind::Integer => Value::Integer(json.as_i64().unwrap_or(i64::MAX)),
-                Kind::Double => Value::Double(number(json)),
-                Kind::String => Value::String(text(json)),
-                Kind::DoubleArray => Value::DoubleArray(elements().map(number).collect()),
-                Kind::StringArray => Value::StringArray(elements().map(text).collect()),
-            }
+            let parts = parameter.name.split('.');
+            value_of_json(parts.fold(&tree, |node, part| &node[part]), parameter)
         };
         PARAMETERS.iter().map(value).collect()
+    }
+}
+
+impl SensorsSettings {
+    fn is_empty(&self) -> bool {
+        self.names.is_empty() && self.each.is_empty()
+    }
+}
+
+impl SensorSettings {
+    /// From one checked value per entry of [`SENSOR_PARAMETERS`], in its order.
+    ///
+    /// # Errors
+    /// As of [`Settings::from_values`].
+    pub(super) fn from_values(values: &[Value]) -> Result<Self, serde_json::Error> {
+        let mut members = Map::new();
+        for (row, value) in SENSOR_PARAMETERS.iter().zip(values) {
+            insert(&mut members, field(row), serde_json::to_value(value)?);
+        }
+        serde_json::from_value(Json::Object(members))
+    }
+
+    /// One value per entry of [`SENSOR_PARAMETERS`], in its order; numbers that are not finite become NaN.
+    pub(super) fn values(&self) -> Vec<Value> {
+        let tree = serde_json::to_value(self).expect("settings are numbers, words and strings");
+        let rows = SENSOR_PARAMETERS.iter();
+        rows.map(|row| value_of_json(&tree[field(row)], row))
+            .collect()
+    }
+}
+
+fn value_of_json(json: &Json, parameter: &Parameter) -> Value {
+    let number = |json: &Json| json.as_f64().unwrap_or(f64::NAN);
+    let text = |json: &Json| json.as_str().unwrap_or_default().to_owned();
+    let elements = || json.as_array().into_iter().flatten();
+    match parameter.kind() {
+        Kind::Bool => Value::Bool(json.as_bool().unwrap_or_default()),
+        Kind::Integer => Value::Integer(json.as_i64().unwrap_or(i64::MAX)),
+        Kind::Double => Value::Double(number(json)),
+        Kind::String => Value::String(text(json)),
+        Kind::DoubleArray => Value::DoubleArray(elements().map(number).collect()),
+        Kind::StringArray => Value::StringArray(elements().map(text).collect()),
     }
 }
 
@@ -278,7 +336,16 @@ mod tests {
 
     #[test]
     fn the_struct_has_the_names_of_the_table() {
-        let settings = Settings::from_values(&defaults()).expect("table and struct agree");
+        let mut settings = Settings::from_values(&defaults()).expect("table and struct agree");
+        assert_eq!(settings.values(), defaults());
+        let of_sensor: Vec<_> = SENSOR_PARAMETERS
+            .iter()
+            .map(Parameter::default_value)
+            .collect();
+        let sensor = SensorSettings::from_values(&of_sensor).expect("rows and struct agree");
+        assert_eq!(sensor.values(), of_sensor);
+        settings.sensors.names = vec!["<name>".to_owned()];
+        settings.sensors.each.insert("<name>".to_owned(), sensor);
         let mut names = Vec::new();
         collect_names(
             &serde_json::to_value(&settings).expect("serializes"),
@@ -287,12 +354,24 @@ mod tests {
         );
         let mut expected: Vec<_> = PARAMETERS
             .iter()
+            .chain(SENSOR_PARAMETERS)
             .map(|parameter| parameter.name.to_owned())
             .collect();
         names.sort();
         expected.sort();
         assert_eq!(names, expected);
-        assert_eq!(settings.values(), defaults());
+    }
+
+    /// Recordings and states of programs that know no sensors are read, and read what is written without sensors.
+    #[test]
+    fn without_sensors_nothing_is_written_of_them() {
+        let settings = Settings::from_values(&defaults()).expect("table and struct agree");
+        let json = serde_json::to_value(&settings).expect("serializes");
+        assert_eq!(json.get("sensors"), None);
+        assert_eq!(
+            serde_json::from_value::<Settings>(json).expect("reads"),
+            settings
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use crate::column::MAX_MASSES;
+use crate::senses::MAX_SENSORS;
 
 const LENGTH: Admissible = Admissible::Real {
     min: 0.02,
@@ -52,6 +53,11 @@ const CURVE_FORCE: Admissible = Admissible::List {
     of: &Admissible::Real { min: 0.0, max: 1e9 },
     min_len: 0,
     max_len: MAX_POINTS,
+};
+const SENSOR_NAMES: Admissible = Admissible::List {
+    of: &Admissible::SensorName,
+    min_len: 0,
+    max_len: MAX_SENSORS,
 };
 const UNLOADING_STIFFNESS: Admissible = Admissible::RealOrZero {
     min: 1.0,
@@ -971,6 +977,15 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "magnification factor of the displacements in the pictures; 1: true to scale",
+    },
+    // The last row: the rows of every sensor, in `sensors.rs`, continue the table.
+    Parameter {
+        name: "sensors.names",
+        unit: "",
+        default: DefaultValue::Texts(&[]),
+        admissible: SENSOR_NAMES,
+        applies: Applies::Restart,
+        meaning: "names of the sensors on the column, which the names of their parameters contain",
     },
 ];
 

@@ -159,8 +159,8 @@ impl ReportDocument {
                                 tr {
                                     th scope="row" { code { (parameter.name) } }
                                     td { (shown(&value)) }
-                                    td { (parameter.unit) }
-                                    td { (parameter.meaning) }
+                                    td { (parameter.row.unit) }
+                                    td { (parameter.row.meaning) }
                                 }
                             }
                         }
@@ -203,8 +203,8 @@ fn changed_parameters(parameters: &Parameters) -> Markup {
                         tr {
                             th scope="row" { code { (parameter.name) } }
                             td { (parameters.get(parameter.name).as_ref().map_or(String::new(), shown)) }
-                            td { (shown(&parameter.default_value())) }
-                            td { (parameter.unit) }
+                            td { (shown(&parameter.row.default_value())) }
+                            td { (parameter.row.unit) }
                         }
                     }
                 }

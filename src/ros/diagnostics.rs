@@ -49,7 +49,7 @@ impl NodeCounters {
 pub(super) struct Observed<'a> {
     pub twin: &'a TwinStatus,
     /// Parameters that wait for the end of the response.
-    pub waiting: &'a [&'a str],
+    pub waiting: &'a [String],
     pub health: &'a Health,
     /// `None` without a recording.
     pub recording: Option<&'a RecordingHealth>,
@@ -94,7 +94,7 @@ pub(super) fn same_state(one: &DiagnosticArray, other: &DiagnosticArray) -> bool
     state(one) == state(other)
 }
 
-fn twin_status(twin: &TwinStatus, waiting: &[&str]) -> DiagnosticStatus {
+fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
     let (level, message) = match twin.phase {
         TwinStatus::FAULTED => (DiagnosticStatus::ERROR, format!("faulted: {}", twin.fault)),
         TwinStatus::COLLAPSED => (
@@ -452,7 +452,7 @@ mod tests {
 
     #[test]
     fn parameters_that_wait_are_listed() {
-        let waiting = ["top.load", "damping.ratio"];
+        let waiting = ["top.load", "damping.ratio"].map(str::to_owned);
         let status = twin_status(&TwinStatus::default(), &waiting);
         let listed = status
             .values

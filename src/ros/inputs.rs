@@ -22,12 +22,13 @@ use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, Refusal};
 
 use super::diagnostics::NodeCounters;
+use super::guid_prefix::GuidPrefix;
 use super::live_twin::LiveTwin;
 use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
-use super::senders::{GuidPrefix, Rejected, Senders};
+use super::senders::{Rejected, Senders};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}
@@ -317,13 +318,13 @@ impl Services {
                 parameters::get(&twin.parameters(), &request)
             }),
             answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
-                parameters::types(&request)
+                parameters::types(&twin.parameters(), &request)
             }),
             answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
-                parameters::list(&request)
+                parameters::list(&twin.parameters(), &request)
             }),
             answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
-                parameters::describe(&request)
+                parameters::describe(&twin.parameters(), &request)
             }),
             answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
                 match admit(sender, &qos::SET_PARAMETERS, "a request") {

@@ -3,7 +3,7 @@
 //! The services of ros2-client have neither descriptions nor ranges nor read-only flags, check one value at a time and
 //! never a set as a whole, reject a whole number for a `double`, and run their set action at declaration.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use ros2_client::parameters::raw;
 use ros2_client::rcl_interfaces::{
@@ -13,7 +13,7 @@ use ros2_client::rcl_interfaces::{
     SetParametersRequest, SetParametersResponse,
 };
 
-use crate::parameters::{Admissible, Kind, PARAMETERS, Parameter, Parameters, Value};
+use crate::parameters::{Admissible, DeclaredParameter, Kind, Parameter, Parameters, Value};
 use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 
 use super::live_twin::LiveTwin;
@@ -34,16 +34,25 @@ pub(super) fn get(
     parameters: &Parameters,
     request: &GetParametersRequest,
 ) -> GetParametersResponse {
-    let value = |name: &String| parameters.get(name).map_or_else(not_set, raw_value);
+    let known = parameters.iter().map(|(it, value)| (it.name, value));
+    let known: HashMap<_, _> = known.collect();
+    let value = |name: &String| {
+        let value = known.get(name.as_str()).cloned();
+        value.map_or_else(not_set, raw_value)
+    };
     GetParametersResponse {
         values: each(&request.names, value, |_| not_set()),
     }
 }
 
 /// `~/get_parameter_types`
-pub(super) fn types(request: &GetParameterTypesRequest) -> GetParameterTypesResponse {
+pub(super) fn types(
+    parameters: &Parameters,
+    request: &GetParameterTypesRequest,
+) -> GetParameterTypesResponse {
     let type_of = |name: &String| {
-        Parameter::named(name).map_or(raw::ParameterType::NOT_SET, |it| type_code(it.kind()))
+        let known = parameters.declared(name);
+        known.map_or(raw::ParameterType::NOT_SET, |it| type_code(it.row.kind()))
     };
     GetParameterTypesResponse {
         values: each(&request.names, type_of, |_| raw::ParameterType::NOT_SET),
@@ -51,8 +60,14 @@ pub(super) fn types(request: &GetParameterTypesRequest) -> GetParameterTypesResp
 }
 
 /// `~/describe_parameters`: an unknown name has an empty description, as in rclpy.
-pub(super) fn describe(request: &DescribeParametersRequest) -> DescribeParametersResponse {
-    let described = |name: &String| Parameter::named(name).map_or_else(no_descriptor, descriptor);
+pub(super) fn describe(
+    parameters: &Parameters,
+    request: &DescribeParametersRequest,
+) -> DescribeParametersResponse {
+    let described = |name: &String| {
+        let known = parameters.declared(name);
+        known.map_or_else(no_descriptor, descriptor)
+    };
     DescribeParametersResponse {
         values: each(&request.names, described, |description| {
             raw::ParameterDescriptor {
@@ -84,7 +99,10 @@ fn too_many(count: usize) -> String {
 
 /// `~/list_parameters`, as in rclcpp: without prefixes all names with fewer than `depth` dots (0: any number); with
 /// prefixes the names equal to one of them, or below one with fewer than `depth` dots after it, including the first.
-pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
+pub(super) fn list(
+    parameters: &Parameters,
+    request: &ListParametersRequest,
+) -> ListParametersResponse {
     let within = |dots: usize| request.depth == 0 || (dots as u64) < request.depth;
     let below = |name: &str, prefix: &String| {
         name == prefix
@@ -93,8 +111,8 @@ pub(super) fn list(request: &ListParametersRequest) -> ListParametersResponse {
                 .and_then(|rest| rest.strip_prefix('.'))
                 .is_some_and(|rest| within(rest.matches('.').count() + 1))
     };
-    let mut names: Vec<String> = PARAMETERS
-        .iter()
+    let mut names: Vec<String> = parameters
+        .all_declared()
         .map(|parameter| parameter.name)
         .filter(|name| match request.prefixes.is_empty() {
             true => within(name.matches('.').count()),
@@ -233,14 +251,14 @@ fn settable_value(current: &Parameters, parameter: raw::Parameter) -> Result<Val
         raw::ParameterType::STRING_ARRAY => Some(Value::StringArray(value.string_array)),
         _ => None,
     };
-    let Some(known) = Parameter::named(&name) else {
+    let Some(known) = current.declared(&name).map(|it| it.row) else {
         // The twin rejects the name, with a suggestion.
         return Ok(found.unwrap_or(Value::Bool(false)));
     };
     let found = found.map(|value| known.meant_in_yaml_1_1(value));
     let is_unchanged = || {
         let value = found.as_ref().and_then(|value| known.check(value).ok());
-        value.is_some() && value == current.get(known.name)
+        value.is_some() && value == current.get(&name)
     };
     if known.read_only() && !is_unchanged() {
         let reason = format!(
@@ -279,8 +297,9 @@ pub(super) fn event(
         None => (now.iter().map(entry).collect(), vec![]),
         Some(before) => {
             let changed = now.changed_from(before).into_iter();
-            let value = |it: &'static Parameter| Some(entry((it, now.get(it.name)?)));
-            (vec![], changed.filter_map(value).collect())
+            let names: HashSet<_> = changed.map(|it| it.name).collect();
+            let changed = now.iter().filter(|(it, _)| names.contains(it.name));
+            (vec![], changed.map(entry).collect())
         }
     };
     (!new.is_empty() || !changed.is_empty()).then(|| raw::ParameterEvent {
@@ -292,16 +311,17 @@ pub(super) fn event(
     })
 }
 
-fn entry((parameter, value): (&'static Parameter, Value)) -> raw::Parameter {
+fn entry((parameter, value): (DeclaredParameter<'_>, Value)) -> raw::Parameter {
     raw::Parameter {
         name: parameter.name.to_owned(),
         value: raw_value(value),
     }
 }
 
-fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
+fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
     let mut it = no_descriptor();
-    it.name = parameter.name.to_owned();
+    it.name = declared.name.to_owned();
+    let parameter = declared.row;
     it.r#type = type_code(parameter.kind());
     it.description = match parameter.unit {
         "" => parameter.meaning.to_owned(),
@@ -326,6 +346,11 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
             // A step of 0 would rule out all values between the ends.
             step: 1,
         }),
+        Admissible::Sign => it.integer_range.push(raw::IntegerRange {
+            from_value: -1,
+            to_value: 1,
+            step: 2,
+        }),
         Admissible::Real { min, max } => it.floating_point_range.push(reals(min, max)),
         // A range has no gap; the additional constraint describes the rest.
         Admissible::RealOrZero { max, .. }
@@ -341,6 +366,7 @@ fn descriptor(parameter: &'static Parameter) -> raw::ParameterDescriptor {
         | Admissible::SteelGrade
         | Admissible::Processors
         | Admissible::Sender
+        | Admissible::SensorName
         | Admissible::List { .. } => {}
     }
     it
@@ -402,12 +428,16 @@ fn not_set() -> raw::ParameterValue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::{PARAMETERS, SENSOR_PARAMETERS};
 
     fn names(prefixes: &[&str], depth: u64) -> Vec<String> {
         let prefixes = prefixes.iter().map(|it| (*it).to_owned()).collect();
-        list(&ListParametersRequest { prefixes, depth })
-            .result
-            .names
+        list(
+            &Parameters::default(),
+            &ListParametersRequest { prefixes, depth },
+        )
+        .result
+        .names
     }
 
     #[test]
@@ -423,10 +453,13 @@ mod tests {
         assert!(names(&["top"], 1).is_empty());
         assert_eq!(names(&["top"], 2), names(&["top"], 0));
         assert_eq!(names(&["column_id", "nothing"], 0), ["column_id"]);
-        let all = list(&ListParametersRequest {
-            prefixes: vec![],
-            depth: 0,
-        });
+        let all = list(
+            &Parameters::default(),
+            &ListParametersRequest {
+                prefixes: vec![],
+                depth: 0,
+            },
+        );
         assert!(all.result.prefixes.contains(&"geometry".to_owned()));
     }
 
@@ -435,7 +468,7 @@ mod tests {
         let request = DescribeParametersRequest {
             names: PARAMETERS.iter().map(|it| it.name.to_owned()).collect(),
         };
-        let descriptors = describe(&request).values;
+        let descriptors = describe(&Parameters::default(), &request).values;
         for (parameter, descriptor) in PARAMETERS.iter().zip(&descriptors) {
             assert_eq!(descriptor.name, parameter.name);
             assert!(!descriptor.description.is_empty());
@@ -459,9 +492,12 @@ mod tests {
                 _ => panic!("{} has a range and is no number", parameter.name),
             }
         }
-        let unknown = describe(&DescribeParametersRequest {
-            names: vec!["x".to_owned()],
-        });
+        let unknown = describe(
+            &Parameters::default(),
+            &DescribeParametersRequest {
+                names: vec!["x".to_owned()],
+            },
+        );
         assert_eq!(unknown.values[0].name, "");
     }
 
@@ -478,9 +514,12 @@ mod tests {
         )
         .values;
         assert_eq!(values.len(), many);
-        let types = types(&GetParameterTypesRequest {
-            names: names.clone(),
-        })
+        let types = types(
+            &Parameters::default(),
+            &GetParameterTypesRequest {
+                names: names.clone(),
+            },
+        )
         .values;
         assert_eq!(
             types[many - 3..],
@@ -490,7 +529,8 @@ mod tests {
                 raw::ParameterType::NOT_SET
             ]
         );
-        let descriptors = describe(&DescribeParametersRequest { names }).values;
+        let descriptors =
+            describe(&Parameters::default(), &DescribeParametersRequest { names }).values;
         assert_eq!(descriptors.len(), many);
         assert_eq!(descriptors[many - 3].name, "top.load");
         assert_eq!(descriptors[many - 1].description, "");
@@ -521,9 +561,12 @@ mod tests {
             .map(|value| value.ptype)
             .collect();
         assert_eq!(types, [4, 3, 2, 1, 0, 8, 9]);
-        let same = super::types(&GetParameterTypesRequest {
-            names: request.names,
-        });
+        let same = super::types(
+            &Parameters::default(),
+            &GetParameterTypesRequest {
+                names: request.names,
+            },
+        );
         assert_eq!(same.values, types);
     }
 
@@ -662,9 +705,12 @@ mod tests {
             .collect();
         assert_eq!(changed, [(names[0].as_str(), 8), (names[1].as_str(), 9)]);
 
-        let descriptors = describe(&DescribeParametersRequest {
-            names: names.to_vec(),
-        });
+        let descriptors = describe(
+            &Parameters::default(),
+            &DescribeParametersRequest {
+                names: names.to_vec(),
+            },
+        );
         let [numbers, words] = &descriptors.values[..] else {
             panic!("{descriptors:?}");
         };
@@ -680,6 +726,74 @@ mod tests {
             constraints.starts_with("a list of 1 to 26 elements, each collapse, "),
             "{constraints}"
         );
+    }
+
+    #[test]
+    fn sensors_are_listed_described_and_read_only() {
+        let given = [
+            ("sensors.names", Value::from(vec!["laser".to_owned()])),
+            ("sensors.laser.quantity", "displacement".into()),
+            ("sensors.laser.height", 1.0.into()),
+        ];
+        let parameters = Parameters::from_values(given).expect("admissible");
+        let request = ListParametersRequest {
+            prefixes: vec!["sensors".to_owned()],
+            depth: 0,
+        };
+        let names = list(&parameters, &request).result.names;
+        assert_eq!(names.len(), 1 + SENSOR_PARAMETERS.len());
+        assert!(names.contains(&"sensors.laser.fibre".to_owned()));
+        let values = get(
+            &parameters,
+            &GetParametersRequest {
+                names: names.clone(),
+            },
+        )
+        .values;
+        let same = types(
+            &parameters,
+            &GetParameterTypesRequest {
+                names: names.clone(),
+            },
+        )
+        .values;
+        let descriptors = describe(
+            &parameters,
+            &DescribeParametersRequest {
+                names: names.clone(),
+            },
+        )
+        .values;
+        for (index, name) in names.iter().enumerate() {
+            let (value, descriptor) = (&values[index], &descriptors[index]);
+            assert_eq!((&descriptor.name, descriptor.r#type), (name, value.ptype));
+            assert_eq!(same[index], value.ptype);
+            assert!(descriptor.read_only && !descriptor.description.is_empty());
+            let unchanged = raw::Parameter {
+                name: name.clone(),
+                value: value.clone(),
+            };
+            assert!(settable_value(&parameters, unchanged).is_ok(), "{name}");
+        }
+        let sign = descriptors.iter().find(|it| it.name.ends_with(".sign"));
+        let sign = &sign.expect("described").integer_range[0];
+        assert_eq!((sign.from_value, sign.to_value, sign.step), (-1, 1, 2));
+        let moved = raw::Parameter {
+            name: "sensors.laser.height".to_owned(),
+            value: raw_value(2.0.into()),
+        };
+        let reason = settable_value(&parameters, moved).expect_err("read-only");
+        assert_eq!(reason.code, RefusalCode::ParametersReadOnly);
+        // A sensor that is not declared is no parameter of this node.
+        let unknown = vec![
+            "sensors.lidar.height".to_owned(),
+            "sensors.<name>.height".to_owned(),
+        ];
+        let described = describe(&parameters, &DescribeParametersRequest { names: unknown });
+        assert!(described.values.iter().all(|it| it.name.is_empty()));
+        let first = event("/n".to_owned(), 5, None, &parameters).expect("all are new");
+        let announced: Vec<_> = first.new_parameters.iter().map(|it| &it.name).collect();
+        assert!(names.iter().all(|name| announced.contains(&name)));
     }
 
     #[test]

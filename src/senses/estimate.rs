@@ -32,10 +32,16 @@ impl CredibleInterval {
                 sum += weight / total;
                 sum >= share
             });
-            found.or(values.last()).map_or(f64::NAN, |(value, _)| *value)
+            found
+                .or(values.last())
+                .map_or(f64::NAN, |(value, _)| *value)
         };
         let (low, high) = (quantile(TAIL), quantile(1.0 - TAIL));
-        let mean = values.iter().map(|(value, weight)| value * weight).sum::<f64>() / total;
+        let mean = values
+            .iter()
+            .map(|(value, weight)| value * weight)
+            .sum::<f64>()
+            / total;
         Self { mean, low, high }
     }
 }

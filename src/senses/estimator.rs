@@ -1,7 +1,7 @@
 //! From readings to estimates.
 
 use super::blocks::Blocks;
-use super::estimate::{ImpactEstimate, CredibleInterval};
+use super::estimate::{CredibleInterval, ImpactEstimate};
 use super::hypothesis::{Front, Hypothesis};
 use super::population::{Member, Population};
 use super::prediction::HORIZON;
@@ -125,7 +125,13 @@ impl Estimator {
         let yield_strain = self.yield_strain;
         self.contact = [contact, deviation];
         self.population.set_contact_deviation(deviation);
-        self.blocks = Some(Blocks::new(contact, HORIZON, yield_strain, &self.sensors, zeros));
+        self.blocks = Some(Blocks::new(
+            contact,
+            HORIZON,
+            yield_strain,
+            &self.sensors,
+            zeros,
+        ));
         self.observed = 0;
     }
 
@@ -141,7 +147,8 @@ impl Estimator {
         let Some(blocks) = &self.blocks else { return };
         for index in self.observed..blocks.complete(until) {
             let means = (0..self.sensors.len()).map(|sensor| blocks.mean(sensor, index));
-            self.population.observe(blocks.layout()[index], means.collect());
+            self.population
+                .observe(blocks.layout()[index], means.collect());
             self.observed = index + 1;
         }
     }
@@ -154,7 +161,12 @@ impl Estimator {
     /// The number of responses that it rests on if all counted alike.
     #[must_use]
     pub fn effective_responses(&self) -> f64 {
-        1.0 / self.population.weights().iter().map(|weight| weight * weight).sum::<f64>()
+        1.0 / self
+            .population
+            .weights()
+            .iter()
+            .map(|weight| weight * weight)
+            .sum::<f64>()
     }
 
     /// Number of responses computed.
@@ -205,7 +217,8 @@ impl Estimator {
         let members = || self.population.members.iter().zip(weights.iter().copied());
         // Their distributions are skew: the mean is that of the logarithm.
         let positive = |logarithm: &dyn Fn(&Member) -> f64| {
-            let interval = CredibleInterval::of(members().map(|(member, weight)| (logarithm(member), weight)));
+            let interval =
+                CredibleInterval::of(members().map(|(member, weight)| (logarithm(member), weight)));
             CredibleInterval {
                 mean: libm::exp(interval.mean),
                 low: libm::exp(interval.low),
@@ -215,13 +228,17 @@ impl Estimator {
         let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
             CredibleInterval::of(members().flat_map(|(member, weight)| {
                 let [scale, deviation] = member.scale;
-                let (scaled, error) = (deviation * value(member), error * member.prediction.peak_v1);
+                let (scaled, error) =
+                    (deviation * value(member), error * member.prediction.peak_v1);
                 let deviation = (scaled * scaled + error * error).sqrt();
                 SPREAD.map(|z| (scale * value(member) + deviation * z, weight))
             }))
         };
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
-            members().filter(|(member, _)| is(member)).map(|(_, weight)| weight).sum()
+            members()
+                .filter(|(member, _)| is(member))
+                .map(|(_, weight)| weight)
+                .sum()
         };
         let mut vehicles: Vec<(String, f64)> = self
             .population
@@ -248,10 +265,14 @@ impl Estimator {
             velocity: positive(&|member| member.unknowns[1]),
             momentum: positive(&|member| member.unknowns[0] + member.unknowns[1]),
             mass_velocity_correlation: correlation(
-                members().map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
+                members()
+                    .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
             peak_v1: spread(&|member| member.prediction.peak_v1, PEAK_ERROR),
-            residual_v1: spread(&|member| member.prediction.residual_v1.unwrap_or(f64::NAN), RESIDUAL_ERROR),
+            residual_v1: spread(
+                &|member| member.prediction.residual_v1.unwrap_or(f64::NAN),
+                RESIDUAL_ERROR,
+            ),
             yielded: share(&|member| member.prediction.outcome != Outcome::Elastic),
             collapsed: share(&|member| collapses(member.prediction.outcome)),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),

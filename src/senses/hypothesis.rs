@@ -58,7 +58,11 @@ pub struct Hypothesis {
 /// parameters where that is none of these. Their probabilities are assumptions \[A\].
 #[must_use]
 pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
-    let make = |name: &str, front, weight: f64, [mass, mass_scatter]: [f64; 2], [factor, scatter]: [f64; 2]| {
+    let make = |name: &str,
+                front,
+                weight: f64,
+                [mass, mass_scatter]: [f64; 2],
+                [factor, scatter]: [f64; 2]| {
         let ln = libm::log;
         Hypothesis {
             name: name.to_owned(),
@@ -78,18 +82,36 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
         let weight = if is_configured { 5.0 } else { 0.6 };
         if entry.name == "en1991_elastic" {
             let weight = if is_configured { 5.0 } else { 1.5 };
-            all.push(make(&entry.name, Front::Elastic, weight, [1700.0, 0.5], JCSS_STIFFNESS));
+            all.push(make(
+                &entry.name,
+                Front::Elastic,
+                weight,
+                [1700.0, 0.5],
+                JCSS_STIFFNESS,
+            ));
         } else if let Ok(Some(vehicle)) = parameters.vehicle_named(&entry.name) {
             let scatter = entry.force_variation.value.coefficient.max(NO_SCATTER);
             let mass = [vehicle.total_mass(), 0.3];
-            all.push(make(&entry.name, Front::Vehicle(vehicle), weight, mass, [1.0, scatter]));
+            all.push(make(
+                &entry.name,
+                Front::Vehicle(vehicle),
+                weight,
+                mass,
+                [1.0, scatter],
+            ));
         }
     }
     if let Some(vehicle) = parameters.impact().vehicle
         && !all.iter().any(|it| it.name == *name)
     {
         let mass = [vehicle.total_mass(), 0.5];
-        all.push(make("configured", Front::Vehicle(vehicle), 5.0, mass, [1.0, 0.2]));
+        all.push(make(
+            "configured",
+            Front::Vehicle(vehicle),
+            5.0,
+            mass,
+            [1.0, 0.2],
+        ));
     }
     let sum: f64 = all.iter().map(|it| it.probability).sum();
     for hypothesis in &mut all {
@@ -132,7 +154,9 @@ impl Hypothesis {
                 let vehicle = vehicle.with_total_mass(mass).ok()?;
                 let stronger = |spring: &CrushSpring| {
                     let points = spring.envelope.points().iter();
-                    let points: Vec<_> = points.map(|[crush, force]| [*crush, factor * force]).collect();
+                    let points: Vec<_> = points
+                        .map(|[crush, force]| [*crush, factor * force])
+                        .collect();
                     Some(CrushSpring {
                         envelope: CrushCurve::new(&points).ok()?,
                         unloading_stiffness: spring.unloading_stiffness * factor.max(1.0),

@@ -1,34 +1,57 @@
 //! Sensors on the column: what they read, and what their readings say about an impact.
 //!
-//! A [`Probe`] is what the model says that a sensor reads. A [`Detector`] finds the impact in the readings. From there on
-//! an [`Estimator`] compares what is measured with what many conceivable impacts, the [`Hypothesis`]es, would have let the
+//! A `Probe` is what the model says that a sensor reads. A `Detector` finds the impact in the readings. From there on
+//! an `Estimator` compares what is measured with what many conceivable impacts, the hypotheses, would have let the
 //! sensors read, and weighs them: the weighted responses are the estimate of the vehicle and of the outcome, with its
 //! uncertainty. `docs/estimation.md` describes the method.
 //!
-//! The modules read no clock and no file, and the same readings give the same bits.
+//! The modules read no clock and no file, and the same readings give the same bits. Without the feature `study` there are only
+//! the sensors.
 
+#[cfg(feature = "study")]
 mod blocks;
+#[cfg(feature = "study")]
 mod detection;
+#[cfg(feature = "study")]
 mod estimate;
+#[cfg(feature = "study")]
 mod estimator;
+#[cfg(feature = "study")]
 mod hypothesis;
+#[cfg(feature = "study")]
 mod model_error;
+#[cfg(feature = "study")]
 mod population;
+#[cfg(feature = "study")]
 mod prediction;
+#[cfg(feature = "study")]
 mod probe;
+#[cfg(feature = "study")]
 mod random;
+#[cfg(feature = "study")]
 mod readings;
+#[cfg(feature = "study")]
 mod recorded;
 mod sensor;
+#[cfg(feature = "study")]
 mod simulated;
 
+#[cfg(feature = "study")]
 pub use blocks::{Block, BlockMean, Blocks};
+#[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
-pub use estimate::{ImpactEstimate, CredibleInterval};
+#[cfg(feature = "study")]
+pub use estimate::{CredibleInterval, ImpactEstimate};
+#[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+#[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
+#[cfg(feature = "study")]
 pub use probe::Probe;
+#[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};
+#[cfg(feature = "study")]
 pub use recorded::{RecordedImpact, estimate_recorded};
-pub use sensor::{Quantity, Sensor};
+pub use sensor::{MAX_SENSORS, Quantity, Sensor};
+#[cfg(feature = "study")]
 pub use simulated::simulate_sensors;

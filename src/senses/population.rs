@@ -143,7 +143,11 @@ impl Population {
     pub fn refine(&mut self, count: usize) {
         let weights = self.weights();
         let shares: Vec<f64> = (0..self.hypotheses.len())
-            .map(|hypothesis| self.of_hypothesis(hypothesis, &weights).map(|(_, w)| w).sum())
+            .map(|hypothesis| {
+                self.of_hypothesis(hypothesis, &weights)
+                    .map(|(_, w)| w)
+                    .sum()
+            })
             .map(|share: f64| libm::pow(share, EXPLORATION))
             .collect();
         let total: f64 = shares.iter().sum();
@@ -218,7 +222,10 @@ impl Population {
     /// The distribution of the weighted members of a hypothesis.
     fn fitted(&self, hypothesis: usize, weights: &[f64], count: usize) -> Drawn {
         let own: Vec<_> = self.of_hypothesis(hypothesis, weights).collect();
-        let largest = own.iter().map(|(_, weight)| *weight).fold(f64::MIN_POSITIVE, f64::max);
+        let largest = own
+            .iter()
+            .map(|(_, weight)| *weight)
+            .fold(f64::MIN_POSITIVE, f64::max);
         let mut power = 1.0;
         let tempered = loop {
             let mut tempered: Vec<f64> = own
@@ -235,7 +242,11 @@ impl Population {
             }
             power *= 0.7;
         };
-        let each = || own.iter().zip(&tempered).map(|((member, _), w)| (&member.unknowns, *w));
+        let each = || {
+            own.iter()
+                .zip(&tempered)
+                .map(|((member, _), w)| (&member.unknowns, *w))
+        };
         let mean: [f64; UNKNOWNS] =
             std::array::from_fn(|k| each().map(|(unknowns, weight)| weight * unknowns[k]).sum());
         let mut covariance = [[0.0; UNKNOWNS]; UNKNOWNS];
@@ -267,7 +278,10 @@ impl Population {
         count: usize,
     ) -> Vec<Drawn> {
         let hypothesis = fitted.hypothesis;
-        let total: f64 = self.of_hypothesis(hypothesis, weights).map(|(_, w)| w).sum();
+        let total: f64 = self
+            .of_hypothesis(hypothesis, weights)
+            .map(|(_, w)| w)
+            .sum();
         let each = count / number.max(1);
         if each == 0 || total <= 0.0 {
             return Vec::new();
@@ -283,7 +297,9 @@ impl Population {
                     hypothesis,
                     count: each as f64,
                     mean: member.unknowns,
-                    factor: fitted.factor.map(|row| row.map(|entry| KERNEL_WIDTH * entry)),
+                    factor: fitted
+                        .factor
+                        .map(|row| row.map(|entry| KERNEL_WIDTH * entry)),
                 });
             }
         }
@@ -349,8 +365,7 @@ impl Population {
                     .map(|(mean, error)| {
                         mean.map(|it| {
                             let until = block.start + block.length;
-                            let model =
-                                error.variance(until, block.length, it.largest, it.yielded);
+                            let model = error.variance(until, block.length, it.largest, it.yielded);
                             (it.mean, 1.0 / (it.variance + model).max(f64::MIN_POSITIVE))
                         })
                     })

@@ -53,9 +53,7 @@ pub enum ReadingsError {
         name: String,
     },
     /// A cell is no number.
-    #[error(
-        "line {line}, column `{column}`: expected a number or nothing, found `{found}`"
-    )]
+    #[error("line {line}, column `{column}`: expected a number or nothing, found `{found}`")]
     NoNumber {
         /// Its line, from 1.
         line: u64,

@@ -1,6 +1,12 @@
-//! A sensor on the column.
+//! A sensor on the column: what it measures, where, and how well.
+
+use std::fmt;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+
+/// Most sensors of a column.
+pub const MAX_SENSORS: usize = 64;
 
 /// What a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -12,40 +18,122 @@ pub enum Quantity {
     Displacement,
     /// Rotation of the axis at a height \[rad\].
     Rotation,
-    /// Bending strain of a fibre at a height.
+    /// Strain of a fibre at a height that bending alone causes, without that of the axial force; without unit.
     BendingStrain,
-    /// Axial strain at a height.
+    /// Strain of the centroid at a height, which the axial force causes; without unit.
     AxialStrain,
-    /// Contact force \[N\].
+    /// Force between vehicle and column \[N\], compression positive.
     ContactForce,
 }
 
 /// A sensor on the column.
 ///
 /// Its readings are relative to the column at rest, as it was before the impact. Positive are a motion in the vehicle's
-/// direction, the rotation of an axis that leans in this direction, tension, and tension on the side away from the vehicle.
+/// direction, the rotation of an axis that leans in this direction, an axial tension, and a bending strain that is tension on
+/// the side away from the vehicle.
+///
+/// `noise` is different in every sample; the offset behind `bias` and the gain behind `gain_error` are not known, but stay the
+/// same throughout an impact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
-    /// Its name.
+    /// Name in parameters, messages and tables: 1 to 40 ASCII letters, digits and underscores.
     pub name: String,
     /// What it measures.
     pub quantity: Quantity,
-    /// Above the base \[m\].
+    /// Height above the base \[m\], from 0 to the height of the column; a contact force does not depend on it.
     pub height: f64,
-    /// Largest magnitude before clipping, in the unit of the quantity; 0: none.
+    /// Largest magnitude that it can read, in the unit of the quantity; larger ones are clipped to it. 0: no clipping.
     pub range: f64,
-    /// Root mean square of its noise.
+    /// Root mean square of its noise, in the unit of the quantity; 0: none.
     pub noise: f64,
-    /// Its standard deviation from zero.
+    /// Standard deviation of its constant offset, in the unit of the quantity; 0: none.
     pub bias: f64,
-    /// Standard deviation of its gain from 1.
+    /// Standard deviation of its gain from 1; 0: exact.
     pub gain_error: f64,
-    /// Samples per second \[Hz\].
+    /// Samples per second \[Hz\], above 0.
     pub rate: f64,
-    /// Of the filter against aliasing \[Hz\]; 0: half the rate.
+    /// Cut-off frequency of its anti-alias filter \[Hz\], above 0 and at most half of `rate`.
     pub bandwidth: f64,
-    /// `true` if it is mounted in the opposite direction.
+    /// `true` if it is mounted in the opposite direction, so that its readings have the opposite sign.
     pub reversed: bool,
-    /// Distance of the fibre from the centroid \[m\].
+    /// Distance of the fibre from the centroid \[m\]; above 0 for a bending strain, without meaning for other quantities.
     pub fibre: f64,
+}
+
+/// The word is not that of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("is not a quantity; known: {}", Quantity::WORDS.join(", "))]
+pub struct NotAQuantity;
+
+impl Quantity {
+    /// Every quantity, in the order of [`WORDS`](Self::WORDS).
+    pub const ALL: [Self; 6] = [
+        Self::Acceleration,
+        Self::Displacement,
+        Self::Rotation,
+        Self::BendingStrain,
+        Self::AxialStrain,
+        Self::ContactForce,
+    ];
+
+    /// The words of the quantities in parameters, messages and JSON.
+    pub const WORDS: [&'static str; 6] = [
+        "acceleration",
+        "displacement",
+        "rotation",
+        "bending_strain",
+        "axial_strain",
+        "contact_force",
+    ];
+
+    /// Its word, such as `bending_strain`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        Self::WORDS[self as usize]
+    }
+
+    /// The SI unit of its readings; empty for a strain.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Acceleration => "m/s^2",
+            Self::Displacement => "m",
+            Self::Rotation => "rad",
+            Self::BendingStrain | Self::AxialStrain => "",
+            Self::ContactForce => "N",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+impl FromStr for Quantity {
+    type Err = NotAQuantity;
+
+    fn from_str(word: &str) -> Result<Self, NotAQuantity> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|it| it.word() == word).ok_or(NotAQuantity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantity_has_one_word_everywhere() {
+        for (quantity, word) in Quantity::ALL.into_iter().zip(Quantity::WORDS) {
+            assert_eq!(quantity.word(), word);
+            assert_eq!(word.parse(), Ok(quantity));
+            let json = serde_json::to_value(quantity).expect("serializes");
+            assert_eq!(json, word);
+        }
+        for wrong in ["", "Acceleration", "bending strain", "force"] {
+            assert_eq!(wrong.parse::<Quantity>(), Err(NotAQuantity), "{wrong}");
+        }
+    }
 }

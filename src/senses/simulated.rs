@@ -4,9 +4,7 @@ use super::probe::Probe;
 use super::random::Random;
 use super::readings::Readings;
 use super::sensor::{Quantity, Sensor};
-use crate::column::{
-    ColumnProperties, Impact, Model, Progress, Response, SimulationError, State,
-};
+use crate::column::{ColumnProperties, Impact, Model, Progress, Response, SimulationError, State};
 
 /// Time before the event during which the sensors read the column at rest \[s\].
 pub const LEAD: f64 = 0.1;

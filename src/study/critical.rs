@@ -8,7 +8,7 @@ use crate::assessment::Severity;
 /// Relative width of the bracket in which a critical velocity is found.
 pub const CRITICAL_TOLERANCE: f64 = 0.01;
 /// Largest ratio of two velocities that follow each other in the scan.
-const SCAN_RATIO: f64 = 1.4;
+const SCAN_RATIO: f64 = 1.1;
 /// Severities that a column can reach, least severe first.
 pub const SEVERITIES: [Severity; 4] = [
     Severity::Inspect,
@@ -42,9 +42,10 @@ pub enum CriticalVelocity {
 
 /// The search for the critical velocities of one vehicle, one response at a time, so that it can be done in the background.
 ///
-/// Severity need not grow with the velocity: a fast vehicle may leave a column earlier than a slow one. The critical velocity
+/// Severity need not grow with the velocity: just above the velocity at which a column first yields, for example, vibrations make
+/// bands of velocities that yield and of others that do not. The critical velocity
 /// of a severity is therefore defined by the search. First, a scan goes up from the lowest velocity in equal
-/// ratios of at most 1.4, until the highest severity is found or the highest velocity is reached. Then, the interval in
+/// ratios of at most 1.1, until the highest severity is found or the highest velocity is reached. Then, the interval in
 /// front of the first velocity that has at least the severity is halved until it is 1 % wide. Narrower ranges of velocities
 /// with a higher severity that lie between two velocities of the scan are not found.
 ///
@@ -91,7 +92,7 @@ impl CriticalSearch {
         Self {
             lowest,
             highest,
-            intervals: (intervals as u32).clamp(1, 64),
+            intervals: (intervals as u32).clamp(1, 128),
             scanned: 0,
             known: Vec::new(),
         }
@@ -104,16 +105,22 @@ impl CriticalSearch {
         reason = "it returns the same velocity until it is recorded"
     )]
     pub fn next(&self) -> Option<f64> {
+        self.next_for(&SEVERITIES)
+    }
+
+    /// As [`next`](Self::next), where only the critical velocities of these severities are wanted: fewer responses suffice.
+    #[must_use]
+    pub fn next_for(&self, wanted: &[Severity]) -> Option<f64> {
         let all_found = self
             .known
             .last()
-            .is_some_and(|(_, it)| *it == Severity::Evacuate);
+            .is_some_and(|(_, it)| wanted.iter().all(|severity| it >= severity));
         if !all_found && self.scanned <= self.intervals {
             return Some(self.scan_velocity(self.scanned));
         }
         // A class is found with those below it, so that one response often serves several.
-        SEVERITIES.into_iter().find_map(|severity| {
-            let (below, at) = self.bracket(severity)?;
+        wanted.iter().find_map(|severity| {
+            let (below, at) = self.bracket(*severity)?;
             (at > (1.0 + CRITICAL_TOLERANCE) * below).then(|| libm::sqrt(below * at))
         })
     }
@@ -260,7 +267,7 @@ mod tests {
                 "{severity}"
             );
         }
-        assert!(found.responses() < 40, "{}", found.responses());
+        assert!(found.responses() < 80, "{}", found.responses());
     }
 
     #[test]

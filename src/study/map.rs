@@ -114,7 +114,7 @@ pub enum MapError {
     Axis(#[from] AxisError),
     /// Too many cells.
     #[error(
-        "{variants} x {rows} x {columns} cells are too many; a map has at most {MAX_CELLS} cells"
+        "{rows} x {columns} cells of {variants} columns are too many; a map has at most {MAX_CELLS} cells"
     )]
     TooManyCells {
         /// Number of variants.

@@ -145,11 +145,11 @@ pub struct ParametersChanged {
     /// When.
     pub stamp: Nanos,
     /// The parameters that have new values, or will have; of a refused change, those that keep theirs.
-    pub names: Vec<&'static str>,
+    pub names: Vec<String>,
     /// Whether the new values apply now or wait; `Unchanged` if the change had waited and was refused.
     pub change: Accepted,
     /// The parameters that wait for the end of the response now.
-    pub waiting: Vec<&'static str>,
+    pub waiting: Vec<String>,
     /// All parameters as they hold now.
     pub parameters: Arc<Parameters>,
     /// The sender of the change.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::refusal::{Refusal, RefusalCode};
 use super::saved_state::fingerprint;
-use crate::parameters::{Applies, Parameter, Parameters, Value};
+use crate::parameters::{Applies, DeclaredParameter, Parameters, Value};
 
 #[derive(Debug)]
 pub(super) struct ParameterSet {
@@ -26,21 +26,10 @@ pub(super) struct Waiting {
 #[derive(Debug)]
 pub(super) struct PlannedChange {
     pub parameters: Arc<Parameters>,
-    pub changed: Vec<&'static Parameter>,
-}
-
-impl PlannedChange {
-    /// Whether any of these parameters applies only when the response has ended.
-    pub fn must_wait(&self) -> bool {
-        self.changed
-            .iter()
-            .any(|parameter| parameter.applies != Applies::AtOnce)
-    }
-
     /// Names of the parameters that have new values.
-    pub fn names(&self) -> Vec<&'static str> {
-        names_of(&self.changed)
-    }
+    pub names: Vec<String>,
+    /// Whether any of them applies only when the response has ended.
+    pub must_wait: bool,
 }
 
 impl ParameterSet {
@@ -72,8 +61,10 @@ impl ParameterSet {
             .as_ref()
             .map_or(&self.current, |waiting| &waiting.parameters);
         let parameters = changed(latest, changes)?;
+        let changed = parameters.changed_from(latest);
         Ok(PlannedChange {
-            changed: parameters.changed_from(latest),
+            names: names_of(&changed),
+            must_wait: changed.iter().any(|it| it.row.applies != Applies::AtOnce),
             parameters: Arc::new(parameters),
         })
     }
@@ -107,14 +98,14 @@ impl ParameterSet {
     }
 
     /// Names of the parameters that wait for the end of the response.
-    pub fn waiting_names(&self) -> Vec<&'static str> {
+    pub fn waiting_names(&self) -> Vec<String> {
         self.waiting.as_ref().map_or_else(Vec::new, |waiting| {
             names_of(&waiting.parameters.changed_from(&self.current))
         })
     }
 
     /// The change that has waited for the end of the response, with the names of what it changes. It waits no longer.
-    pub fn take_waiting(&mut self) -> Option<(Waiting, Vec<&'static str>)> {
+    pub fn take_waiting(&mut self) -> Option<(Waiting, Vec<String>)> {
         let names = self.waiting_names();
         Some((self.waiting.take()?, names))
     }
@@ -126,8 +117,9 @@ impl ParameterSet {
     }
 }
 
-fn names_of(parameters: &[&'static Parameter]) -> Vec<&'static str> {
-    parameters.iter().map(|parameter| parameter.name).collect()
+fn names_of(parameters: &[DeclaredParameter<'_>]) -> Vec<String> {
+    let names = parameters.iter().map(|it| it.name.to_owned());
+    names.collect()
 }
 
 /// `from` with some values changed, validated as a whole.
@@ -136,10 +128,12 @@ fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters,
         .with_changes(changes.iter().cloned())
         .map_err(|faults| Refusal::new(RefusalCode::ParametersInvalid, faults.in_one_line()))?;
     let mut read_only = changed.changed_from(from);
-    read_only.retain(|parameter| parameter.applies == Applies::Restart);
+    read_only.retain(|it| it.row.applies == Applies::Restart);
     if read_only.is_empty() {
         return Ok(changed);
     }
+    // A sensor that is added brings parameters that nobody has given.
+    read_only.retain(|it| changes.iter().any(|(name, _)| name == it.name));
     let reason = format!(
         "{} cannot be changed while the node runs; restart it with the new value",
         names_of(&read_only).join(", ")

@@ -26,12 +26,12 @@ impl Twin {
         out: &mut impl Outputs,
     ) -> Result<Accepted, Refusal> {
         let planned = self.parameters.plan(changes)?;
-        if planned.changed.is_empty() {
+        if planned.names.is_empty() {
             self.registry.counts.parameters_accepted += 1;
             return Ok(Accepted::Unchanged);
         }
         let column = self.column_with(&planned.parameters)?;
-        let change = if self.response.is_some() && planned.must_wait() {
+        let change = if self.response.is_some() && planned.must_wait {
             self.check_at_end(&planned.parameters, now, out)?;
             self.parameters.make_wait(&planned.parameters, source);
             Accepted::Waiting
@@ -40,6 +40,7 @@ impl Twin {
             if self.response.is_none() {
                 self.replace_column(column);
                 self.assess();
+                self.forget_other_critical_velocities();
             }
             Accepted::Applied
         };
@@ -47,7 +48,7 @@ impl Twin {
         self.status.set_changed();
         out.put(Output::ParametersChanged(ParametersChanged {
             stamp: now,
-            names: planned.names(),
+            names: planned.names,
             change,
             waiting: self.parameters.waiting_names(),
             parameters: Arc::clone(self.parameters.current()),
@@ -192,6 +193,7 @@ impl Twin {
             Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
         self.apply_waiting_parameters(now, out);
         self.assess();
+        self.forget_other_critical_velocities();
         let text = format!("reset by {source}: the column is virgin");
         out.notice(NoticeLevel::Info, now, text);
         self.status.set_changed();

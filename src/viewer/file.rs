@@ -28,7 +28,7 @@ const MAX_FRAMES: i64 = 600;
 const APPROACH_PERIOD: f64 = 1e-3;
 
 /// Maximum wait for the disk.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(60);
+pub(super) const WRITE_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Fills in the approach. A simulation takes it in one step if the column is at rest; the vehicle moves at constant
 /// velocity.
@@ -159,7 +159,7 @@ pub fn write_rrd(
 }
 
 /// The temporary name of a file until it is complete.
-fn unfinished(path: &Path) -> PathBuf {
+pub(super) fn unfinished(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".unfinished");
     name.into()

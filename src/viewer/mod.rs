@@ -15,6 +15,8 @@ mod blueprint;
 mod camera;
 mod colour;
 mod connection;
+#[cfg(feature = "study")]
+mod damage_map;
 mod destination;
 mod error;
 mod events;
@@ -37,6 +39,8 @@ mod timeline;
 
 pub use blueprint::APPLICATION;
 pub use camera::{Camera, VIEW};
+#[cfg(feature = "study")]
+pub use damage_map::write_map_rrd;
 pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
 pub use file::{from_samples, write_rrd};

@@ -8,7 +8,12 @@ use super::signals::{NAMES, Normal, Signal};
 fn every_impact_is_detected_within_a_millisecond_by_any_set_of_sensors_that_shows_it() {
     for name in NAMES {
         let signal = Signal::read(name);
-        for chosen in [&[0, 1, 2, 3, 4, 5, 6, 7][..], &[1, 3], &[1, 4, 5], &[0, 1, 2]] {
+        for chosen in [
+            &[0, 1, 2, 3, 4, 5, 6, 7][..],
+            &[1, 3],
+            &[1, 4, 5],
+            &[0, 1, 2],
+        ] {
             for seed in 0..5 {
                 let (sensors, readings) = signal.readings(chosen, seed);
                 let mut detector = Detector::new(&sensors);
@@ -39,7 +44,11 @@ fn noise_slammed_doors_and_drift_are_no_impact() {
         let time = sample as f64 * 1e-4;
         // A door slams every ten seconds: a pulse of 5 ms at 150 Hz, which all sensors feel a little.
         let since = time % 10.0;
-        let slam = if since < 5e-3 { (std::f64::consts::TAU * 150.0 * since).sin() } else { 0.0 };
+        let slam = if since < 5e-3 {
+            (std::f64::consts::TAU * 150.0 * since).sin()
+        } else {
+            0.0
+        };
         let drift = (std::f64::consts::TAU * time / 600.0).sin();
         for (k, sensor) in sensors.iter().enumerate() {
             let [slammed, drifted] = match k {
@@ -49,7 +58,11 @@ fn noise_slammed_doors_and_drift_are_no_impact() {
             };
             let value = slammed * slam + drifted * drift + sensor.noise * normal.next();
             let detection = detector.push(k, time, value);
-            assert!(detection.is_none(), "{time} s, {}: {detection:?}", sensor.name);
+            assert!(
+                detection.is_none(),
+                "{time} s, {}: {detection:?}",
+                sensor.name
+            );
         }
     }
 }

@@ -61,7 +61,8 @@ fn the_last_estimate_with_all_sensors_is_close_to_the_truth() {
         let last = impact.estimates.last().expect("an estimate");
         let number = |name| signal.number(name);
         let (mass, speed) = (number("mass"), number("speed"));
-        let relative = |interval: &CredibleInterval, truth: f64| (interval.mean / truth - 1.0).abs();
+        let relative =
+            |interval: &CredibleInterval, truth: f64| (interval.mean / truth - 1.0).abs();
         let report = format!("{name}: {last:#?}");
         assert!(relative(&last.momentum, mass * speed) < 0.15, "{report}");
         let peak = number("peak_v1");
@@ -74,7 +75,14 @@ fn the_last_estimate_with_all_sensors_is_close_to_the_truth() {
             assert_eq!(last.vehicle_probabilities[0].0, "rigid", "{report}");
         }
         let elastic = signal.truth["outcome"] == "elastic";
-        assert!(if elastic { last.yielded < 0.05 } else { last.yielded > 0.95 }, "{report}");
+        assert!(
+            if elastic {
+                last.yielded < 0.05
+            } else {
+                last.yielded > 0.95
+            },
+            "{report}"
+        );
         let none = last.severity.iter().find(|it| it.0 == Severity::None);
         assert!(none.is_some_and(|it| (it.1 > 0.9) == elastic), "{report}");
     }
@@ -85,7 +93,8 @@ fn the_same_readings_give_the_same_bits_on_any_number_of_threads() {
     let signal = Signal::read("s02_rigid_10");
     let estimate = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("threads").install(|| estimated(&signal, SETS[1], 5))
+        pool.expect("threads")
+            .install(|| estimated(&signal, SETS[1], 5))
     };
     assert_eq!(format!("{:?}", estimate(1)), format!("{:?}", estimate(3)));
 }

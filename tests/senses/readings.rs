@@ -36,11 +36,18 @@ fn readings_along_the_bars_join_at_the_impact_point_and_meet_the_supports() {
     assert!(state.displacement.v1 > 1e-4);
     let read = |quantity, at: f64| Probe::new(&model, &sensor("s", quantity, at)).read(&state);
     let below = properties.length_below;
-    for quantity in [Quantity::Displacement, Quantity::Rotation, Quantity::BendingStrain] {
+    for quantity in [
+        Quantity::Displacement,
+        Quantity::Rotation,
+        Quantity::BendingStrain,
+    ] {
         let (left, right) = (read(quantity, below), read(quantity, below * (1.0 + 1e-12)));
         // The impact point of the model has no rotational mass: its moments balance. The chords are those of large
         // rotations.
-        assert!((left - right).abs() <= 1e-3 * left.abs().max(1e-9), "{quantity:?} {left} {right}");
+        assert!(
+            (left - right).abs() <= 1e-3 * left.abs().max(1e-9),
+            "{quantity:?} {left} {right}"
+        );
     }
     assert_eq!(read(Quantity::Displacement, 0.0), 0.0);
     assert!(read(Quantity::Displacement, height).abs() < 1e-15);
@@ -61,7 +68,9 @@ fn a_displacement_at_the_impact_point_and_the_integrated_acceleration_are_those_
     let parameters = Parameters::default();
     let properties = parameters.column_properties();
     // A front without a percussion: the sampling resolves its accelerations.
-    let vehicle = parameters.vehicle_named("en1991_elastic").expect("a vehicle");
+    let vehicle = parameters
+        .vehicle_named("en1991_elastic")
+        .expect("a vehicle");
     let impact = Impact {
         vehicle,
         ..Impact::rigid(1500.0, 10.0)
@@ -75,10 +84,16 @@ fn a_displacement_at_the_impact_point_and_the_integrated_acceleration_are_those_
     let readings =
         simulate_sensors(&properties, &impact, 1.0, &sensors, 1).expect("a simulated impact");
     let mut history = Vec::new();
-    simulate(&properties, &impact, 1.0, &mut |sample| history.push((sample.time, sample.v1)))
-        .expect("a response");
-    let largest = history.iter().fold(0.0, |largest: f64, (_, v1)| largest.max(*v1));
-    let read = readings.rows().fold(0.0, |largest: f64, (_, row)| largest.max(row[0]));
+    simulate(&properties, &impact, 1.0, &mut |sample| {
+        history.push((sample.time, sample.v1))
+    })
+    .expect("a response");
+    let largest = history
+        .iter()
+        .fold(0.0, |largest: f64, (_, v1)| largest.max(*v1));
+    let read = readings
+        .rows()
+        .fold(0.0, |largest: f64, (_, row)| largest.max(row[0]));
     // The filter at half the rate delays by a fraction of a sample.
     assert!((read / largest - 1.0).abs() < 2e-3, "{read} {largest}");
     let mut velocity = 0.0;
@@ -87,17 +102,33 @@ fn a_displacement_at_the_impact_point_and_the_integrated_acceleration_are_those_
         velocity += row[1] * 1e-4;
         displacement += velocity * 1e-4;
         if time >= 0.0099 {
-            assert!((displacement / row[0] - 1.0).abs() < 0.03, "{displacement} {}", row[0]);
+            assert!(
+                (displacement / row[0] - 1.0).abs() < 0.03,
+                "{displacement} {}",
+                row[0]
+            );
         }
     }
-    assert!(readings.rows().take(900).all(|(time, row)| time < 0.0 && row == [0.0; 3]));
+    assert!(
+        readings
+            .rows()
+            .take(900)
+            .all(|(time, row)| time < 0.0 && row == [0.0; 3])
+    );
 }
 
 #[test]
 fn a_table_that_was_written_is_read_back_bit_for_bit_and_missing_samples_stay_missing() {
     let sensors = [
-        Sensor { noise: 1e-4, ..sensor("v", Quantity::Displacement, 0.8) },
-        Sensor { rate: 2e3, bandwidth: 1e3, ..sensor("e", Quantity::BendingStrain, 0.1) },
+        Sensor {
+            noise: 1e-4,
+            ..sensor("v", Quantity::Displacement, 0.8)
+        },
+        Sensor {
+            rate: 2e3,
+            bandwidth: 1e3,
+            ..sensor("e", Quantity::BendingStrain, 0.1)
+        },
     ];
     let properties = Parameters::default().column_properties();
     let readings = simulate_sensors(&properties, &Impact::rigid(1500.0, 3.0), 0.1, &sensors, 4)
@@ -113,20 +144,43 @@ fn a_table_that_was_written_is_read_back_bit_for_bit_and_missing_samples_stay_mi
 
 #[test]
 fn a_table_with_a_fault_is_rejected_with_its_place() {
-    let sensors = [sensor("v", Quantity::Displacement, 0.8), sensor("e", Quantity::BendingStrain, 0.1)];
+    let sensors = [
+        sensor("v", Quantity::Displacement, 0.8),
+        sensor("e", Quantity::BendingStrain, 0.1),
+    ];
     for (text, expected) in [
         ("", "expected a column `time`; found "),
         ("time\n0\n", "expected a column `v`; found time"),
         ("t,v\n0,0\n", "expected a column `time`; found t, v"),
-        ("time,w\n0,0\n", "the column `w` belongs to no sensor of sensors.names; expected time and v, e"),
-        ("time,v,v\n0,0,0\n", "the column `v` appears twice; expected one for each sensor"),
-        ("time,v\n0,x\n", "line 2, column `v`: expected a number or nothing, found `x`"),
-        ("time,v\nnan,1\n", "line 2, column `time`: expected a number or nothing, found `nan`"),
-        ("time,v\n1,0\n1,0\n", "line 3: the time 1 s does not follow 1 s; sort the rows by time"),
+        (
+            "time,w\n0,0\n",
+            "the column `w` belongs to no sensor of sensors.names; expected time and v, e",
+        ),
+        (
+            "time,v,v\n0,0,0\n",
+            "the column `v` appears twice; expected one for each sensor",
+        ),
+        (
+            "time,v\n0,x\n",
+            "line 2, column `v`: expected a number or nothing, found `x`",
+        ),
+        (
+            "time,v\nnan,1\n",
+            "line 2, column `time`: expected a number or nothing, found `nan`",
+        ),
+        (
+            "time,v\n1,0\n1,0\n",
+            "line 3: the time 1 s does not follow 1 s; sort the rows by time",
+        ),
         ("time,v\n", "the table has no rows"),
-        ("time,v\n0,1,2\n", "expected a table of comma-separated values"),
+        (
+            "time,v\n0,1,2\n",
+            "expected a table of comma-separated values",
+        ),
     ] {
-        let fault = Readings::from_csv(text.as_bytes(), &sensors).expect_err(text).to_string();
+        let fault = Readings::from_csv(text.as_bytes(), &sensors)
+            .expect_err(text)
+            .to_string();
         assert!(fault.starts_with(expected), "{text:?}: {fault}");
     }
 }

@@ -101,7 +101,13 @@ impl Signal {
         };
         let accelerometer = |name, height| Sensor {
             bias: 0.05 * GRAVITY,
-            ..sensor(name, Quantity::Acceleration, height, 50.0 * GRAVITY, 0.0022 * GRAVITY)
+            ..sensor(
+                name,
+                Quantity::Acceleration,
+                height,
+                50.0 * GRAVITY,
+                0.0022 * GRAVITY,
+            )
         };
         vec![
             accelerometer("a_025L", 1.0),
@@ -132,7 +138,11 @@ impl Signal {
             readings.times.push(index as f64 * PERIOD);
             for ((&column, sensor), [gain, bias]) in chosen.iter().zip(&sensors).zip(&errors) {
                 let value = gain * row[column] + bias + sensor.noise * normal.next();
-                let range = if sensor.range > 0.0 { sensor.range } else { f64::INFINITY };
+                let range = if sensor.range > 0.0 {
+                    sensor.range
+                } else {
+                    f64::INFINITY
+                };
                 readings.values.push(value.clamp(-range, range));
             }
         }

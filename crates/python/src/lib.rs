@@ -6,6 +6,8 @@
 mod batch;
 mod column;
 mod fault;
+mod risk;
+mod study;
 mod values;
 
 use pyo3::prelude::*;

@@ -22,7 +22,7 @@ const FIRST_COORDINATE: usize = 5;
 /// Unknowns of a local regression: a constant and the slopes.
 const UNKNOWNS: usize = COORDINATES + 1;
 /// Designs of a class.
-const DESIGNS: u64 = 500;
+const DESIGNS: u64 = 300;
 /// Designs from which a critical speed is interpolated.
 const NEIGHBOURS: usize = 24;
 /// Standard deviation of the designs, in standard deviations of the inputs: they cover the tails, too.
@@ -91,12 +91,13 @@ impl CriticalSpeedSurface {
         search: &Batch,
     ) -> Result<Option<Self>, ThreadPoolBuildError> {
         let scenario = sampler.scenario();
-        let sampler = DepartureSampler::with_purpose(scenario, seed, Purpose::Design);
+        let designs_of = sampler.for_purpose(seed, Purpose::Design);
         let repays = |share: f64| share * samples as f64 > 2.0 * RESPONSES_PER_CLASS as f64;
         let chosen: Vec<usize> = (0..scenario.classes.len())
             .filter(|class| repays(scenario.classes[*class].share))
             .collect();
-        let top = scenario.speed.distribution.quantile(1.0 - 1e-7) / 3.6;
+        // Faster ones are computed.
+        let top = (1.1 * sampler.greatest_speed()).max(2.0 * LEAST_SPEED);
         let range = [libm::log((0.02 * top).max(LEAST_SPEED)), libm::log(top)];
         let mut designs = Vec::new();
         let end = search.run(
@@ -104,7 +105,11 @@ impl CriticalSpeedSurface {
             |index| {
                 let class = chosen[(index / DESIGNS) as usize];
                 let spread = |level: f64| normal::probability(SPREAD * normal::quantile(level));
-                Design::new(&sampler.of_class(index, class, spread), range, limit_state)
+                Design::new(
+                    &designs_of.of_class(index, class, spread),
+                    range,
+                    limit_state,
+                )
             },
             |found| {
                 designs.extend(found);
@@ -226,13 +231,10 @@ impl Design {
     fn new(departure: &Departure, range: [f64; 2], limit_state: &impl LimitState) -> Self {
         let mut responses = 0;
         let mut determined = true;
+        let at_speed = limit_state.at_speeds(departure);
         let mut severity = |logarithm: f64| {
             responses += 1;
-            let at = Departure {
-                velocity: libm::exp(logarithm),
-                ..*departure
-            };
-            limit_state.severity(&at).unwrap_or_else(|| {
+            at_speed(libm::exp(logarithm)).unwrap_or_else(|| {
                 determined = false;
                 Severity::Evacuate
             })

@@ -1,6 +1,9 @@
 //! A vehicle that leaves the road, and what of it reaches the column.
 
+use std::sync::Arc;
+
 use super::random::{Purpose, Streams};
+use super::reach::{Course, Reach};
 use super::scenario::Scenario;
 
 /// The inputs that scatter, in the order of the random numbers of a sample.
@@ -23,7 +26,10 @@ pub const INPUTS: usize = INPUT_NAMES.len();
 /// an articulated lorry of 40 t has 2 J.
 pub const LEAST_SPEED: f64 = 0.01;
 
-/// One vehicle that leaves the road on a course to the column.
+/// Samples for a first look at the speeds at the column.
+const PILOT_SAMPLES: u64 = 2000;
+
+/// One vehicle that leaves the road and reaches the column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Number of the sample.
@@ -52,26 +58,44 @@ pub struct Departure {
     pub levels: [f64; INPUTS],
     /// A random number that belongs to no input, for choices of the estimator.
     pub(super) choice: f64,
+    /// Points that were drawn until a vehicle reached the column.
+    pub(super) points: u64,
 }
 
-/// Draws vehicles that leave the road: sample `i` depends on the seed and on `i` only.
+/// Draws vehicles that leave the road and reach the column: sample `i` depends on the seed and on `i` only.
 #[derive(Debug, Clone)]
 pub struct DepartureSampler {
     scenario: Scenario,
     streams: Streams,
+    reach: Arc<Reach>,
+    greatest_speed: f64,
 }
 
 impl DepartureSampler {
     /// The samples of a study.
     #[must_use]
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
-        Self::with_purpose(scenario, seed, Purpose::Sample)
+        let mut sampler = Self {
+            scenario: scenario.clone(),
+            streams: Streams::new(0, Purpose::Pilot),
+            reach: Reach::new(scenario).into(),
+            greatest_speed: 0.0,
+        };
+        // The same for every seed, so that results of several seeds have the same intervals of speed.
+        let mut speeds: Vec<f64> = (0..PILOT_SAMPLES)
+            .map(|index| sampler.departure(index).velocity)
+            .collect();
+        speeds.sort_by(f64::total_cmp);
+        sampler.greatest_speed = speeds.last().copied().unwrap_or(0.0);
+        sampler.streams = Streams::new(seed, Purpose::Sample);
+        sampler
     }
 
-    pub(super) fn with_purpose(scenario: &Scenario, seed: u64, purpose: Purpose) -> Self {
+    /// The same scenario with random numbers for another purpose.
+    pub(super) fn for_purpose(&self, seed: u64, purpose: Purpose) -> Self {
         Self {
-            scenario: scenario.clone(),
             streams: Streams::new(seed, purpose),
+            ..self.clone()
         }
     }
 
@@ -81,26 +105,61 @@ impl DepartureSampler {
         &self.scenario
     }
 
+    /// An upper bound of the probability that a vehicle that leaves the road on a course to the column reaches it; 0 if none
+    /// does. The probability itself is this bound times the number of samples over the number of their points.
+    #[must_use]
+    pub fn reach_bound(&self) -> f64 {
+        self.reach.bound()
+    }
+
+    /// A speed at the column that about one vehicle in two thousand exceeds \[m/s\]; 0 if none reaches it.
+    #[must_use]
+    pub fn greatest_speed(&self) -> f64 {
+        self.greatest_speed
+    }
+
     /// The sample of this number.
     #[must_use]
     pub fn departure(&self, index: u64) -> Departure {
-        let numbers: [f64; INPUTS + 1] = self.streams.uniform(index);
-        let mut levels = [0.0; INPUTS];
-        levels.copy_from_slice(&numbers[..INPUTS]);
-        let class = class_at(&self.scenario, levels[0]);
-        self.of_levels(index, class, levels, numbers[INPUTS])
+        let mut numbers = self.streams.numbers(index);
+        let (course, points) = self.reach.course(&self.scenario, &mut numbers);
+        let [class, mass, force, yielding, load, choice] = numbers.take();
+        let reached = course.is_some();
+        let course = course.unwrap_or(Course {
+            speed: 0.5,
+            deceleration: 0.5,
+            distance: 0.5,
+            angle: 0.5,
+        });
+        let levels = [
+            class,
+            course.speed,
+            course.angle,
+            course.deceleration,
+            course.distance,
+            mass,
+            force,
+            yielding,
+            load,
+        ];
+        let mut departure = self.of_levels(index, class_at(&self.scenario, class), levels, choice);
+        departure.points = points;
+        if reached {
+            departure.velocity = departure.speed_at_column();
+        }
+        departure
     }
 
-    /// The sample of this number, as if it were of this class.
+    /// A vehicle of this class, without a speed; `levels` changes the levels of its inputs.
     pub(super) fn of_class(
         &self,
         index: u64,
         class: usize,
         levels: impl Fn(f64) -> f64,
     ) -> Departure {
-        let numbers: [f64; INPUTS + 1] = self.streams.uniform(index);
-        let levels = std::array::from_fn(|input| levels(numbers[input]));
-        self.of_levels(index, class, levels, numbers[INPUTS])
+        let mut numbers = self.streams.numbers(index);
+        let levels = std::array::from_fn(|_| levels(numbers.next()));
+        self.of_levels(index, class, levels, numbers.next())
     }
 
     fn of_levels(&self, index: u64, class: usize, levels: [f64; INPUTS], choice: f64) -> Departure {
@@ -117,7 +176,7 @@ impl DepartureSampler {
         ] = levels;
         let scenario = &self.scenario;
         let vehicle = &scenario.classes[class];
-        let mut departure = Departure {
+        Departure {
             index,
             class,
             speed: scenario.speed.distribution.quantile(speed) / 3.6,
@@ -134,9 +193,8 @@ impl DepartureSampler {
             velocity: 0.0,
             levels,
             choice,
-        };
-        departure.velocity = departure.speed_at_column();
-        departure
+            points: 0,
+        }
     }
 }
 
@@ -154,26 +212,21 @@ fn class_at(scenario: &Scenario, level: f64) -> usize {
 }
 
 impl Departure {
-    /// Whether the vehicle reaches the column.
+    /// Whether the vehicle reaches the column. A sample whose vehicle does not has no other meaning than that.
     #[must_use]
     pub fn reaches_column(&self) -> bool {
         self.velocity > 0.0
     }
 
-    /// `sqrt(v0^2 - 2 a r)` with the path `r = d / sin(angle)` (JCSS Probabilistic Model Code, 2.18); 0 where the vehicle
-    /// stops before the column.
+    /// `sqrt(v0^2 - 2 a r)` with the path `r = d / sin(angle)` (JCSS Probabilistic Model Code, 2.18), of a vehicle that
+    /// reaches the column.
     fn speed_at_column(&self) -> f64 {
-        let path = self.distance / libm::sin(self.angle);
-        let square = self.speed * self.speed - 2.0 * self.deceleration * path;
-        // At a distance of 0 and an angle of 0 the path is NaN, and the vehicle at the column.
-        let square = if self.distance == 0.0 {
-            self.speed * self.speed
-        } else {
-            square
+        let path = match self.distance {
+            0.0 => 0.0,
+            distance => distance / libm::sin(self.angle),
         };
-        match square > LEAST_SPEED * LEAST_SPEED {
-            true => square.sqrt(),
-            false => 0.0,
-        }
+        let square = self.speed * self.speed - 2.0 * self.deceleration * path;
+        // Rounding may leave a little less than the least speed.
+        square.max(LEAST_SPEED * LEAST_SPEED).sqrt()
     }
 }

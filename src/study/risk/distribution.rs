@@ -177,6 +177,12 @@ impl Distribution {
         (self.family.probability(x) - below) / (above - below)
     }
 
+    /// Probability that the value exceeds `x`.
+    #[must_use]
+    pub fn exceedance(&self, x: f64) -> f64 {
+        1.0 - self.probability(x)
+    }
+
     /// The mean of the law as cut.
     #[must_use]
     pub fn mean(&self) -> f64 {

@@ -17,15 +17,6 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// Of what a probability is a share.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Per {
-    /// Of the vehicles that leave the road on a course to the column.
-    Departure,
-    /// Of the vehicles that hit it.
-    Impact,
-}
-
 /// The two-sided normal quantile of a confidence level, such as 1.96 for 0.95.
 pub(super) fn deviations(confidence: f64) -> f64 {
     normal::quantile(0.5 + 0.5 * confidence)
@@ -70,12 +61,13 @@ impl Cell {
     /// minus the share of those that are too high; the control samples measure both. Each of the three has a Wilson interval.
     /// Their sum has the interval of Zou and Donner (2008, "MOVER"): its distances from the estimate are the root of the sum
     /// of squares of the three distances.
-    pub(super) fn at_least(&self, severity: Severity, per: Per, z: f64) -> Estimate {
+    pub(super) fn at_least(&self, severity: Severity, z: f64) -> Estimate {
+        self.at_least_of(self.impacts(), severity, z)
+    }
+
+    /// The same as a share of `all` impacts, to which those of the cell belong.
+    pub(super) fn at_least_of(&self, all: u64, severity: Severity, z: f64) -> Estimate {
         let from = severity as usize;
-        let all = match per {
-            Per::Departure => self.samples(),
-            Per::Impact => self.impacts(),
-        };
         if all == 0 {
             return Estimate {
                 value: 0.0,
@@ -119,11 +111,6 @@ impl Cell {
             high: (value + above).clamp(0.0, 1.0),
         }
     }
-
-    /// Probability that a vehicle that leaves the road reaches the column.
-    pub(super) fn impact(&self, z: f64) -> Estimate {
-        wilson(self.impacts(), self.samples(), z)
-    }
 }
 
 impl Estimate {
@@ -140,6 +127,30 @@ impl Estimate {
             value: function(self.value),
             low: function(self.low),
             high: function(self.high),
+        }
+    }
+
+    /// The product with an independent estimate. Where both are positive, the relative distances of the ends of the interval
+    /// are the roots of the sums of squares of those of the factors; otherwise the ends are the products of the ends, which
+    /// is on the safe side.
+    #[must_use]
+    pub fn product(self, other: Self) -> Self {
+        let value = self.value * other.value;
+        if value <= 0.0 {
+            return Self {
+                value,
+                low: 0.0,
+                high: self.high * other.high,
+            };
+        }
+        let relative = |end: fn(&Self) -> f64| {
+            let distance = |it: &Self| end(it) / it.value - 1.0;
+            distance(&self).hypot(distance(&other))
+        };
+        Self {
+            value,
+            low: (value * (1.0 - relative(|it| it.low))).max(0.0),
+            high: value * (1.0 + relative(|it| it.high)),
         }
     }
 
@@ -173,13 +184,12 @@ mod tests {
     #[test]
     fn no_event_is_no_probability_of_zero() {
         let mut cell = Cell::default();
-        cell.stopped = 400;
-        cell.computed[0] = 600;
-        let estimate = cell.at_least(Severity::Prop, Per::Departure, deviations(0.9));
+        cell.computed[0] = 1000;
+        let estimate = cell.at_least(Severity::Prop, deviations(0.9));
         assert_eq!((estimate.value, estimate.low), (0.0, 0.0));
         // The rule of three gives 3 of 1000 for a one-sided bound of 95 %.
         assert!((estimate.high - 2.7e-3).abs() < 1e-4, "{estimate:?}");
-        let none = Cell::default().at_least(Severity::Prop, Per::Impact, 2.0);
+        let none = Cell::default().at_least(Severity::Prop, 2.0);
         assert_eq!((none.low, none.high), (0.0, 1.0));
     }
 
@@ -190,20 +200,20 @@ mod tests {
         let mut cell = Cell::default();
         cell.predicted = [9000, 0, 0, 0, 1000];
         let z = deviations(0.95);
-        let unchecked = cell.at_least(Severity::Evacuate, Per::Impact, z);
+        let unchecked = cell.at_least(Severity::Evacuate, z);
         assert_eq!((unchecked.value, unchecked.high), (0.1, 1.0));
         assert_eq!(unchecked.low, 0.0);
         cell.control[0][0] = 450;
         cell.control[0][4] = 0;
         cell.control[4][4] = 50;
-        let right = cell.at_least(Severity::Evacuate, Per::Impact, z);
+        let right = cell.at_least(Severity::Evacuate, z);
         assert!(
             right.value == 0.1 && right.low > 0.08 && right.high < 0.11,
             "{right:?}"
         );
         cell.control[0][0] = 441;
         cell.control[0][4] = 9;
-        let corrected = cell.at_least(Severity::Evacuate, Per::Impact, z);
+        let corrected = cell.at_least(Severity::Evacuate, z);
         assert!((corrected.value - (0.1 + 0.9 * 9.0 / 450.0)).abs() < 1e-12);
         assert!(corrected.high > right.high);
     }

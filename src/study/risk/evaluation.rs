@@ -19,7 +19,20 @@ pub const SEVERITIES: [Severity; 4] = [
 pub trait LimitState: Sync {
     /// The severity of this vehicle's impact; `None` if it cannot be computed.
     fn severity(&self, departure: &Departure) -> Option<Severity>;
+
+    /// The severity of the same impact at any speed \[m/s\].
+    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> SeverityAtSpeed<'a> {
+        Box::new(move |speed| {
+            self.severity(&Departure {
+                velocity: speed,
+                ..*departure
+            })
+        })
+    }
 }
+
+/// The severity of an impact as a function of its speed \[m/s\]; `None` where it cannot be computed.
+pub type SeverityAtSpeed<'a> = Box<dyn Fn(f64) -> Option<Severity> + 'a>;
 
 /// The column of a risk study: for every class of vehicles, struck where that class strikes.
 #[derive(Debug, Clone)]
@@ -156,8 +169,23 @@ impl RiskColumn {
 
 impl LimitState for RiskColumn {
     fn severity(&self, departure: &Departure) -> Option<Severity> {
-        self.screen(departure)
-            .ok()
-            .map(|screening| screening.severity)
+        let screening = self.screen(departure).ok()?;
+        Some(screening.severity)
+    }
+
+    /// With one column for all speeds.
+    fn at_speeds<'a>(&'a self, departure: &'a Departure) -> SeverityAtSpeed<'a> {
+        let sample = self.sample(&Departure {
+            velocity: 1.0,
+            ..*departure
+        });
+        Box::new(move |speed| {
+            let (column, impact) = sample.as_ref().ok()?;
+            let impact = Impact {
+                velocity: speed,
+                ..*impact
+            };
+            Some(column.screen(&impact).ok()?.severity)
+        })
     }
 }

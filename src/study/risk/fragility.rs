@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::estimate::{Estimate, Per};
+use super::estimate::Estimate;
 use super::normal;
 use super::tally::{Cell, SPEED_BINS, Tally, sum};
 use crate::assessment::Severity;
@@ -147,8 +147,8 @@ pub(super) fn curve(
         .enumerate()
         .map(|(bin, cell)| FragilityPoint {
             speed: [bin as f64 * width, (bin + 1) as f64 * width],
-            samples: cell.samples(),
-            probability: (cell.samples() > 0).then(|| cell.at_least(severity, Per::Impact, z)),
+            samples: cell.impacts(),
+            probability: (cell.impacts() > 0).then(|| cell.at_least(severity, z)),
         })
         .collect();
     let rows: Vec<_> = points

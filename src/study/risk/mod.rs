@@ -1,6 +1,7 @@
 //! Risk: how often does a vehicle damage the column, and how severely?
 //!
-//! Vehicles that leave the road are drawn from the laws of a [`Scenario`] by a [`DepartureSampler`], and a [`RiskColumn`] says
+//! Vehicles that leave the road and reach the column are drawn from the laws of a [`Scenario`] by a [`DepartureSampler`], and a
+//! [`RiskColumn`] says
 //! how severe the impact of each is. A [`RiskStudy`] counts them in a [`Tally`], from which a [`RiskResult`] follows.
 //! `docs/risk.md` describes model, data and estimator.
 //!
@@ -35,6 +36,7 @@ mod evaluation;
 mod fragility;
 mod normal;
 mod random;
+mod reach;
 mod result;
 mod scenario;
 mod sensitivity;
@@ -48,13 +50,13 @@ pub use critical_speeds::CriticalSpeedSurface;
 pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS, LEAST_SPEED};
 pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
-pub use evaluation::{LimitState, RiskColumn, RiskError, SEVERITIES};
+pub use evaluation::{LimitState, RiskColumn, RiskError, SEVERITIES, SeverityAtSpeed};
 pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
-pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk, SeveritySensitivity};
+pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{
     Input, MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
 };
-pub use sensitivity::Sensitivity;
+pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
 pub use study::{CONTROL_SHARE, RiskStudy, StudyRunError};
 pub use tally::{Basis, RiskSample, Tally};
 pub use traffic::Exposure;

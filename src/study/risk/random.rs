@@ -10,6 +10,8 @@ pub(super) enum Purpose {
     Sample = 1,
     /// The designs from which the critical velocities are interpolated; they are no part of the result.
     Design = 2,
+    /// A first look at the speeds at the column; they are no part of the result either.
+    Pilot = 3,
 }
 
 /// A source of random numbers: sample `i` has the stream `i` of the cipher ChaCha with 8 rounds, keyed with the seed.
@@ -29,14 +31,30 @@ impl Streams {
         }
     }
 
-    /// The numbers of one sample, uniform between 0 and 1, both excluded.
-    pub(super) fn uniform<const COUNT: usize>(&self, index: u64) -> [f64; COUNT] {
+    /// The numbers of one sample.
+    pub(super) fn numbers(&self, index: u64) -> Numbers {
         let mut stream = self.start.clone();
         stream.set_stream(index);
+        Numbers { stream }
+    }
+}
+
+/// The random numbers of one sample, as many as it needs.
+#[derive(Debug, Clone)]
+pub(super) struct Numbers {
+    stream: ChaCha8Rng,
+}
+
+impl Numbers {
+    /// The next number, uniform between 0 and 1, both excluded.
+    pub(super) fn next(&mut self) -> f64 {
         // 53 bits and a half, which lies between 0 and 1 whatever the bits are.
-        std::array::from_fn(|_| {
-            ((stream.next_u64() >> 11) as f64 + 0.5) * (1.0 / (1_u64 << 53) as f64)
-        })
+        ((self.stream.next_u64() >> 11) as f64 + 0.5) * (1.0 / (1_u64 << 53) as f64)
+    }
+
+    /// The next numbers.
+    pub(super) fn take<const COUNT: usize>(&mut self) -> [f64; COUNT] {
+        std::array::from_fn(|_| self.next())
     }
 }
 
@@ -47,12 +65,15 @@ mod tests {
     #[test]
     fn a_sample_has_its_own_numbers_in_any_order() {
         let streams = Streams::new(7, Purpose::Sample);
-        let forwards: Vec<[f64; 10]> = (0..50).map(|index| streams.uniform(index)).collect();
-        let backwards: Vec<[f64; 10]> = (0..50).rev().map(|index| streams.uniform(index)).collect();
+        let forwards: Vec<[f64; 10]> = (0..50).map(|index| streams.numbers(index).take()).collect();
+        let backwards: Vec<[f64; 10]> = (0..50)
+            .rev()
+            .map(|index| streams.numbers(index).take())
+            .collect();
         assert!(forwards.iter().eq(backwards.iter().rev()));
-        let other: [f64; 10] = Streams::new(7, Purpose::Design).uniform(0);
+        let other: [f64; 10] = Streams::new(7, Purpose::Design).numbers(0).take();
         assert_ne!(forwards[0], other);
-        let other: [f64; 10] = Streams::new(8, Purpose::Sample).uniform(0);
+        let other: [f64; 10] = Streams::new(8, Purpose::Sample).numbers(0).take();
         assert_ne!(forwards[0], other);
     }
 
@@ -71,7 +92,7 @@ mod tests {
         let streams = Streams::new(1, Purpose::Sample);
         let count = 40_000;
         let numbers: Vec<f64> = (0..count)
-            .map(|index| streams.uniform::<3>(index)[1])
+            .map(|index| streams.numbers(index).take::<3>()[1])
             .collect();
         let n = count as f64;
         let mean = numbers.iter().sum::<f64>() / n;

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::estimate::{Estimate, Per, deviations};
+use super::estimate::{Estimate, deviations, wilson};
 use super::evaluation::SEVERITIES;
 use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
-use super::sensitivity::{Sensitivity, sensitivities};
+use super::sensitivity::SeveritySensitivity;
 use super::tally::Tally;
 use super::traffic::Exposure;
 use crate::assessment::Severity;
@@ -66,17 +66,6 @@ pub struct ClassRisk {
     pub contribution: Vec<Option<f64>>,
 }
 
-/// The sensitivities of one severity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SeveritySensitivity {
-    /// The severity that is reached or exceeded.
-    pub severity: Severity,
-    /// By input, the one with the greatest effect first.
-    pub inputs: Vec<Sensitivity>,
-    /// Share of the variance that no input explains alone: they act together.
-    pub interactions: f64,
-}
-
 /// Samples of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Counts {
@@ -103,12 +92,17 @@ impl RiskResult {
         let z = deviations(confidence);
         let total = tally.total();
         let period = |estimate: Estimate| estimate.map(|it| exposure.probability(it));
+        let impact = reach(tally, z);
         let risk = |severity: Severity| {
-            let given_departure = total.at_least(severity, Per::Departure, z);
+            let given_impact = total.at_least(severity, z);
+            let given_departure = match impact.high > 0.0 {
+                true => impact.product(given_impact),
+                false => impact,
+            };
             let years = |it: f64| exposure.return_period(it);
             SeverityRisk {
                 severity,
-                given_impact: total.at_least(severity, Per::Impact, z),
+                given_impact,
                 given_departure,
                 in_period: period(given_departure),
                 return_period_years: [
@@ -120,7 +114,7 @@ impl RiskResult {
             }
         };
         let severities: Vec<SeverityRisk> = SEVERITIES.into_iter().map(risk).collect();
-        let all = total.samples() as f64;
+        let impacts = total.impacts();
         let classes = scenario
             .classes
             .iter()
@@ -131,13 +125,13 @@ impl RiskResult {
                 impacts: cell.impacts(),
                 given_impact: SEVERITIES
                     .into_iter()
-                    .map(|severity| cell.at_least(severity, Per::Impact, z))
+                    .map(|severity| cell.at_least(severity, z))
                     .collect(),
                 contribution: severities
                     .iter()
                     .map(|risk| {
-                        let own = cell.at_least(risk.severity, Per::Departure, z).value;
-                        let share = own * cell.samples() as f64 / all / risk.given_departure.value;
+                        let own = cell.at_least_of(impacts, risk.severity, z).value;
+                        let share = own / risk.given_impact.value;
                         share.is_finite().then_some(share)
                     })
                     .collect(),
@@ -157,17 +151,8 @@ impl RiskResult {
             });
         let sensitivity = SEVERITIES
             .into_iter()
-            .map(|severity| {
-                let inputs = sensitivities(tally, scenario, severity, z);
-                let alone: f64 = inputs.iter().map(|it| it.first_order).sum();
-                SeveritySensitivity {
-                    severity,
-                    inputs,
-                    interactions: (1.0 - alone).max(0.0),
-                }
-            })
+            .map(|severity| SeveritySensitivity::new(tally, scenario, severity, impact, z))
             .collect();
-        let impact = total.impact(z);
         Self {
             confidence,
             exposure,
@@ -188,5 +173,24 @@ impl RiskResult {
                 undetermined: tally.undetermined,
             },
         }
+    }
+}
+
+/// Probability that a vehicle that leaves the road on a course to the column reaches it.
+fn reach(tally: &Tally, z: f64) -> Estimate {
+    let impacts = tally.total().impacts();
+    match tally.points {
+        0 => Estimate {
+            value: 0.0,
+            low: 0.0,
+            high: tally.reach_bound,
+        },
+        // Every point is accepted where every vehicle reaches the column, which needs no estimate.
+        points if points == impacts && tally.reach_bound >= 1.0 - 1e-12 => Estimate {
+            value: 1.0,
+            low: 1.0,
+            high: 1.0,
+        },
+        points => wilson(impacts, points, z).times(tally.reach_bound),
     }
 }

@@ -12,7 +12,7 @@ use super::tally::{Basis, RiskSample, Tally};
 use crate::study::{Batch, BatchEnd};
 
 /// Which share of the predicted samples is computed, too, as a control of the predictions.
-pub const CONTROL_SHARE: f64 = 0.05;
+pub const CONTROL_SHARE: f64 = 0.01;
 
 /// A study: vehicles that leave the road, and what decides how severe each of their impacts is.
 #[derive(Debug)]
@@ -85,7 +85,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
         numbers: Range<u64>,
         mut sink: impl FnMut(&RiskSample) -> Result<(), E>,
     ) -> Result<(Tally, BatchEnd), E> {
-        let mut tally = Tally::new(self.sampler.scenario());
+        let mut tally = Tally::new(self.sampler);
         let count = numbers.end.saturating_sub(numbers.start);
         let end = batch.run(
             count,
@@ -105,9 +105,7 @@ impl<'a, L: LimitState> RiskStudy<'a, L> {
 /// A batch for this number of threads; `None`: as many as there are processors.
 #[must_use]
 pub(super) fn batch(threads: Option<NonZeroUsize>) -> Batch {
-    let mut batch = Batch::default();
-    batch.threads = threads;
-    batch
+    threads.map_or_else(Batch::default, Batch::on_threads)
 }
 
 /// Why the samples of a study end early.

@@ -1,7 +1,6 @@
 //! Counts of a study. They are whole numbers, so that they do not depend on the order of the samples.
 
-use super::departure::{Departure, INPUTS};
-use super::scenario::Scenario;
+use super::departure::{Departure, DepartureSampler, INPUTS};
 use crate::assessment::Severity;
 
 /// Number of severities.
@@ -10,13 +9,11 @@ pub(super) const LEVELS: usize = 5;
 pub(super) const SPEED_BINS: usize = 40;
 /// Intervals of equal probability of every input, for the sensitivities.
 pub(super) const INPUT_BINS: usize = 50;
-/// Share of departures beyond the fragility curves.
-const BEYOND_CURVES: f64 = 1e-4;
 
 /// How the severity of a sample is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
-    /// The vehicle stops before the column: there is no impact.
+    /// No vehicle that reaches the column was found: there is no impact.
     Stopped,
     /// The response was computed.
     Computed(Severity),
@@ -123,6 +120,10 @@ pub struct Tally {
     /// Upper end of the fragility curves \[m/s\].
     pub(super) greatest_speed: f64,
     pub(super) undetermined: u64,
+    /// Points that were drawn for the samples.
+    pub(super) points: u64,
+    /// Bound of the probability of reaching the column, of which the accepted points are a share.
+    pub(super) reach_bound: f64,
     /// By class, and by interval of the speed at the column; faster ones are in the last interval.
     pub(super) by_speed: Vec<Vec<Cell>>,
     /// Those that stop, by class.
@@ -134,10 +135,12 @@ pub struct Tally {
 impl Tally {
     /// No sample yet.
     #[must_use]
-    pub fn new(scenario: &Scenario) -> Self {
-        let classes = scenario.classes.len();
+    pub fn new(sampler: &DepartureSampler) -> Self {
+        let classes = sampler.scenario().classes.len();
         Self {
-            greatest_speed: scenario.speed.distribution.quantile(1.0 - BEYOND_CURVES) / 3.6,
+            greatest_speed: sampler.greatest_speed(),
+            points: 0,
+            reach_bound: sampler.reach_bound(),
             undetermined: 0,
             by_speed: vec![vec![Cell::default(); SPEED_BINS]; classes],
             by_class: vec![Cell::default(); classes],
@@ -149,8 +152,12 @@ impl Tally {
     pub fn add(&mut self, sample: &RiskSample) {
         let RiskSample { departure, basis } = sample;
         self.undetermined += u64::from(*basis == Basis::Undetermined);
+        self.points += departure.points;
         self.by_class[departure.class].add(*basis);
-        if *basis != Basis::Stopped {
+        if *basis == Basis::Stopped {
+            return;
+        }
+        {
             let bin = departure.velocity / self.greatest_speed * SPEED_BINS as f64;
             self.by_speed[departure.class][(bin as usize).min(SPEED_BINS - 1)].add(*basis);
         }
@@ -163,6 +170,7 @@ impl Tally {
     /// Counts the samples of another part of the same study, too.
     pub fn merge(&mut self, other: &Self) {
         self.undetermined += other.undetermined;
+        self.points += other.points;
         let pairs = self.by_class.iter_mut().zip(&other.by_class);
         let by_speed = self
             .by_speed

@@ -91,7 +91,7 @@ fn intervals_have_their_coverage() {
     );
 
     let mut held = 0;
-    for seed in 0..60 {
+    for seed in 0..40 {
         let sampler = DepartureSampler::new(&scenario, seed);
         let search = batch(None);
         let surface = CriticalSpeedSurface::new(&sampler, seed, &known, 10_000_000, &search)
@@ -108,7 +108,7 @@ fn intervals_have_their_coverage() {
         held += u32::from(interval(&tally).contains(truth));
     }
     // The intervals of the control samples are on the safe side where no prediction is wrong.
-    assert!(held >= 50, "{held} of 60 intervals hold {truth}");
+    assert!(held >= 33, "{held} of 40 intervals hold {truth}");
 }
 
 /// A limit state that misleads the predictions: inside a window of mass and yield strength that no smooth interpolation sees,
@@ -141,14 +141,14 @@ fn wrong_predictions_do_not_bias_the_result() {
             .unwrap()
             .unwrap();
         let study = RiskStudy::new(&sampler, &known).with_predictions(&surface);
-        let tally = run(&study, 2, 0..10_000);
+        let tally = run(&study, 2, 0..40_000);
         let found = result(&scenario, &tally, 0.95);
         assert!(found.counts.wrong_predictions > 0);
         sum += found.severities[2].given_departure.value;
         held += i32::from(found.severities[2].given_departure.contains(truth));
     }
     let mean = sum / f64::from(seeds as u32);
-    // Standard deviation of one estimate: about 0.0088 (200 controls per thousand-fold weight); of the mean of 40, 0.0011.
+    // Of about 360 controls 2 % are wrong: the standard deviation of one estimate is about 0.007, of the mean of 40 0.0011.
     assert!((mean - truth).abs() < 0.005, "{mean} instead of {truth}");
     assert!(held >= 34, "{held} of {seeds}");
 }
@@ -275,7 +275,7 @@ fn the_rate_of_exceedance_is_the_integral() {
 
 #[test]
 fn the_result_does_not_depend_on_the_threads_nor_on_the_parts() {
-    let scenario = scenario("courtyard", &["distance_m=uniform:0.1:0.6"]);
+    let scenario = scenario("courtyard", &["distance_m=uniform:1:6"]);
     let column = RiskColumn::new(&Parameters::default(), &scenario).unwrap();
     let sampler = DepartureSampler::new(&scenario, 11);
     let study = RiskStudy::new(&sampler, &column);
@@ -295,7 +295,7 @@ fn the_result_does_not_depend_on_the_threads_nor_on_the_parts() {
         .unwrap();
     assert_eq!((end, none.samples()), (BatchEnd::Interrupted(0), 0));
     let nothing = result(&scenario, &none, 0.95).severities[0].given_departure;
-    assert_eq!((nothing.low, nothing.high), (0.0, 1.0));
+    assert_eq!((nothing.low, nothing.high), (0.0, sampler.reach_bound()));
 }
 
 #[test]
@@ -342,55 +342,174 @@ fn a_study_without_scatter_is_the_simulation() {
 
 #[test]
 fn a_vehicle_that_brakes_long_enough_stops() {
-    let scenario = scenario(
-        "parking_garage",
-        &[
-            "speed_km_h=fixed:36",
-            "angle_deg=fixed:30",
-            "deceleration_m_s2=fixed:4",
-            "distance_m=fixed:3",
-        ],
-    );
+    let laws = [
+        "speed_km_h=fixed:36",
+        "angle_deg=fixed:30",
+        "deceleration_m_s2=fixed:4",
+        "distance_m=fixed:3",
+    ];
+    let scenario = scenario("parking_garage", &laws);
     // v^2 = 100 - 2 * 4 * 6 = 52.
-    let departure = DepartureSampler::new(&scenario, 1).departure(0);
+    let sampler = DepartureSampler::new(&scenario, 1);
+    let departure = sampler.departure(0);
     assert!((departure.velocity - 52_f64.sqrt()).abs() < 1e-12);
+    assert!((sampler.reach_bound() - 1.0).abs() < 1e-12);
     let mut farther = scenario;
     farther.set("test", "distance_m=fixed:6.3").unwrap();
-    assert!(
-        !DepartureSampler::new(&farther, 1)
-            .departure(0)
-            .reaches_column()
-    );
+    let sampler = DepartureSampler::new(&farther, 1);
+    assert!(!sampler.departure(0).reaches_column());
+    assert_eq!(sampler.reach_bound(), 0.0);
+    // The result of a column that cannot be hit is a probability of 0.
+    let known = Known(|_: &Departure| Severity::Evacuate);
+    let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..100);
+    let found = result(&farther, &tally, 0.95);
+    assert_eq!(found.impact.high, 0.0);
+    assert_eq!(found.severities[3].in_period.high, 0.0);
 }
 
-/// Which input matters is known of a limit state that depends on one of them, and of a sum of two.
+/// The vehicles that reach the column have the same law as those that a search among all departures finds, and their share
+/// is the same: in a common case, where the search finds enough of them, and with distances that scatter.
+#[test]
+fn those_that_reach_the_column_are_those_of_all_departures() {
+    for distance in ["distance_m=fixed:0.7", "distance_m=uniform:0.2:1.2"] {
+        let scenario = scenario("urban", &[distance]);
+        let sampler = DepartureSampler::new(&scenario, 9);
+        let (mut mean, mut square, mut points) = ([0.0; 5], [0.0; 5], 0);
+        let count = 40_000;
+        for index in 0..count {
+            let it = sampler.departure(index);
+            points += it.points;
+            let found = [
+                it.velocity,
+                it.angle,
+                it.deceleration,
+                it.distance,
+                it.speed,
+            ];
+            for (input, x) in found.into_iter().enumerate() {
+                mean[input] += x / count as f64;
+                square[input] += x * x / count as f64;
+            }
+        }
+        let share = sampler.reach_bound() * count as f64 / points as f64;
+        assert!(points < 3 * count, "{points} points");
+        // A plain search over sequences of Weyl, which have nothing in common with the sampler.
+        let generators = [2_f64, 3.0, 5.0, 7.0].map(|it| it.sqrt().fract());
+        let (all, mut reached, mut expected) = (1_000_000_u32, 0.0, [0.0; 5]);
+        for point in 1..=all {
+            let [speed, angle, deceleration, distance] =
+                generators.map(|it| (f64::from(point) * it).fract());
+            let speed = scenario.speed.distribution.quantile(speed) / 3.6;
+            let angle = scenario.angle.distribution.quantile(angle).to_radians();
+            let deceleration = scenario.deceleration.distribution.quantile(deceleration);
+            let distance = scenario.distance.distribution.quantile(distance);
+            let square = speed * speed - 2.0 * deceleration * distance / angle.sin();
+            if square > LEAST_SPEED * LEAST_SPEED {
+                reached += 1.0;
+                for (sum, x) in
+                    expected
+                        .iter_mut()
+                        .zip([square.sqrt(), angle, deceleration, distance, speed])
+                {
+                    *sum += x;
+                }
+            }
+        }
+        let plain = reached / f64::from(all);
+        assert!(
+            (share / plain - 1.0).abs() < 0.02,
+            "{distance}: {share} {plain}"
+        );
+        for input in 0..5 {
+            let expected = expected[input] / reached;
+            let error =
+                ((square[input] - mean[input] * mean[input]).max(0.0) / count as f64).sqrt();
+            assert!(
+                (mean[input] - expected).abs() < 4.0 * error + 1e-3 * expected,
+                "{distance}: {input}: {} {expected}",
+                mean[input]
+            );
+        }
+    }
+}
+
+/// A column in a car park at 3 m, which two of a thousand departing vehicles reach: the probability is that of a quadrature.
+#[test]
+fn rare_impacts_have_the_probability_of_a_quadrature() {
+    let scenario = scenario("parking_garage", &["distance_m=fixed:3"]);
+    // P(angle > asin(2 a d / v^2)) over speed and deceleration, in their tails, too.
+    let count = 1200;
+    let deviations = |index: u32| 16.0 * (f64::from(index) + 0.5) / f64::from(count) - 8.0;
+    let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let lognormal = |mean: f64, deviation: f64, z: f64| {
+        let variance = (deviation / mean).powi(2).ln_1p();
+        (mean.ln() - 0.5 * variance + variance.sqrt() * z).exp()
+    };
+    let scale = 10.0 / std::f64::consts::FRAC_PI_2.sqrt();
+    let mut truth = 0.0;
+    for i in 0..count {
+        let speed = lognormal(10.0, 5.0, deviations(i)) / 3.6;
+        for j in 0..count {
+            let sine = 2.0 * lognormal(4.0, 1.3, deviations(j)) * 3.0 / (speed * speed);
+            if sine < 1.0 {
+                let angle = sine.asin().to_degrees();
+                let weight = density(deviations(i)) * density(deviations(j));
+                truth += weight
+                    * (16.0 / f64::from(count)).powi(2)
+                    * (-0.5 * (angle / scale).powi(2)).exp();
+            }
+        }
+    }
+    assert!(truth < 5e-3, "{truth}");
+    let sampler = DepartureSampler::new(&scenario, 4);
+    let known = Known(|_: &Departure| Severity::Inspect);
+    let tally = run(&RiskStudy::new(&sampler, &known), 2, 0..20_000);
+    let found = result(&scenario, &tally, 0.99);
+    assert!(
+        found.impact.contains(truth),
+        "{:?} does not hold {truth}",
+        found.impact
+    );
+    assert!(found.impact.high / found.impact.low - 1.0 < 0.05);
+    assert_eq!(found.counts.impacts, 20_000);
+}
+
+/// Which input matters is known of limit states that depend on one or two of them.
 #[test]
 fn the_input_that_decides_has_all_of_the_variance() {
     let scenario = scenario("parking_garage", &["distance_m=fixed:0"]);
     let sampler = DepartureSampler::new(&scenario, 2);
-    let fast = Known(|departure: &Departure| match departure.levels[1] > 0.7 {
+    let heavy = Known(|departure: &Departure| match departure.levels[5] > 0.7 {
         true => Severity::Prop,
         false => Severity::None,
     });
-    let tally = run(&RiskStudy::new(&sampler, &fast), 2, 0..20_000);
-    let found = result(&scenario, &tally, 0.95);
-    let inputs = &found.sensitivity[2].inputs;
-    assert_eq!(inputs[0].input, "speed");
-    assert!(inputs[0].first_order > 0.99, "{:?}", inputs[0]);
-    assert!((inputs[0].low.value, inputs[0].high.value) == (0.0, 1.0));
-    for other in &inputs[1..] {
+    let tally = run(&RiskStudy::new(&sampler, &heavy), 2, 0..20_000);
+    let found = &result(&scenario, &tally, 0.95).sensitivity[2];
+    assert_eq!(
+        (found.inputs[0].input, found.variance[0].input),
+        ("mass", "mass")
+    );
+    assert!(found.variance[0].first_order > 0.99, "{:?}", found.variance);
+    let (low, high) = (found.inputs[0].low, found.inputs[0].high);
+    // At a distance of 0 every vehicle reaches the column.
+    assert!(
+        low.value == 0.0 && low.high > 0.0 && low.high < 0.01 && high.contains(1.0),
+        "{low:?} {high:?}"
+    );
+    for other in &found.variance[1..] {
         assert!(other.first_order < 4.0 * other.error + 1e-3, "{other:?}");
     }
     // The event that both of two levels exceed 1/2: P = 1/4, V(E[Y|X]) = 1/16, V(Y) = 3/16, so 1/3 each and 1/3 together.
-    let both = Known(|departure: &Departure| {
-        match departure.levels[1] > 0.5 && departure.levels[2] > 0.5 {
-            true => Severity::Prop,
-            false => Severity::None,
-        }
-    });
+    let both =
+        Known(
+            |departure: &Departure| match departure.levels[5].min(departure.levels[6]) > 0.5 {
+                true => Severity::Prop,
+                false => Severity::None,
+            },
+        );
     let tally = run(&RiskStudy::new(&sampler, &both), 2, 0..40_000);
     let found = &result(&scenario, &tally, 0.95).sensitivity[2];
-    for input in &found.inputs[..2] {
+    for input in &found.variance[..2] {
         assert!(
             (input.first_order - 1.0 / 3.0).abs() < 4.0 * input.error,
             "{input:?}"
@@ -398,6 +517,8 @@ fn the_input_that_decides_has_all_of_the_variance() {
         assert!(input.error < 0.01);
     }
     assert!((found.interactions - 1.0 / 3.0).abs() < 0.02);
+    // The highest tenth of the mass: the other one exceeds 1/2 with an even chance.
+    assert!(found.inputs[0].high.contains(0.5), "{:?}", found.inputs[0]);
 }
 
 #[test]

@@ -8,7 +8,9 @@ from ._catalogue import Section, Vehicle, sections, vehicles
 from ._codes import CRITERIA, Outcome, Severity
 from ._column import Column
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._map import CriticalVelocity, Map, MapAxis
 from ._result import Result
+from ._risk import Estimate, Risk
 from ._screening import SCREENING, Screening, to_pandas
 
 __version__: str = native.VERSION
@@ -19,11 +21,16 @@ __all__ = [
     "Capacity",
     "Column",
     "ColumnTwinError",
+    "CriticalVelocity",
+    "Estimate",
+    "Map",
+    "MapAxis",
     "Outcome",
     "ParameterError",
     "ParameterWarning",
     "PushDown",
     "Result",
+    "Risk",
     "Screening",
     "Section",
     "Severity",

@@ -1,0 +1,81 @@
+"""Risk: how often vehicles that leave the road damage a column, and how severely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ._codes import Severity
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+
+class Estimate(NamedTuple):
+    """A probability with the interval in which it lies at the confidence level of the study."""
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def _of(cls, fields: dict[str, float]) -> Estimate:
+        return cls(fields["value"], fields["low"], fields["high"])
+
+
+@dataclass(frozen=True, eq=False)
+class Risk:
+    """The result of a risk study. docs/risk.md describes the model, the data with their sources, and the intervals."""
+
+    scenario: str
+    """Its name."""
+    report: dict[str, Any]
+    """Everything that `column-twin risk --json` computes from the samples: probabilities, classes, fragility, sensitivity."""
+
+    def _severity(self, severity: Severity) -> dict[str, Any]:
+        for row in self.report["severities"]:
+            if row["severity"] == str(Severity(severity)):
+                found: dict[str, Any] = row
+                return found
+        raise ValueError(f"expected a severity from inspect to evacuate, found {severity}")
+
+    def in_period(self, severity: Severity) -> Estimate:
+        """Probability of at least one impact of this severity or a higher one in the period of the study."""
+        return Estimate._of(self._severity(severity)["in_period"])
+
+    def given_impact(self, severity: Severity) -> Estimate:
+        """Probability of this severity or a higher one given an impact."""
+        return Estimate._of(self._severity(severity)["given_impact"])
+
+    @property
+    def samples(self) -> int:
+        """Vehicles that were drawn."""
+        return int(self.report["counts"]["samples"])
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row per severity: probabilities with their intervals. Needs pandas."""
+        import pandas as pd
+
+        rows = []
+        for row in self.report["severities"]:
+            flat: dict[str, Any] = {"severity": row["severity"]}
+            for kind in ("given_impact", "in_period"):
+                flat |= {kind: row[kind]["value"], f"{kind}_low": row[kind]["low"], f"{kind}_high": row[kind]["high"]}
+            rows.append(flat)
+        return pd.DataFrame(rows).set_index("severity")
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Fragility of the whole traffic: probability of each severity against the speed, with intervals. Needs matplotlib."""
+        from . import _figures
+
+        return _figures.fragility(self, ax)
+
+    def __repr__(self) -> str:
+        chances = ", ".join(f"{row['severity']} {row['in_period']['value']:.2g}" for row in self.report["severities"])
+        return f"<Risk {self.scenario}, {self.samples} samples, {self.report['exposure']['years']:g} a: {chances}>"
+
+    def _repr_html_(self) -> str:
+        from . import _html
+
+        return _html.risk(self)

@@ -1,0 +1,79 @@
+//! Risk studies for Python.
+
+use std::num::NonZeroUsize;
+
+use column_twin::parameters::Parameters;
+use column_twin::study::risk::{
+    CriticalSpeedSurface, DepartureSampler, Exposure, RiskColumn, RiskResult, RiskStudy, Scenario,
+    StudyRunError,
+};
+use column_twin::study::{Batch, BatchEnd};
+use pyo3::prelude::*;
+
+use crate::batch::interruptible;
+use crate::fault;
+
+/// What a risk study is about, as `Column.risk` describes it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Request {
+    /// Name of the scenario.
+    scenario: String,
+    /// Name and text of a file of scenarios; `None`: the shipped ones.
+    scenarios: Option<(String, String)>,
+    /// Other laws, as `--law` of the command line.
+    laws: Vec<String>,
+    /// \[1/d\]
+    vehicles_per_day: f64,
+    /// \[a\]
+    years: f64,
+    samples: u64,
+    seed: u64,
+    confidence: f64,
+    /// Whether the response of every sample is computed.
+    exact: bool,
+    threads: Option<NonZeroUsize>,
+}
+
+/// The result of the study as JSON.
+pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyResult<String> {
+    let mut scenario = match &request.scenarios {
+        None => Scenario::shipped(&request.scenario),
+        Some((place, text)) => Scenario::from_json(place, text, &request.scenario),
+    }
+    .map_err(|reason| fault::input(reason.to_string()))?;
+    for law in &request.laws {
+        scenario
+            .set("laws", law)
+            .map_err(|reason| fault::input(reason.to_string()))?;
+    }
+    let column = RiskColumn::new(parameters, &scenario).map_err(|reason| {
+        fault::input(format!("this column and scenario make no study: {reason}"))
+    })?;
+    let sampler = DepartureSampler::new(&scenario, request.seed);
+    let mut batch = Batch::default();
+    batch.threads = request.threads;
+    let surface = match request.exact {
+        true => None,
+        false => interruptible(py, &batch, |batch| {
+            CriticalSpeedSurface::new(&sampler, request.seed, &column, request.samples, batch)
+        })?
+        .map_err(|reason| fault::no_threads(&reason))?,
+    };
+    let mut study = RiskStudy::new(&sampler, &column);
+    if let Some(surface) = &surface {
+        study = study.with_predictions(surface);
+    }
+    let ran = interruptible(py, &batch, |batch| {
+        study.run(batch, 0..request.samples, |_| Ok::<_, StudyRunError>(()))
+    })?;
+    let (tally, end) = ran.map_err(|reason| fault::simulation(reason.to_string()))?;
+    if let BatchEnd::Interrupted(done) = end {
+        return Err(fault::simulation(format!(
+            "the study was interrupted after {done} samples"
+        )));
+    }
+    let exposure = Exposure::new(&scenario, request.vehicles_per_day, request.years);
+    let result = RiskResult::new(&scenario, &tally, exposure, request.confidence);
+    serde_json::to_string(&result).map_err(|reason| fault::simulation(reason.to_string()))
+}

@@ -1,0 +1,313 @@
+//! The result of a study for people.
+
+use std::fmt;
+
+use super::{Case, Outcome, RiskArgs};
+use column_twin::figures::units::significant;
+use column_twin::parameters::Parameters;
+use column_twin::report::short;
+use column_twin::study::BatchEnd;
+use column_twin::study::risk::{Estimate, Input, RiskResult, Scenario};
+
+/// One line that describes the column and the scenario.
+pub(super) fn title(parameters: &Parameters, scenario: &Scenario) -> String {
+    let section = parameters.section().name;
+    let properties = parameters.column_properties();
+    let description = match scenario.description.is_empty() {
+        true => scenario.name.clone(),
+        false => scenario.description.clone(),
+    };
+    format!(
+        "{}, {} m high: {description}, distance from the road {} m",
+        section.unwrap_or(&parameters.settings().column_id),
+        short(properties.length_below + properties.length_above),
+        scenario.distance.distribution,
+    )
+}
+
+/// The result in words and numbers.
+pub(super) struct Summary<'a> {
+    pub arguments: &'a RiskArgs,
+    pub case: &'a Case,
+    pub outcome: &'a Outcome,
+    pub result: &'a RiskResult,
+}
+
+/// A probability as a percentage, or with a power of ten where it is small.
+fn share(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        value if value < 1e-4 => format!("{value:.2e}"),
+        value => format!("{} %", significant(100.0 * value, 3)),
+    }
+}
+
+fn small(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        value => format!("{value:.2e}"),
+    }
+}
+
+fn interval(estimate: &Estimate, text: fn(f64) -> String) -> String {
+    format!(
+        "{} ({} to {})",
+        text(estimate.value),
+        text(estimate.low),
+        text(estimate.high)
+    )
+}
+
+/// The period in words.
+fn period(years: f64) -> String {
+    match short(years).as_str() {
+        "1" => "in 1 year".to_owned(),
+        years => format!("in {years} years"),
+    }
+}
+
+/// Years in words.
+fn years(value: Option<f64>) -> String {
+    match value {
+        None => "-".to_owned(),
+        Some(years) if years < 1e4 => format!("{} years", significant(years, 3)),
+        Some(years) if years < 1e6 => format!("{} thousand years", significant(years / 1e3, 3)),
+        Some(years) if years < 1e9 => format!("{} million years", significant(years / 1e6, 3)),
+        Some(years) => format!("{years:.1e} years"),
+    }
+}
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            case,
+            result,
+            outcome,
+            arguments,
+        } = self;
+        let exposure = &result.exposure;
+        writeln!(f, "{}\n", title(&case.parameters, &case.scenario))?;
+        writeln!(
+            f,
+            "  Traffic                 {} vehicles per day, {}",
+            short(exposure.vehicles_per_day),
+            period(exposure.years).trim_start_matches("in ")
+        )?;
+        writeln!(
+            f,
+            "  Courses to the column   {} vehicles = n T lambda dx = {} x {} 1/m x {} m",
+            small(result.departures),
+            short(exposure.vehicles_per_day * 365.25 * exposure.years),
+            exposure.accident_rate,
+            significant(exposure.road_length, 3),
+        )?;
+        writeln!(
+            f,
+            "  Reach the column        {} of them",
+            interval(&result.impact, share)
+        )?;
+        writeln!(
+            f,
+            "  Impacts in the period   {}\n",
+            interval(&result.impact_in_period, small)
+        )?;
+        let percent = short(100.0 * result.confidence);
+        writeln!(
+            f,
+            "Probability, in brackets the {percent} % interval of the simulation"
+        )?;
+        writeln!(
+            f,
+            "  {:<22}{:<34}{:<38}return period",
+            "severity at least",
+            "given an impact",
+            period(exposure.years),
+        )?;
+        for risk in &result.severities {
+            writeln!(
+                f,
+                "  {:<22}{:<34}{:<38}{}",
+                risk.severity.to_string(),
+                interval(&risk.given_impact, share),
+                interval(&risk.in_period, small),
+                match risk.return_period_years {
+                    [None, soonest, _] if soonest.is_some() =>
+                        format!("more than {}", years(soonest)),
+                    [mean, ..] => years(mean),
+                },
+            )?;
+        }
+        let unseen = result
+            .severities
+            .iter()
+            .filter(|risk| risk.given_impact.value == 0.0);
+        if unseen.count() > 0 && result.counts.impacts > 0 {
+            writeln!(
+                f,
+                "  Where no sample reached a severity, its probability is not 0 but at most the upper end of the interval."
+            )?;
+        }
+        if result.counts.impacts > 0 {
+            self.classes(f)?;
+            self.fragility(f)?;
+            self.sensitivity(f)?;
+        } else if self.outcome.end == BatchEnd::Complete {
+            writeln!(f, "  With these laws no vehicle reaches the column.")?;
+        }
+        self.inputs(f)?;
+        let counts = &result.counts;
+        write!(
+            f,
+            "\nSamples    {} impacts, {} of them computed",
+            counts.impacts, counts.responses
+        )?;
+        if counts.predicted > 0 {
+            write!(
+                f,
+                "; {} predicted from the critical speeds of {} other responses; of {} controls, {} predictions were wrong",
+                counts.predicted, outcome.learnt_from, counts.controls, counts.wrong_predictions
+            )?;
+        }
+        writeln!(f, "; seed {}", arguments.seed)?;
+        if counts.undetermined > 0 {
+            writeln!(
+                f,
+                "           {} responses could not be computed and count as the most severe ones",
+                counts.undetermined
+            )?;
+        }
+        if outcome.not_monotonic > 0 {
+            writeln!(
+                f,
+                "           for {} sets of inputs the severity falls somewhere with growing speed; there every response was computed",
+                outcome.not_monotonic
+            )?;
+        }
+        if !outcome.varies_yield_strength {
+            writeln!(
+                f,
+                "           the yield strength does not vary: the parameters resistance.* are numbers, or its law has one value"
+            )?;
+        }
+        if let BatchEnd::Interrupted(done) = outcome.end {
+            writeln!(
+                f,
+                "           ENDED EARLY: {done} of {} samples; the intervals are wider than they would be",
+                arguments.samples
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Summary<'_> {
+    fn classes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\nVehicles: share of the traffic; probability of {} or worse given its impact; share of these events",
+            self.result.severities[2].severity
+        )?;
+        for class in &self.result.classes {
+            writeln!(
+                f,
+                "  {:<22}{:<12}{:<34}{}",
+                class.vehicle,
+                share(class.share),
+                interval(&class.given_impact[2], share),
+                class.contribution[2].map_or("-".to_owned(), share)
+            )?;
+        }
+        Ok(())
+    }
+
+    fn fragility(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\nFragility of the whole traffic: P(severity at least s | v) = Phi(ln(v / median) / dispersion)"
+        )?;
+        for curve in self
+            .result
+            .fragility
+            .iter()
+            .filter(|curve| curve.vehicle.is_none())
+        {
+            match curve.fit {
+                Some(fit) => writeln!(
+                    f,
+                    "  {:<22}median {} m/s (standard error {} %), dispersion {}",
+                    curve.severity.to_string(),
+                    significant(fit.median, 3),
+                    significant(100.0 * fit.median_error, 2),
+                    significant(fit.dispersion, 3),
+                )?,
+                None => writeln!(
+                    f,
+                    "  {:<22}the samples do not determine a curve",
+                    curve.severity.to_string()
+                )?,
+            }
+        }
+        Ok(())
+    }
+
+    fn sensitivity(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The most severe one that was seen.
+        let seen = self
+            .result
+            .severities
+            .iter()
+            .rposition(|risk| risk.given_impact.value > 0.0);
+        let Some(sensitivity) = seen.map(|index| &self.result.sensitivity[index]) else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "\nSensitivity of {} or worse: probability per departure in the lowest and in the highest tenth of an input",
+            sensitivity.severity
+        )?;
+        for effect in &sensitivity.inputs {
+            let classes = effect
+                .classes
+                .map_or(String::new(), |[low, high]| format!("  ({low}, {high})"));
+            writeln!(
+                f,
+                "  {:<22}{:<12}{:<12}{classes}",
+                effect.input,
+                small(effect.low.value),
+                small(effect.high.value)
+            )?;
+        }
+        write!(f, "  Share of the variance given an impact: ")?;
+        for share in &sensitivity.variance {
+            write!(
+                f,
+                "{} {} % (+- {}), ",
+                share.input,
+                significant(100.0 * share.first_order, 2),
+                significant(100.0 * share.error, 1)
+            )?;
+        }
+        writeln!(
+            f,
+            "together {} %",
+            significant(100.0 * sensitivity.interactions, 2)
+        )
+    }
+
+    fn inputs(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\nInputs")?;
+        let mut line = |name: &str, input: &Input| {
+            let tag = input.tag.map_or("user".to_owned(), |tag| tag.to_string());
+            writeln!(f, "  {name:<22}{} [{tag}]", input.distribution)
+        };
+        for (name, input) in self.case.scenario.laws() {
+            line(name, input)?;
+        }
+        writeln!(
+            f,
+            "  [T] read in the source, [C] computed, [M] recalled and not verified, [A] assumption of this program; see docs/risk.md\n\
+             \nThe intervals are those of the simulation alone. They do not contain the uncertainty of the inputs, above all of the\n\
+             accident rate, nor that of the model."
+        )
+    }
+}

@@ -1,0 +1,89 @@
+//! The fragility curves and the samples as tables.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::Path;
+
+use column_twin::assessment::Severity;
+use column_twin::study::risk::{Basis, Estimate, RiskResult, RiskSample, Scenario};
+use column_twin::whole_file::WholeFile;
+
+/// The fragility curves as CSV: one row for each vehicle (`all`: the whole traffic), severity and interval of the speed.
+pub(super) fn fragility(result: &RiskResult) -> String {
+    let mut text = String::from(
+        "vehicle,severity,speed_from_m_s,speed_to_m_s,samples,probability,low,high,fit_median_m_s,fit_dispersion\n",
+    );
+    for curve in &result.fragility {
+        for point in &curve.points {
+            let Some(Estimate { value, low, high }) = point.probability else {
+                continue;
+            };
+            let [from, to] = point.speed;
+            let fit = curve.fit.map_or(",".to_owned(), |fit| {
+                format!("{},{}", fit.median, fit.dispersion)
+            });
+            let _ = writeln!(
+                text,
+                "{},{},{from},{to},{},{value},{low},{high},{fit}",
+                curve.vehicle.unwrap_or("all"),
+                curve.severity,
+                point.samples,
+            );
+        }
+    }
+    text
+}
+
+/// Writes every sample as CSV. The file gets its name when it is finished.
+pub(super) struct SampleWriter {
+    out: WholeFile,
+    vehicles: Vec<&'static str>,
+}
+
+impl SampleWriter {
+    pub fn create(path: &Path, scenario: &Scenario) -> io::Result<Self> {
+        let mut out = WholeFile::create(path)?;
+        out.write_all(
+            b"sample,vehicle,mass_kg,road_speed_m_s,angle_deg,deceleration_m_s2,distance_m,speed_m_s,force_factor,\
+              yield_strength_factor,top_load_factor,severity,basis\n",
+        )?;
+        Ok(Self {
+            out,
+            vehicles: scenario.classes.iter().map(|class| class.vehicle).collect(),
+        })
+    }
+
+    pub fn write(&mut self, sample: &RiskSample) -> io::Result<()> {
+        let it = &sample.departure;
+        let basis = match sample.basis {
+            Basis::Stopped => "stopped",
+            Basis::Computed(_) => "computed",
+            Basis::Undetermined => "undetermined",
+            Basis::Predicted(_) => "predicted",
+            Basis::Control { .. } => "control",
+        };
+        let severity = sample
+            .basis
+            .severity()
+            .map_or(String::new(), |severity: Severity| severity.to_string());
+        writeln!(
+            self.out,
+            "{},{},{},{},{},{},{},{},{},{},{},{severity},{basis}",
+            it.index,
+            self.vehicles[it.class],
+            it.mass,
+            it.speed,
+            it.angle.to_degrees(),
+            it.deceleration,
+            it.distance,
+            it.velocity,
+            it.force_factor,
+            it.yield_factor,
+            it.load_factor,
+        )
+    }
+
+    pub fn finish(self) -> io::Result<()> {
+        self.out.commit()
+    }
+}

@@ -1,0 +1,276 @@
+//! The parameters that exist once for each sensor in `sensors.names`, and the sensors that they describe.
+
+use super::consistency::Inconsistency;
+use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::settings::{SensorSettings, Settings};
+use super::value::{Kind, Value, readable};
+use super::{or_else, section_of};
+use crate::senses::{Quantity, Sensor};
+
+/// The parameters of each sensor, which continue [`PARAMETERS`](super::PARAMETERS): each exists once for every element of
+/// `sensors.names`, with the element in the place of `<name>`.
+pub const SENSOR_PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "sensors.<name>.quantity",
+        unit: "",
+        default: DefaultValue::Required(Kind::String),
+        admissible: Admissible::Choice(&Quantity::WORDS),
+        applies: Applies::Restart,
+        meaning: "what the sensor measures: transverse acceleration [m/s^2] or displacement [m], positive in the vehicle's direction; \
+                  rotation of the axis [rad], positive if it leans in this direction; bending strain of a fibre, positive for tension on \
+                  the side away from the vehicle; axial strain, tension positive; or contact force [N]",
+    },
+    Parameter {
+        name: "sensors.<name>.height",
+        unit: "m",
+        default: DefaultValue::Required(Kind::Double),
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 200.0,
+        },
+        applies: Applies::Restart,
+        meaning: "height of the sensor above the base, at most that of the column; a contact force does not need it",
+    },
+    Parameter {
+        name: "sensors.<name>.range",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-12,
+            max: 1e12,
+            zero: "no clipping",
+        },
+        applies: Applies::Restart,
+        meaning: "largest magnitude before the sensor clips, in the unit of its quantity",
+    },
+    Parameter {
+        name: "sensors.<name>.noise",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: ERROR,
+        applies: Applies::Restart,
+        meaning: "root mean square of the noise, in the unit of the quantity",
+    },
+    Parameter {
+        name: "sensors.<name>.bias",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: ERROR,
+        applies: Applies::Restart,
+        meaning: "standard deviation of the unknown constant offset, in the unit of the quantity",
+    },
+    Parameter {
+        name: "sensors.<name>.gain_error",
+        unit: "",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::Real { min: 0.0, max: 1.0 },
+        applies: Applies::Restart,
+        meaning: "standard deviation of the unknown gain from 1",
+    },
+    Parameter {
+        name: "sensors.<name>.rate",
+        unit: "Hz",
+        default: DefaultValue::Double(10_000.0),
+        admissible: Admissible::Real { min: 1.0, max: 1e6 },
+        applies: Applies::Restart,
+        meaning: "number of samples per second",
+    },
+    Parameter {
+        name: "sensors.<name>.bandwidth",
+        unit: "Hz",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 0.1,
+            max: 1e6,
+            zero: "half the rate",
+        },
+        applies: Applies::Restart,
+        meaning: "cut-off frequency of the anti-alias filter; more than half the rate has the effect of half the rate",
+    },
+    Parameter {
+        name: "sensors.<name>.sign",
+        unit: "",
+        default: DefaultValue::Integer(1),
+        admissible: Admissible::Sign,
+        applies: Applies::Restart,
+        meaning: "-1 if the sensor is mounted in the opposite direction, so that its readings have the opposite sign",
+    },
+    Parameter {
+        name: "sensors.<name>.fibre",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: Admissible::RealOrZero {
+            min: 1e-4,
+            max: 10.0,
+            zero: "half the section height",
+        },
+        applies: Applies::Restart,
+        meaning: "distance of the strained fibre from the centroid, on either side; for a bending strain only",
+    },
+];
+
+const ERROR: Admissible = Admissible::Real {
+    min: 0.0,
+    max: 1e12,
+};
+
+/// What the name of a row has in the place of the name of a sensor.
+pub(super) const PLACEHOLDER: &str = "<name>";
+
+/// The group of all parameters of sensors.
+pub(super) const GROUP: &str = "sensors";
+
+/// The parameter that declares the sensors.
+pub(super) const SENSOR_NAMES: &str = "sensors.names";
+
+/// Most characters of the name of a sensor: errors show the first 60 of the name of a parameter, which contains it.
+pub(super) const MAX_SENSOR_NAME_CHARS: usize = 40;
+
+/// `sensors.names` is a parameter itself, and `time` is the first column of a table of measurements.
+pub(super) const RESERVED_SENSOR_NAMES: [&str; 2] = ["names", "time"];
+
+/// Whether a sensor may have this name.
+pub(super) fn is_sensor_name(name: &str) -> bool {
+    let is_part = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+    (1..=MAX_SENSOR_NAME_CHARS).contains(&name.len())
+        && name.bytes().all(is_part)
+        && !RESERVED_SENSOR_NAMES.contains(&name)
+}
+
+/// The last part of a row's name, such as `height`.
+pub(super) fn field(row: &Parameter) -> &'static str {
+    row.name.rsplit('.').next().unwrap_or(row.name)
+}
+
+/// The name that a row has for a sensor.
+pub(super) fn full_name(row: &Parameter, sensor: &str) -> String {
+    with_sensor(row.name, sensor)
+}
+
+/// The name with the sensor in the place of its placeholder, if it has one.
+pub(super) fn with_sensor(name: &str, sensor: &str) -> String {
+    name.replacen(PLACEHOLDER, sensor, 1)
+}
+
+/// The sensor and the index of the row of a parameter of this name, whether or not the sensor is declared.
+pub(super) fn sensor_and_row(name: &str) -> Option<(&str, usize)> {
+    let (sensor, wanted) = name
+        .strip_prefix(GROUP)?
+        .strip_prefix('.')?
+        .rsplit_once('.')?;
+    let row = SENSOR_PARAMETERS
+        .iter()
+        .position(|row| field(row) == wanted)?;
+    Some((sensor, row))
+}
+
+/// The full names of the parameters of all sensors, sensor by sensor, in the order of the rows.
+pub(super) fn names_of_all(settings: &Settings) -> Vec<String> {
+    let names = settings.sensors.names.iter();
+    names
+        .flat_map(|sensor| SENSOR_PARAMETERS.iter().map(|row| full_name(row, sensor)))
+        .collect()
+}
+
+/// The values that belong to [`names_of_all`].
+pub(super) fn values_of_all(settings: &Settings) -> impl Iterator<Item = Value> {
+    declared(settings).flat_map(|(_, sensor)| sensor.values())
+}
+
+/// Whether a sensor of this quantity must have the parameter of the row.
+pub(super) fn is_required(row: &Parameter, quantity: &Value) -> bool {
+    let is_force = *quantity == Value::from(Quantity::ContactForce.word());
+    matches!(row.default, DefaultValue::Required(_)) && !(field(row) == "height" && is_force)
+}
+
+/// Every sensor in `sensors.names` with what is given for it.
+fn declared(settings: &Settings) -> impl Iterator<Item = (&str, &SensorSettings)> {
+    let sensors = &settings.sensors;
+    let names = sensors.names.iter();
+    names.filter_map(|name| Some((name.as_str(), sensors.each.get(name)?)))
+}
+
+/// The sensors with their open numbers filled in.
+pub(super) fn sensors_of(settings: &Settings) -> Vec<Sensor> {
+    let half_height = section_of(&settings.section).height / 2.0;
+    let sensor = |(name, given): (&str, &SensorSettings)| {
+        let half_rate = given.rate / 2.0;
+        Sensor {
+            name: name.to_owned(),
+            quantity: given
+                .quantity
+                .parse()
+                .expect("the quantity was checked with the other parameters"),
+            height: given.height,
+            range: given.range,
+            noise: given.noise,
+            bias: given.bias,
+            gain_error: given.gain_error,
+            rate: given.rate,
+            bandwidth: or_else(given.bandwidth, half_rate).min(half_rate),
+            reversed: given.sign < 0,
+            fibre: or_else(given.fibre, half_height),
+        }
+    };
+    declared(settings).map(sensor).collect()
+}
+
+/// The inconsistencies of each sensor; `<name>` in the names of parameters is the sensor.
+pub(super) fn inconsistencies(settings: &Settings) -> Vec<(&str, Inconsistency)> {
+    let mut found = Vec::new();
+    for (name, sensor) in declared(settings) {
+        found.extend(height_suits_the_column(sensor, settings).map(|it| (name, it)));
+        found.extend(strain_has_a_fibre(sensor, settings).map(|it| (name, it)));
+    }
+    found
+}
+
+/// Sums of decimal lengths differ from the decimal sum by round-off.
+const ROUND_OFF: f64 = 1.0 + 1e-9;
+
+fn height_suits_the_column(sensor: &SensorSettings, settings: &Settings) -> Option<Inconsistency> {
+    let geometry = &settings.geometry;
+    let height = geometry.length_below + geometry.length_above;
+    (sensor.height > height * ROUND_OFF).then(|| Inconsistency {
+        names: vec![
+            "sensors.<name>.height",
+            "geometry.length_below",
+            "geometry.length_above",
+        ],
+        message: format!(
+            "is {} m, but the column is {} m high; give at most that",
+            readable(sensor.height),
+            readable(height)
+        ),
+    })
+}
+
+fn strain_has_a_fibre(sensor: &SensorSettings, settings: &Settings) -> Option<Inconsistency> {
+    if sensor.quantity != Quantity::BendingStrain.word() {
+        return None;
+    }
+    let height = section_of(&settings.section).height;
+    let message = if height == 0.0 && sensor.fibre == 0.0 {
+        "is required for a bending strain, because a section given by numbers has no height; give the distance of the \
+         fibre from the centroid in m, or section.height, or name the section"
+            .to_owned()
+    } else if height > 0.0 && sensor.fibre > height / 2.0 * ROUND_OFF {
+        format!(
+            "is {} m, outside the section, which is {} m high; give at most {} m, or 0 for half the section height",
+            readable(sensor.fibre),
+            readable(height),
+            readable(height / 2.0)
+        )
+    } else {
+        return None;
+    };
+    Some(Inconsistency {
+        names: vec![
+            "sensors.<name>.fibre",
+            "section.height",
+            "section.name",
+            "sensors.<name>.quantity",
+        ],
+        message,
+    })
+}

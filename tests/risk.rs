@@ -1,0 +1,217 @@
+//! `column-twin risk` as a user meets it: results, files, wrong input, Ctrl-C.
+#![cfg(all(feature = "cli", target_os = "linux"))]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value as Json;
+
+/// A column beside a street, with few samples.
+const STREET: [&str; 7] = [
+    "risk",
+    "--scenario",
+    "urban",
+    "--vehicles-per-day",
+    "10000",
+    "--seed",
+    "7",
+];
+
+fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command.current_dir(folder).args(STREET).args(arguments);
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    program(folder, arguments)
+        .output()
+        .expect("the program that was built with this test")
+}
+
+fn json(output: &Output) -> Json {
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut outputs = Vec::new();
+    for threads in ["1", "2", "3"] {
+        let csv = format!("curves{threads}.csv");
+        let samples = format!("samples{threads}.csv");
+        let arguments = [
+            "--samples",
+            "60",
+            "--threads",
+            threads,
+            "--json",
+            "--csv",
+            &csv,
+            "--samples-csv",
+            &samples,
+        ];
+        let found = json(&run(folder.path(), &arguments));
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("written");
+        outputs.push((found.to_string(), read(&csv), read(&samples)));
+    }
+    assert_eq!(outputs[0], outputs[1]);
+    assert_eq!(outputs[0], outputs[2]);
+    let (found, curves, samples) = &outputs[0];
+    let found: Json = serde_json::from_str(found).expect("JSON");
+    assert_eq!(found["counts"]["samples"], 60);
+    assert_eq!(found["complete"], true);
+    assert_eq!(found["inputs"]["speed_km_h"]["tag"], "T");
+    assert!(curves.starts_with("vehicle,severity,speed_from_m_s,"));
+    assert_eq!(samples.lines().count(), 61);
+    // The samples of the table are those of the result.
+    let evacuate = samples
+        .lines()
+        .filter(|line| line.contains(",evacuate,"))
+        .count();
+    let given_impact = found["severities"][3]["given_impact"]["value"]
+        .as_f64()
+        .expect("a number");
+    assert!((given_impact - evacuate as f64 / 60.0).abs() < 1e-12);
+    // Other inputs have another result.
+    let other = json(&run(
+        folder.path(),
+        &["--samples", "60", "--json", "--law", "speed_km_h=fixed:40"],
+    ));
+    assert_ne!(other["classes"], found["classes"]);
+}
+
+#[test]
+fn the_summary_and_the_figures_of_a_column_that_is_not_hit_are_no_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = run(
+        folder.path(),
+        &["--samples", "10", "--distance", "1e6", "--plots", "plots"],
+    );
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("no vehicle reaches the column") && text.contains("Figures    none"),
+        "{text}"
+    );
+    assert!(!folder.path().join("plots").exists());
+}
+
+#[test]
+fn wrong_input_is_rejected_with_what_is_expected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(
+        folder.path().join("mine.json"),
+        r#"{"scenarios": [{"name": "yard", "based_on": "courtyard",
+            "speed_km_h": {"law": "lognormal", "mean": 15, "sd": -6}}]}"#,
+    )
+    .expect("written");
+    for (arguments, expected) in [
+        (
+            &["--distance", "-3"][..],
+            "--distance: distance_m: found -3; expected values not below 0 m",
+        ),
+        (
+            &["--law", "speed_km_h=lognormal:12:0"],
+            "--law: speed_km_h.sd: found 0; expected a finite number > 0",
+        ),
+        (
+            &["--confidence", "95"],
+            "--confidence 95: expected a number from 0.5 to 0.9999, such as 0.95",
+        ),
+        (&["--years", "0"], "--years 0: expected a finite number > 0"),
+        (&["--samples", "0"], "expected a whole number from 1 to"),
+        (
+            &["--scenarios", "none.json"],
+            "cannot read the scenarios none.json",
+        ),
+        (
+            &[
+                "-p",
+                "geometry.length_above:=0.1",
+                "-p",
+                "geometry.length_below:=1.0",
+            ],
+            "the vehicle lorry_8t strikes 1.25 m above the base; expected less than 1.1 m",
+        ),
+    ] {
+        let output = run(folder.path(), arguments);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.contains(expected), "{errors}");
+        assert!(output.stdout.is_empty());
+    }
+    let arguments = [
+        "risk",
+        "--scenario",
+        "yard",
+        "--scenarios",
+        "mine.json",
+        "--vehicles-per-day",
+        "10",
+    ];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    let output = command
+        .current_dir(folder.path())
+        .args(arguments)
+        .output()
+        .expect("runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    let expected =
+        "mine.json: scenarios.yard.speed_km_h.sd: found -6; expected a finite number > 0";
+    assert!(errors.contains(expected), "{errors}");
+}
+
+/// The result of an interrupted study is that of its first samples.
+#[test]
+fn ctrl_c_leaves_the_result_of_what_is_finished() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["--samples", "1e9", "--exact", "--threads", "1", "--json"];
+    let mut command = program(folder.path(), &arguments);
+    let child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("runs");
+    // Whenever the signal comes, the result is whole; after this time it is likely to have samples.
+    std::thread::sleep(Duration::from_secs(2));
+    let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+    kill_process(id.expect("a process id"), Signal::INT).expect("a running process");
+    let output = child.wait_with_output().expect("ends");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(
+        errors.contains("of 1000000000 samples are finished"),
+        "{errors}"
+    );
+    let found: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["complete"], false);
+    let done = found["counts"]["samples"].as_u64().expect("a count");
+    if done == 0 {
+        return;
+    }
+    let samples = done.to_string();
+    let again = json(&run(
+        folder.path(),
+        &["--samples", &samples, "--exact", "--json"],
+    ));
+    for part in [
+        "severities",
+        "classes",
+        "fragility",
+        "sensitivity",
+        "counts",
+    ] {
+        assert_eq!(again[part], found[part], "{part}");
+    }
+}
