@@ -32,9 +32,9 @@ mod repair;
 mod replay;
 #[cfg(feature = "record")]
 mod report;
+mod risk;
 #[cfg(feature = "ros")]
 mod run;
-mod risk;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;

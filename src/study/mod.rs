@@ -24,6 +24,7 @@ mod map_columns;
 mod map_grid;
 mod refine;
 pub mod risk;
+mod row_search;
 mod study_column;
 
 pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};
@@ -34,5 +35,6 @@ pub use critical::{
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
 pub use map_columns::{ColumnKind, TableColumn, TableValue, severity_name};
 pub use map_grid::{GridCell, MapGrid};
-pub use refine::{BoundaryPoint, ClassBoundary, RefineError, RefinedMap, RowBoundary};
+pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap};
+pub use row_search::{RefineError, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
