@@ -231,7 +231,7 @@ impl MapFigures<'_> {
             false => 1,
         };
         let mut areas = Areas::default();
-        let mut islands = Vec::new();
+        let mut islands: Vec<Island> = Vec::new();
         for row in 0..grid.rows().len() {
             let (left, right) = (row_edges[row], row_edges[row + 1]);
             for part in 0..parts {
@@ -239,7 +239,8 @@ impl MapFigures<'_> {
                 let strip = (at(part), at(part + 1));
                 let middle = 0.5 * (strip.0 + strip.1) / rows.per_si;
                 let exact = |class: Severity, column: usize| {
-                    let value = self.refined?.value_at(self.map, variant, class, middle)?;
+                    let place = grid.rows()[row] as usize;
+                    let value = self.boundary_at(self.refined?, variant, class, place, middle)?;
                     let (low, high) = (
                         columns.at(grid.columns()[column - 1]),
                         columns.at(grid.columns()[column]),
@@ -266,8 +267,9 @@ impl MapFigures<'_> {
                     }
                     highest = highest.max(found.unwrap_or(highest));
                     // A class that is left again, and cells that were not computed.
-                    if found != Some(highest) {
-                        islands.push((strip, (edge, column_edges[column + 1]), found));
+                    if found != Some(highest) && part == 0 {
+                        let range = (edge, column_edges[column + 1]);
+                        island(&mut islands, (left, right), range, found);
                     }
                 }
                 areas.push(strip, begins);
@@ -365,7 +367,7 @@ impl MapFigures<'_> {
     }
 
     /// The iso-lines of the residual displacement with their levels, the lowest first.
-    fn levels(&self, variant: usize) -> Vec<(String, Vec<Vec<(f64, f64)>>)> {
+    fn levels(&self, variant: usize) -> Vec<Level> {
         let [rows, columns] = self.axes();
         let (Some(grid), Some(_), Some(_)) = (self.grid, rows.axis.ends(), columns.axis.ends())
         else {
@@ -489,6 +491,26 @@ fn file_name(label: &str) -> String {
         .collect()
 }
 
+/// A level in words, and its lines in the units of the figure.
+type Level = (String, Vec<Vec<(f64, f64)>>);
+
+/// A rectangle over the areas of the classes: its extent in both directions, and its class.
+type Island = ((f64, f64), (f64, f64), Option<Severity>);
+
+/// Adds a rectangle, or widens the one of the row before, so that no seam shows between both.
+fn island(islands: &mut Vec<Island>, x: (f64, f64), y: (f64, f64), found: Option<Severity>) {
+    // Not further back than the rectangles of two rows of the finest figure.
+    const LOOKED_AT: usize = 800;
+    let before = islands.iter_mut().rev().take(LOOKED_AT);
+    match before
+        .into_iter()
+        .find(|(of, range, class)| of.1 == x.0 && *range == y && *class == found)
+    {
+        Some((of, ..)) => of.1 = x.1,
+        None => islands.push((x, y, found)),
+    }
+}
+
 /// Where each class begins, strip by strip: the area of a class reaches from there to the upper edge, and the next class is painted over
 /// it, so that no seams show.
 #[derive(Default)]
@@ -576,7 +598,7 @@ impl Picture<'_, '_, '_> {
     }
 
     /// Draws lines with labels where there is room for them.
-    fn iso_lines(&self, levels: &[(String, Vec<Vec<(f64, f64)>>)]) -> Drawn<()> {
+    fn iso_lines(&self, levels: &[Level]) -> Drawn<()> {
         for (_, lines) in levels {
             for line in lines {
                 self.line(line, Stroke::solid(ISO_LINE, 7))?;

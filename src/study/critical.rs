@@ -100,10 +100,6 @@ impl CriticalSearch {
 
     /// The velocity of the next response \[m/s\]; `None` when the search is over.
     #[must_use]
-    #[expect(
-        clippy::should_implement_trait,
-        reason = "it returns the same velocity until it is recorded"
-    )]
     pub fn next(&self) -> Option<f64> {
         self.next_for(&SEVERITIES)
     }

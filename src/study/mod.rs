@@ -33,6 +33,8 @@ mod map_grid;
 mod refine;
 #[cfg(feature = "study")]
 pub mod risk;
+#[cfg(feature = "study")]
+mod row_search;
 mod study_column;
 mod vehicle_limits;
 
@@ -50,6 +52,8 @@ pub use map_columns::{ColumnKind, TableColumn, TableValue, severity_name};
 #[cfg(feature = "study")]
 pub use map_grid::{GridCell, MapGrid};
 #[cfg(feature = "study")]
-pub use refine::{BoundaryPoint, ClassBoundary, RefineError, RefinedMap, RowBoundary};
+pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap};
+#[cfg(feature = "study")]
+pub use row_search::{RefineError, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits};

@@ -307,7 +307,5 @@ fn number_or_axis(
         });
     }
     let axis = MapAxis::parse(&format!("{name}={text}"));
-    Ok(NumberOrAxis::Axis(
-        axis.map_err(|fault| MapError::from(fault))?,
-    ))
+    Ok(NumberOrAxis::Axis(axis.map_err(MapError::from)?))
 }

@@ -70,7 +70,10 @@ struct Extreme {
 type NumberOf = fn(&Screening) -> Option<f64>;
 
 /// Name, whether the smallest counts, unit, and value.
-const EXTREMES: [(&str, bool, fn(f64) -> Unit, NumberOf); 4] = [
+type ExtremeOf = (&'static str, bool, fn(f64) -> Unit, NumberOf);
+
+/// The numbers whose extremes are shown.
+const EXTREMES: [ExtremeOf; 4] = [
     ("Largest max v1, column stands", false, Unit::length, |it| {
         it.residual_v1.map(|_| it.max_v1)
     }),

@@ -1,0 +1,360 @@
+//! The search for the boundaries of the classes in one row of a map.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde::Serialize;
+
+use super::axis::{AxisValue, MapAxis};
+use super::critical::{CRITICAL_TOLERANCE, SEVERITIES};
+use super::map::DamageMap;
+use crate::assessment::Severity;
+
+/// Intervals of the scan of a row whose axis is not logarithmic.
+const LINEAR_INTERVALS: u32 = 12;
+/// Largest ratio of two values that follow each other in the scan of a logarithmic row.
+const SCAN_RATIO: f64 = 1.2;
+/// Places below a boundary, each 2 % or two hundredths of the axis from the next, at which a class that has bands is looked for
+/// once more.
+const BAND_PROBES: u32 = 8;
+
+/// Where the class changes along a row, seen from its lowest value.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum RowBoundary {
+    /// Between two values of the axis of the columns that differ by at most 1 %; 1 % of the range where the axis contains 0.
+    Between {
+        /// The lower value.
+        below: f64,
+        /// The upper value.
+        at: f64,
+        /// Whether the severity is reached at the upper value, and not at the lower one.
+        rising: bool,
+    },
+    /// The severity is reached in the whole row, as far as it was looked at.
+    Always,
+    /// The severity is not reached in the row, as far as it was looked at.
+    Never,
+}
+
+impl RowBoundary {
+    /// The place on the axis that both values enclose; `None` where the class does not change.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Between { below, at, .. } => Some(0.5 * (below + at)),
+            Self::Always | Self::Never => None,
+        }
+    }
+}
+
+/// Why there are no boundaries.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RefineError {
+    /// The axis of the columns has names or only some numbers.
+    #[error(
+        "no boundary can be searched along {0}, whose values are listed; give it as from:to:number of points"
+    )]
+    NotARange(&'static str),
+    /// An impact that could not be computed.
+    #[error("{label}, {row}, {column}: {fault}")]
+    Impact {
+        /// The variant.
+        label: String,
+        /// The row with its value.
+        row: String,
+        /// The column with its value.
+        column: String,
+        /// Why not.
+        fault: String,
+    },
+    /// The system gives no threads.
+    #[error("cannot start the threads: {0}")]
+    Threads(String),
+}
+
+impl From<rayon::ThreadPoolBuildError> for RefineError {
+    fn from(error: rayon::ThreadPoolBuildError) -> Self {
+        Self::Threads(error.to_string())
+    }
+}
+
+/// An axis as the search sees it: logarithmic, if all values are above 0.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scale {
+    logarithmic: bool,
+    /// Its ends, on the scale.
+    pub(super) ends: [f64; 2],
+}
+
+impl Scale {
+    pub(super) fn of(axis: &MapAxis) -> Option<Self> {
+        let [from, to] = axis.ends()?;
+        let logarithmic = from > 0.0;
+        let at = |value: f64| if logarithmic { libm::log(value) } else { value };
+        Some(Self {
+            logarithmic,
+            ends: [at(from), at(to)],
+        })
+    }
+
+    /// The place of a value.
+    pub(super) fn at(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            libm::log(value)
+        } else {
+            value
+        }
+    }
+
+    /// The value at a place.
+    pub(super) fn value(&self, at: f64) -> f64 {
+        if self.logarithmic { libm::exp(at) } else { at }
+    }
+
+    pub(super) fn extent(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// Width of a bracket that is narrow enough.
+    fn tolerance(&self) -> f64 {
+        match self.logarithmic {
+            true => libm::log1p(CRITICAL_TOLERANCE),
+            false => CRITICAL_TOLERANCE * self.extent(),
+        }
+    }
+
+    fn scan_intervals(&self) -> u32 {
+        match self.logarithmic {
+            true => (libm::ceil(self.extent() / libm::log(SCAN_RATIO)) as u32).clamp(1, 64),
+            false => LINEAR_INTERVALS,
+        }
+    }
+}
+
+/// The severities that are known in a row, by their place on the scale, ascending.
+pub(super) struct Row<'a> {
+    pub(super) map: &'a DamageMap,
+    /// Responses of all rows.
+    pub(super) responses: &'a AtomicU64,
+    /// The axis of the columns.
+    pub(super) scale: Scale,
+    pub(super) variant: usize,
+    pub(super) row: u64,
+    pub(super) known: Vec<(f64, Severity)>,
+}
+
+impl Row<'_> {
+    /// The severity at a place, computed unless it is known.
+    fn severity(&mut self, at: f64) -> Result<Severity, RefineError> {
+        let at = at.clamp(self.scale.ends[0], self.scale.ends[1]);
+        let place = self.known.partition_point(|(known, _)| *known < at);
+        if let Some((_, severity)) = self.known.get(place).filter(|(known, _)| *known == at) {
+            return Ok(*severity);
+        }
+        let value = self.value(at);
+        let (rows, columns) = (self.map.rows(), self.map.columns());
+        let values = [rows.value(self.row), AxisValue::Number(value)];
+        self.responses.fetch_add(1, Ordering::Relaxed);
+        let screened = self
+            .map
+            .screen(self.variant, [Some(self.row), None], values);
+        let severity = screened.map_err(|fault| RefineError::Impact {
+            label: self.map.variants()[self.variant].label.clone(),
+            row: format!("{} {}", rows.quantity().name(), values[0]),
+            column: format!("{} {}", columns.quantity().name(), values[1]),
+            fault,
+        })?;
+        let severity = severity.severity;
+        self.known.insert(place, (at, severity));
+        Ok(severity)
+    }
+
+    /// Goes through the whole row until every class has changed.
+    pub(super) fn scan(&mut self) -> Result<(), RefineError> {
+        let intervals = self.scale.scan_intervals();
+        for number in 0..=intervals {
+            let part = f64::from(number) / f64::from(intervals);
+            self.severity(self.scale.ends[0] + part * self.scale.extent())?;
+            if SEVERITIES
+                .iter()
+                .all(|severity| self.first_change(*severity).is_some())
+            {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The known places around the first change of a class.
+    fn first_change(&self, severity: Severity) -> Option<[f64; 2]> {
+        let holds = |place: &(f64, Severity)| place.1 >= severity;
+        let first = holds(self.known.first()?);
+        let at = self.known.iter().position(|place| holds(place) != first)?;
+        Some([self.known[at - 1].0, self.known[at].0])
+    }
+
+    /// Halves a bracket until it is narrow enough.
+    fn narrowed(
+        &mut self,
+        severity: Severity,
+        [mut below, mut at]: [f64; 2],
+    ) -> Result<RowBoundary, RefineError> {
+        let first = self.severity(below)? >= severity;
+        // Places that are known already narrow it first.
+        for (known, found) in &self.known {
+            if *known > below && *known < at {
+                if (*found >= severity) == first {
+                    below = *known;
+                } else {
+                    at = *known;
+                    break;
+                }
+            }
+        }
+        while at - below > self.scale.tolerance() {
+            let middle = 0.5 * (below + at);
+            if (self.severity(middle)? >= severity) == first {
+                below = middle;
+            } else {
+                at = middle;
+            }
+        }
+        Ok(RowBoundary::Between {
+            below: self.value(below),
+            at: self.value(at),
+            rising: !first,
+        })
+    }
+
+    /// The value at a place; the ends are those of the axis to the last bit.
+    pub(super) fn value(&self, at: f64) -> f64 {
+        let ends = self.map.columns().ends().unwrap_or_default();
+        match at {
+            at if at == self.scale.ends[0] => ends[0],
+            at if at == self.scale.ends[1] => ends[1],
+            at => self.scale.value(at),
+        }
+    }
+
+    /// The lowest band of a class below a boundary that was found, or else this boundary.
+    pub(super) fn lowest_band(
+        &mut self,
+        severity: Severity,
+        mut found: RowBoundary,
+    ) -> Result<RowBoundary, RefineError> {
+        let step = 2.0 * self.scale.tolerance();
+        while let RowBoundary::Between {
+            below,
+            rising: true,
+            ..
+        } = found
+        {
+            let mut below = self.scale.at(below);
+            let mut lower = None;
+            for _ in 0..BAND_PROBES {
+                let at = below - step;
+                if at <= self.scale.ends[0] {
+                    break;
+                }
+                if self.severity(at)? >= severity {
+                    lower = Some(at);
+                    break;
+                }
+                below = at;
+            }
+            let Some(at) = lower else {
+                break;
+            };
+            // The places that were probed above it do not have the class; a place below it has not, either, sooner or later.
+            let (mut below, mut upper) = (at - step, at);
+            while below > self.scale.ends[0] && self.severity(below)? >= severity {
+                (below, upper) = (below - step, below);
+            }
+            let below = below.max(self.scale.ends[0]);
+            if self.severity(below)? >= severity {
+                return Ok(RowBoundary::Always);
+            }
+            found = self.narrowed(severity, [below, upper])?;
+        }
+        Ok(found)
+    }
+
+    /// The boundary of a class in a row that was scanned.
+    pub(super) fn scanned(&mut self, severity: Severity) -> Result<RowBoundary, RefineError> {
+        match self.first_change(severity) {
+            Some(bracket) => self.narrowed(severity, bracket),
+            None => self.unchanged(severity, self.scale.ends[0]),
+        }
+    }
+
+    fn unchanged(&mut self, severity: Severity, at: f64) -> Result<RowBoundary, RefineError> {
+        Ok(match self.severity(at)? >= severity {
+            true => RowBoundary::Always,
+            false => RowBoundary::Never,
+        })
+    }
+
+    /// The boundary of a class where the rows beside this one let expect it; also whether it is there.
+    pub(super) fn expected(
+        &mut self,
+        severity: Severity,
+        expected: Expected,
+    ) -> Result<(RowBoundary, bool), RefineError> {
+        let [low, high] = self.scale.ends;
+        let (centre, rising, is_certain) = match expected {
+            // Where neither row beside has a boundary, the end at which it would come in is enough.
+            Expected::Unchanged(holds) => {
+                let end = if holds { low } else { high };
+                let found = self.unchanged(severity, end)?;
+                if (found == RowBoundary::Always) == holds {
+                    return Ok((found, true));
+                }
+                (end, true, false)
+            }
+            Expected::Near { centre, rising } => (centre, rising, false),
+            Expected::At { centre, rising } => (centre, rising, true),
+        };
+        let holds_below = |severity_found: Severity| (severity_found >= severity) != rising;
+        let half = 0.499 * self.scale.tolerance();
+        let (mut below, mut at) = ((centre - half).max(low), (centre + half).min(high));
+        let mut step = 4.0 * half;
+        let is_left = holds_below(self.severity(below)?);
+        let is_right = !holds_below(self.severity(at)?);
+        if is_left && is_right {
+            let boundary = self.narrowed(severity, [below, at])?;
+            return Ok((boundary, is_certain));
+        }
+        // The bracket grows towards the side where the boundary must be.
+        if is_left {
+            while holds_below(self.severity(at)?) {
+                if at >= high {
+                    return Ok((self.unchanged(severity, high)?, false));
+                }
+                below = at;
+                at = (at + step).min(high);
+                step *= 3.0;
+            }
+        } else {
+            while !holds_below(self.severity(below)?) {
+                if below <= low {
+                    return Ok((self.unchanged(severity, low)?, false));
+                }
+                at = below;
+                below = (below - step).max(low);
+                step *= 3.0;
+            }
+        }
+        Ok((self.narrowed(severity, [below, at])?, false))
+    }
+}
+
+/// What the rows on both sides let expect of the row between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Expected {
+    /// A boundary at this place, by interpolation.
+    At { centre: f64, rising: bool },
+    /// A boundary that only one of them has.
+    Near { centre: f64, rising: bool },
+    /// No boundary: the class holds in the whole row, or nowhere.
+    Unchanged(bool),
+}
