@@ -981,6 +981,16 @@ fn sensors_of_other_nodes_are_only_warned_of() {
     );
 }
 
+#[test]
+fn without_names_no_sensor_is_declared() {
+    let faults = Parameters::from_values([("sensors.top.height", Value::from(1.0))]);
+    let reason = faults.expect_err("not declared").in_one_line();
+    assert_eq!(
+        reason,
+        "sensors.top.height is given, but sensors.names does not contain top; known: none"
+    );
+}
+
 /// Many parameters of sensors that are not declared cost no more than their number.
 #[test]
 fn many_undeclared_sensors_are_all_listed_and_the_first_ones_get_suggestions() {
@@ -998,6 +1008,8 @@ fn many_undeclared_sensors_are_all_listed_and_the_first_ones_get_suggestions() {
             _ => None,
         });
     let suggested: Vec<_> = suggested.collect();
+    let listed = faults.to_string().matches("known: laser_x").count();
+    assert_eq!(listed, 16);
     assert_eq!(suggested, [[true; 16].as_slice(), &[false; 84]].concat());
 }
 

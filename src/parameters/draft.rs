@@ -221,7 +221,9 @@ impl Draft {
 
     fn unknown(&mut self, name: &str) -> Problem {
         let members = members_of(name);
-        if !members.is_empty() {
+        // Any name may be that of a sensor.
+        let is_single = !name.starts_with("sensors.");
+        if !members.is_empty() && (is_single || self.may_be_compared()) {
             return Problem::Group { members };
         }
         Problem::UnknownName {
@@ -367,11 +369,9 @@ impl Draft {
         if for_any_node && self.is_beyond_foreign() {
             return;
         }
-        let nearest = match self.may_be_compared() {
-            true => nearest_word(sensor, known.iter().map(String::as_str)),
-            false => None,
-        };
-        let nearest = nearest.into_iter();
+        let known = self.may_be_compared().then_some(known);
+        let words = known.into_iter().flatten().map(String::as_str);
+        let nearest = nearest_word(sensor, words.collect::<Vec<_>>().into_iter()).into_iter();
         let (problem, found) = match for_any_node {
             true => {
                 let nearest = nearest.map(|it| full_name(row, &it)).collect();
@@ -381,7 +381,7 @@ impl Draft {
                 let problem = Problem::UnknownSensor {
                     sensor: sensor.to_owned(),
                     nearest: nearest.collect(),
-                    known: known.to_vec(),
+                    known: known.map(<[String]>::to_vec),
                 };
                 (problem, &mut self.faults)
             }

@@ -68,18 +68,18 @@ pub enum Problem {
     },
     /// A parameter of a sensor that is not declared.
     #[error(
-        "is given, but sensors.names does not contain {}{}; known: {}",
+        "is given, but sensors.names does not contain {}{}{}",
         Shortened(.sensor),
         Suggestion(.nearest, ""),
-        Known(.known)
+        Known(.known.as_deref())
     )]
     UnknownSensor {
         /// The sensor, as written.
         sensor: String,
         /// Sensors with a similar name.
         nearest: Vec<String>,
-        /// All sensors that are declared.
-        known: Vec<String>,
+        /// All sensors that are declared; `None` where enough faults have listed them.
+        known: Option<Vec<String>>,
     },
     /// No parameter of this node has this name, which was given for any node: a warning, not a fault.
     #[error(
@@ -220,13 +220,14 @@ impl fmt::Display for Suggestion<'_> {
     }
 }
 
-struct Known<'a>(&'a [String]);
+struct Known<'a>(Option<&'a [String]>);
 
 impl fmt::Display for Known<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            [] => f.write_str("none"),
-            names => f.write_str(&names.join(", ")),
+            None => Ok(()),
+            Some([]) => f.write_str("; known: none"),
+            Some(names) => write!(f, "; known: {}", names.join(", ")),
         }
     }
 }

@@ -218,7 +218,8 @@ pub(super) fn sensors_of(settings: &Settings) -> Vec<Sensor> {
 /// The inconsistencies of each sensor; `<name>` in the names of parameters is the sensor.
 pub(super) fn inconsistencies(settings: &Settings) -> Vec<(&str, Inconsistency)> {
     let mut found = Vec::new();
-    for (name, sensor) in declared(settings) {
+    for (name, sensor) in &settings.sensors.each {
+        let name = name.as_str();
         found.extend(height_suits_the_column(sensor, settings).map(|it| (name, it)));
         found.extend(strain_has_a_fibre(sensor, settings).map(|it| (name, it)));
     }

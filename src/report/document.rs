@@ -11,7 +11,7 @@ use super::recorded::ReportedRecording;
 use super::recording_section;
 use super::reported_impact::ReportedImpact;
 use crate::figures::FigureError;
-use crate::parameters::{Parameters, Value};
+use crate::parameters::{DefaultValue, Parameter, Parameters, Value};
 
 /// Where the impacts of a report come from.
 #[derive(Debug, Clone)]
@@ -189,6 +189,13 @@ fn shown(value: &Value) -> String {
     }
 }
 
+fn default_of(row: &Parameter) -> String {
+    match row.default {
+        DefaultValue::Required(_) => "none".to_owned(),
+        _ => shown(&row.default_value()),
+    }
+}
+
 fn changed_parameters(parameters: &Parameters) -> Markup {
     let defaults = Parameters::default();
     let changed = parameters.changed_from(&defaults);
@@ -203,7 +210,7 @@ fn changed_parameters(parameters: &Parameters) -> Markup {
                         tr {
                             th scope="row" { code { (parameter.name) } }
                             td { (parameters.get(parameter.name).as_ref().map_or(String::new(), shown)) }
-                            td { (shown(&parameter.row.default_value())) }
+                            td { (default_of(parameter.row)) }
                             td { (parameter.row.unit) }
                         }
                     }
