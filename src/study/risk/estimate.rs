@@ -145,7 +145,7 @@ impl Estimate {
         }
         let relative = |end: fn(&Self) -> f64| {
             let distance = |it: &Self| end(it) / it.value - 1.0;
-            distance(&self).hypot(distance(&other))
+            libm::hypot(distance(&self), distance(&other))
         };
         Self {
             value,
