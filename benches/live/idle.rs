@@ -19,6 +19,16 @@ pub fn run(span: Duration) {
     let domain = Domain::fresh();
     let folder = tempfile::tempdir().expect("a folder");
     let program = Program::ready(&domain, folder.path(), &[]);
+    // After the start, the node computes the critical velocities of its column, once.
+    let mut waiting = Peer::new(&domain);
+    waiting
+        .reader(
+            &qos::TWIN_STATUS,
+            |status: TwinStatus, _| status.critical_vehicle.len(),
+            |it| it.header.stamp,
+        )
+        .find(|vehicles| *vehicles > 0);
+    drop(waiting);
     let alone = share(program.id(), span);
     let mut peer = Peer::new(&domain);
     let states = peer.reader(

@@ -132,7 +132,9 @@ pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
     }
     let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
     let own = thread_native_id();
-    if set_thread_priority_and_policy(own, ThreadPriority::Min, idle).is_err() {
+    // It fails for a program with a positive nice value, which has no effect under SCHED_IDLE, after the policy was set.
+    let _ = set_thread_priority_and_policy(own, ThreadPriority::Min, idle);
+    if thread_schedule_policy() != Ok(idle) {
         // Where SCHED_IDLE is not allowed.
         let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         let _ = set_thread_priority_and_policy(own, ThreadPriority::Min, other);

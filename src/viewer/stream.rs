@@ -324,10 +324,8 @@ impl ViewerStream {
             };
             self.cover(&Ranges::predicted(&self.parameters, &impact))?;
         }
-        let told = match &self.progress.forecast {
-            Some(forecast) => Told::Forecast(forecast),
-            None => Told::Begun,
-        };
+        let forecast = self.progress.forecast.clone();
+        let told = forecast.as_ref().map_or(Told::Begun, Told::Forecast);
         self.tell(moment, told)
     }
 
@@ -420,7 +418,8 @@ impl ViewerStream {
         };
         let text = panel::with_critical_velocities(&self.told, vehicles);
         self.critical_velocities = known;
-        self.write_panel(self.timeline.after_last(stamp), text)
+        let moment = self.timeline.after_last(stamp);
+        self.write_panel(moment, text)
     }
 
     fn write_panel(&self, moment: Moment, text: String) -> RecordingStreamResult<()> {

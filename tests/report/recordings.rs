@@ -259,7 +259,7 @@ fn a_report_tells_how_fast_a_vehicle_may_hit_the_column_next() {
     twin.advance(MS);
     let known = twin.twin.status(twin.now).critical_velocities;
     let known = known.expect("known");
-    let (code, _, html) = report_of(&twin.finish().path(), &[]);
+    let (code, html, _) = report_of(&twin.finish().path(), &[]);
     assert_eq!(code, 0);
     let (_, section) = html
         .split_once("id=\"critical-velocities\"")
@@ -270,6 +270,6 @@ fn a_report_tells_how_fast_a_vehicle_may_hit_the_column_next() {
         assert!(evacuate.is_none_or(|it| section.contains(&format!("{it:.1} m/s"))));
     }
     let recording = three_impacts();
-    let (_, _, html) = report_of(&recording.path(), &[]);
+    let (_, html, _) = report_of(&recording.path(), &[]);
     assert!(!html.contains("id=\"critical-velocities\""), "not known");
 }
