@@ -23,6 +23,7 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;
 #[cfg(feature = "security")]
@@ -40,7 +41,6 @@ pub mod results;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod shape;
-#[cfg(feature = "study")]
 pub mod study;
 pub mod twin;
 #[cfg(feature = "viewer")]

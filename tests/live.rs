@@ -153,6 +153,53 @@ fn a_twin_follows_the_system_clock() {
     live.stop().expect("no panic");
 }
 
+/// The impact comes while the critical velocities of the virgin column are computed in the background.
+#[test]
+fn the_status_has_the_critical_velocities_of_the_damaged_column_and_no_impact_waits_for_them() {
+    let clock = SystemClock::new();
+    let now = clock.now();
+    let live = Live::start(twin(now), clock, options()).expect("starts");
+    let mut receiver = live.outputs("ros").expect("the first time");
+    let event = event("a", now);
+    let predicted = twin(now)
+        .snapshot()
+        .predict("", "", &event.impact, &|| 0)
+        .expect("computed");
+    let accepted = live.execute(Command::Impact(event.clone()));
+    assert_eq!(accepted, Ok(Accepted::Applied));
+    let received = receive(&mut receiver, is_report);
+    check_stream(&received, &event);
+    let forecasts = received.iter().filter_map(|it| match it {
+        Output::Forecast(forecast) => Some(&forecast.report),
+        _ => None,
+    });
+    assert!(forecasts.clone().count() > 0);
+    forecasts.for_each(|it| assert_eq!(*it, predicted.report));
+
+    let mut direct = twin(now);
+    let _ = direct.handle(Command::Impact(event), now, &mut Vec::new());
+    let mut end = now;
+    while direct.is_responding() {
+        end += MS;
+        direct.advance_to(end, &mut Vec::new());
+    }
+    let task = direct.critical_velocity_task().expect("awaited");
+    let expected = task.compute(&mut || true).expect("not abandoned");
+    let known = |it: &Output| matches!(it, Output::Status(it) if it.critical_velocities.is_some());
+    let received = loop {
+        // The thread gets only the time that no other thread wants.
+        receiver.wait(Duration::from_millis(100));
+        if let Some(found) = std::iter::from_fn(|| receiver.try_next()).find(known) {
+            break found;
+        }
+    };
+    let Output::Status(status) = received else {
+        unreachable!("it is a status");
+    };
+    assert_eq!(status.critical_velocities, Some(expected));
+    live.stop().expect("no panic");
+}
+
 /// The losses are counted, no report is lost, and another reader loses nothing.
 #[test]
 fn a_slow_reader_loses_only_its_own_samples() {

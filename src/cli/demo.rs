@@ -13,6 +13,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use super::failure::{Exit, Failure, LinePrinter};
 use super::run::environment;
+use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::evidence;
@@ -381,12 +382,13 @@ impl<'a, 'b> Narration<'a, 'b> {
             }
             Seen::Forecast(report) => {
                 self.out.print(format_args!(
-                    "  forecast after {:.1} ms ({:.1} ms of computing): peak of v1 {:.1} mm, residual {:.1} mm; {}\n",
+                    "  forecast after {:.1} ms ({:.1} ms of computing): peak of v1 {:.1} mm, residual {:.1} mm; {}\n{}",
                     1e3 * since.as_secs_f64(),
                     1e3 * report.compute_time,
                     1e3 * report.max_v1,
                     1e3 * report.residual_v1,
-                    outcome_text(report)
+                    outcome_text(report),
+                    severity_text(report)
                 ));
                 self.forecast = Some(report.clone());
             }
@@ -429,10 +431,11 @@ impl<'a, 'b> Narration<'a, 'b> {
         let part = (state.v1 / forecast).clamp(0.0, 1.0);
         let bar = "#".repeat((part * BAR as f64).round() as usize);
         self.out.print(format_args!(
-            "  {:5.1} ms | {bar:BAR$} | v1 {:6.1} mm  contact {:6.1} kN  {}",
+            "  {:5.1} ms | {bar:BAR$} | v1 {:6.1} mm  contact {:6.1} kN{}{}",
             1e3 * state.time,
             1e3 * state.v1,
             1e-3 * state.contact_force,
+            phase_change.map_or("", |_| "  "),
             phase_change.unwrap_or_default()
         ));
     }
@@ -458,15 +461,22 @@ impl<'a, 'b> Narration<'a, 'b> {
     }
 }
 
-fn outcome_text(report: &ImpactReport) -> String {
-    let outcome = match report.outcome {
+fn outcome_text(report: &ImpactReport) -> &'static str {
+    match report.outcome {
         ImpactReport::ELASTIC => "elastic",
         ImpactReport::PLASTIC => "plastic",
         ImpactReport::SEVERED => "a hinge is severed",
         _ => "the column collapses",
-    };
+    }
+}
+
+/// The severity with its reason, in lines that fit into a terminal.
+fn severity_text(report: &ImpactReport) -> String {
     let severity = severity_word(report.severity);
-    format!("{outcome}; severity {severity}: {}", report.severity_reason)
+    let words = format!("{severity}: {}", report.severity_reason);
+    let mut text = String::new();
+    let _ = wrapped(&mut text, "  severity", &words); // writing to a String cannot fail
+    text
 }
 
 fn print_outcome(forecast: &ImpactReport, outcome: &ImpactReport, out: &LinePrinter<'_>) {

@@ -31,6 +31,21 @@ pub(super) struct ImpactSpecificationArgs {
 }
 
 impl ImpactSpecificationArgs {
+    /// The options of a command that gives them another form.
+    pub fn given(
+        vehicle: Option<String>,
+        [mass, velocity, gap, restitution, height]: [Option<f64>; 5],
+    ) -> Self {
+        Self {
+            vehicle,
+            mass,
+            velocity,
+            gap,
+            restitution,
+            height,
+        }
+    }
+
     /// Whether any of the options is given.
     pub fn is_given(&self) -> bool {
         self.height.is_some() || !self.overrides().is_empty()

@@ -16,8 +16,10 @@ mod impact;
 mod impact_args;
 #[cfg(feature = "record")]
 mod info;
+mod interruption;
 #[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
 mod keystore;
+mod map;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -30,9 +32,9 @@ mod repair;
 mod replay;
 #[cfg(feature = "record")]
 mod report;
+mod risk;
 #[cfg(feature = "ros")]
 mod run;
-mod risk;
 mod simulate;
 #[cfg(test)]
 mod simulate_tests;
@@ -52,6 +54,7 @@ use clap::{Parser, Subcommand};
 use column_twin::printable::PrintableWriter;
 
 use capacity::CapacityArgs;
+#[cfg(feature = "ros")]
 use failure::Exit;
 use simulate::SimulateArgs;
 
@@ -77,6 +80,8 @@ enum CliCommand {
     Capacity(CapacityArgs),
     /// Compute how often vehicles that leave the road damage the column, and how severely: probabilities with intervals
     Risk(risk::RiskArgs),
+    /// Map what impacts do over two quantities, such as mass and velocity: severity, displacement, capacity
+    Map(map::MapArgs),
     /// List the vehicles of the catalogue with the source of every number
     Vehicles(vehicles::VehiclesArgs),
     /// Run the twin as a ROS 2 node, until Ctrl-C
@@ -149,6 +154,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Simulate(arguments) => simulate::run(arguments, &mut io::stdout().lock()),
         CliCommand::Capacity(arguments) => capacity::run(arguments, &mut io::stdout().lock()),
         CliCommand::Risk(arguments) => risk::run(arguments, &mut io::stdout().lock()),
+        CliCommand::Map(arguments) => map::run(arguments, &mut io::stdout().lock()),
         CliCommand::Vehicles(arguments) => vehicles::run(arguments, &mut io::stdout().lock()),
         #[cfg(all(feature = "ros", feature = "record"))]
         CliCommand::Replay(arguments) => replay::run(arguments, &ros, &mut shown()),

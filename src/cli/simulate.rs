@@ -220,7 +220,7 @@ pub(super) fn run(arguments: &SimulateArgs, output: &mut dyn Write) -> Result<()
 }
 
 /// Whether a path names the standard output, which then belongs to the history alone.
-fn is_standard_output(path: &Path) -> bool {
+pub(super) fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .iter()
         .any(|name| path == Path::new(name))

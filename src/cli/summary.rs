@@ -393,7 +393,7 @@ impl Display for Summary<'_> {
 }
 
 /// A text behind its name, in lines that fit into a terminal.
-fn wrapped(f: &mut Formatter<'_>, name: &str, text: &str) -> fmt::Result {
+pub(super) fn wrapped(f: &mut impl fmt::Write, name: &str, text: &str) -> fmt::Result {
     let mut line = format!("{name:<10}");
     let indent = line.len();
     for word in text.split(' ') {

@@ -35,7 +35,7 @@ A message may be missing only if the recording declares the loss: in twin_status
 by a damaged file, or by a crash that cut off its end. The output lists what cannot be recomputed.
 
 The seal of a recording is checked, too. It proves that nothing was changed since it was recorded.
-Who has recorded follows only from a key that you trust: --trusted-key. A recording of version 0.1,
+Only a key that you trust (--trusted-key) proves who recorded it. A recording of version 0.1,
 or one with -p record.seal:=false, is not sealed, which is an error only with --require-seal or
 --trusted-key.
 

@@ -9,6 +9,8 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::hexadecimal::Hexadecimal;
+
 /// The program that made a recording, and the names of its topics.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct About {
@@ -74,14 +76,10 @@ pub fn sha256_of_file(path: &Path) -> io::Result<String> {
             read => hash.update(&buffer[..read]),
         }
     }
-    Ok(hexadecimal(&hash.finalize()))
+    Ok(Hexadecimal(&hash.finalize()).to_string())
 }
 
 /// The SHA-256 of some bytes, in hexadecimal digits.
 pub(super) fn sha256_of(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    Hexadecimal(&Sha256::digest(bytes)).to_string()
 }

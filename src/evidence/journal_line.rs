@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::about::{About, hexadecimal};
+use super::about::About;
+use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
 use crate::twin::{Journal, Nanos, RefusalCode};
@@ -12,7 +13,7 @@ use crate::twin::{Journal, Nanos, RefusalCode};
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// The format version that this program writes, and the only one that it reads.
-pub const JOURNAL_VERSION: u32 = 4;
+pub const JOURNAL_VERSION: u32 = 5;
 
 /// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -69,7 +70,7 @@ impl Counting {
         const DIGITS: usize = 32;
         let mut times = String::new();
         if self.messages > 0 {
-            times = hexadecimal(&self.times.clone().finalize());
+            times = Hexadecimal(&self.times.clone().finalize()).to_string();
             times.truncate(DIGITS);
         }
         Tally {

@@ -138,28 +138,21 @@ impl Lines {
             others,
             times,
         } = &line.since;
+        let difference = || {
+            place.difference(
+                "messages that are not recomputed since the previous line",
+                own.others.to_string(),
+                others.to_string(),
+            )
+        };
         let extra = own.others.saturating_sub(*others);
         if extra > 0 {
-            found.note_differences(
-                extra,
-                place.difference(
-                    "messages that are not recomputed since the previous line",
-                    own.others.to_string(),
-                    others.to_string(),
-                ),
-            );
+            found.note_differences(extra, difference());
         }
         let lost = others.saturating_sub(own.others);
         if lost > 0 {
             found.missing_others += lost;
-            found.note_missing(
-                lost,
-                place.difference(
-                    "messages that are not recomputed since the previous line",
-                    own.others.to_string(),
-                    others.to_string(),
-                ),
-            );
+            found.note_missing(lost, difference());
         }
         self.shortage += messages.saturating_sub(own.messages);
         if own.messages == *messages && own.times != *times {

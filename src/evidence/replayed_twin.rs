@@ -10,7 +10,7 @@ use crate::column::ModelError;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::twin::{Checkpoint, CommandRecord, Journal, Output, StateOutput, Twin};
+use crate::twin::{Checkpoint, Command, CommandRecord, Journal, Nanos, Output, StateOutput, Twin};
 
 /// A twin that follows the recorded one.
 pub(super) struct ReplayedTwin {
@@ -96,13 +96,11 @@ impl ReplayedTwin {
     }
 
     /// Executes a recorded command, and returns its own record of it.
-    pub fn execute(&mut self, record: &CommandRecord) -> Option<Arc<CommandRecord>> {
+    pub fn execute(&mut self, command: Command, now: Nanos) -> Option<Arc<CommandRecord>> {
         let mut out = Vec::new();
         // The outcome is in the record too.
-        let _ = self
-            .twin
-            .handle(record.command.clone(), record.now, &mut out);
-        self.twin.run_ahead(u64::MAX, record.now, &mut out);
+        let _ = self.twin.handle(command, now, &mut out);
+        self.twin.run_ahead(u64::MAX, now, &mut out);
         self.convert_all(&out);
         out.into_iter().find_map(|output| match output {
             Output::Journal(Journal::Command(own)) => Some(own),

@@ -9,7 +9,11 @@ use super::verification::Verification;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{Checkpoint, CommandRecord, Journal, Output, Position, StatusRecord};
+use crate::study::VehicleLimits;
+use crate::twin::{
+    Checkpoint, Command, CommandRecord, CriticalVelocityTask, Journal, Output, Position,
+    StatusRecord,
+};
 
 /// A recorded message of the twin.
 pub(super) struct RecordedBytes<'a> {
@@ -164,6 +168,10 @@ impl Replayer {
         self.end_replay(false, found);
         match ReplayedTwin::new(checkpoint) {
             Ok(mut replayed) => {
+                if let Some(vehicles) = &checkpoint.critical_velocities {
+                    let task = replayed.twin.task_at_rest();
+                    check_critical_velocities(vehicles, task, place, found);
+                }
                 replayed.outputs = self.keeps_outputs.then(Vec::new);
                 self.replayed = Some(replayed);
             }
@@ -194,7 +202,14 @@ impl Replayer {
             ..*place
         };
         let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
-        let Some(own) = replayed.execute(record) else {
+        let command = match &record.command {
+            Command::CriticalVelocities { vehicles } => {
+                let task = replayed.twin.critical_velocity_task();
+                check_critical_velocities(vehicles, task, &place, found)
+            }
+            other => other.clone(),
+        };
+        let Some(own) = replayed.execute(command, record.now) else {
             return;
         };
         if let Some(difference) = place.first_difference(&outcome(record), &outcome(&own)) {
@@ -449,6 +464,25 @@ impl Replayer {
             replayed.note_passed(place, found);
         }
         self.end_replay(!self.declares_losses && !is_continuation, found);
+    }
+}
+
+/// Compares recorded critical velocities with those of the task that the recomputed twin has; the command that gives it its own.
+fn check_critical_velocities(
+    recorded: &Arc<[VehicleLimits]>,
+    task: Option<CriticalVelocityTask>,
+    place: &Place<'_>,
+    found: &mut Verification,
+) -> Command {
+    let computed = task.and_then(|task| task.compute(&mut || true));
+    if let Some(difference) = place.first_difference(&Some(recorded), &computed.as_ref()) {
+        found.note_difference(Difference {
+            field: format!("critical velocities{}", difference.field),
+            ..difference
+        });
+    }
+    Command::CriticalVelocities {
+        vehicles: computed.unwrap_or_default(),
     }
 }
 

@@ -13,6 +13,8 @@ pub(super) struct PlotAxis {
     pub to: f64,
     pub marks: Vec<f64>,
     step: f64,
+    /// Names of the marks 0, 1, ..., where the axis shows names.
+    names: Vec<String>,
 }
 
 impl PlotAxis {
@@ -20,6 +22,23 @@ impl PlotAxis {
     pub fn between(low: f64, high: f64, count: usize) -> Self {
         let (low, high) = widened(low, high);
         Self::marked(low, high, round_number((high - low) / count as f64))
+    }
+
+    /// An axis from one number to another, which are its ends.
+    pub fn exactly(from: f64, to: f64, count: usize) -> Self {
+        Self::marked(from, to, round_number((to - from) / count as f64))
+    }
+
+    /// An axis of names, which are at 0, 1, ...
+    pub fn named(names: Vec<String>) -> Self {
+        let count = names.len() as f64;
+        Self {
+            from: -0.5,
+            to: count - 0.5,
+            marks: (0..names.len()).map(|mark| mark as f64).collect(),
+            step: 1.0,
+            names,
+        }
     }
 
     fn marked(from: f64, to: f64, step: f64) -> Self {
@@ -34,6 +53,7 @@ impl PlotAxis {
             to,
             marks,
             step,
+            names: Vec::new(),
         }
     }
 }
@@ -62,6 +82,9 @@ impl Ranged for PlotAxis {
 
 impl ValueFormatter<f64> for PlotAxis {
     fn format_ext(&self, mark: &f64) -> String {
+        if let Some(name) = self.names.get(mark.round().max(0.0) as usize) {
+            return name.clone();
+        }
         if *mark == 0.0 {
             return "0".into();
         }

@@ -2,15 +2,18 @@
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! [`draw_risk`] draws the figures of a risk study.
+//! The figures of a damage map are drawn in the same way.
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 
 mod axis;
 mod chart;
+mod damage_map;
 mod deformed_shape;
 mod energy_ledger;
 mod force_crush;
 mod histories;
+mod iso_lines;
 mod page;
 mod path_chart;
 mod push_down;
@@ -28,6 +31,7 @@ use std::path::{Path, PathBuf};
 use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
+pub use damage_map::MapFigures;
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use risk::{draw_risk, risk_svg};
@@ -81,6 +85,19 @@ pub fn draw_all(
     response: &ResponseHistory<'_>,
 ) -> Result<Vec<PathBuf>, FigureError> {
     write_all(folder, draw_svg(response)?)
+}
+
+/// Draws the figures of a damage map into `folder`, which is created if it does not exist, and returns the files written: SVG and
+/// PNG alternately.
+///
+/// # Errors
+/// See [`FigureError`].
+pub fn draw_map(folder: &Path, map: &MapFigures<'_>) -> Result<Vec<PathBuf>, FigureError> {
+    let figures = map.draw().into_iter();
+    let figures: Result<Vec<_>, _> = figures
+        .map(|(name, svg)| drawn(&name, svg).map(|svg| (name, svg)))
+        .collect();
+    write_all(folder, figures?)
 }
 
 /// Writes figures as SVG and as PNG.

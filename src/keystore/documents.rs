@@ -120,7 +120,7 @@ impl DataProtection {
     }
 }
 
-/// The governance: nobody without a valid identity and permissions takes part, every message is signed, and discovery,
+/// The governance: only participants with a valid identity and permissions may join, every message is signed, and discovery,
 /// liveliness and all submessages are encrypted.
 pub(super) fn governance_xml(domains: &DomainRanges, data: DataProtection) -> String {
     let domains = domains.xml("      ");

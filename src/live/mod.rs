@@ -4,8 +4,9 @@
 //! their steps, so that no sample is lost. During a response it takes no lock, allocates no memory and writes no log:
 //! outputs go into bounded lock-free queues, and a slow reader loses only its own samples, which are counted. The forecast
 //! is computed in slices between the deadlines. A prediction runs in the thread of the caller. A separate thread writes
-//! the state file.
+//! the state file. Another one, which exists only while it computes, finds the critical velocities of the column at rest.
 
+mod background;
 mod clock;
 mod inbox;
 mod lateness;
@@ -24,6 +25,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+pub use background::BACKGROUND_THREAD;
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
@@ -36,6 +38,7 @@ pub use state_writer::STATE_WRITER_THREAD;
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
 use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, RefusalCode, Twin};
+use background::Background;
 use inbox::{Reply, Request};
 use queue::OutputQueues;
 use solver::{Shared, Sink, Solver};
@@ -151,6 +154,7 @@ impl Live {
             clock,
             shared,
             sink,
+            background: Background::new(),
             latest: None,
             completing_cycles: 0,
         };

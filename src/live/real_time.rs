@@ -1,11 +1,11 @@
 //! Real-time properties of the solver's thread. All of them are optional, and reduce lateness.
 
 use rustix::mm::{MlockAllFlags, mlockall};
-use rustix::process::{Resource, geteuid, getrlimit};
+use rustix::process::{Resource, geteuid, getrlimit, setpriority_process};
 use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};
 use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
+    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue,
+    ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id, thread_schedule_policy,
 };
 
 use crate::parameters::{Parameters, processors};
@@ -123,6 +123,27 @@ pub fn request_for_publisher(wanted: &RealTime) {
     }
 }
 
+/// Gives the calling thread the lowest priority, and these processors. `false` if it has a real-time priority all the same, so
+/// that it would be in the way of others.
+pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
+    const LEAST_NICE: i32 = 19;
+    if let Some(processors) = processors {
+        let _ = sched_setaffinity(None, processors);
+    }
+    let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
+    let own = thread_native_id();
+    if set_thread_priority_and_policy(own, ThreadPriority::Min, idle).is_err() {
+        // Where SCHED_IDLE is not allowed.
+        let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+        let _ = set_thread_priority_and_policy(own, ThreadPriority::Min, other);
+        let _ = setpriority_process(None, LEAST_NICE);
+    }
+    matches!(
+        thread_schedule_policy(),
+        Ok(ThreadSchedulePolicy::Normal(_))
+    )
+}
+
 fn granted<E: std::fmt::Display>(result: Result<(), E>, hint: &'static str) -> Grant {
     match result {
         Ok(()) => Grant::Granted,
@@ -175,4 +196,21 @@ fn memory() -> Grant {
         "to reduce late samples, allow it: `memlock unlimited` for this user in /etc/security/limits.conf, \
          LimitMEMLOCK=infinity in a systemd unit, or --ulimit memlock=-1 for a container",
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_priority_is_that_of_an_idle_processor() {
+        let lowered = std::thread::Builder::new()
+            .name("lowered".to_owned())
+            .spawn(|| (lower_priority(None), thread_schedule_policy()))
+            .expect("starts")
+            .join()
+            .expect("no panic");
+        let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
+        assert_eq!(lowered, (true, Ok(idle)));
+    }
 }

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
+use super::background::Background;
 use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
@@ -81,6 +82,8 @@ pub(super) struct Solver {
     pub clock: Arc<dyn Clock>,
     pub shared: Arc<Shared>,
     pub sink: Sink,
+    /// What is computed while the column is at rest.
+    pub background: Background,
     /// The time of the clock in the last cycle.
     pub latest: Option<Nanos>,
     /// Cycles since the clock jumped back, while the response is completed.
@@ -94,6 +97,7 @@ impl Solver {
             self.note_lateness(planned);
             self.note_clock();
             let disturbed = self.handle_requests();
+            self.take_background_result();
             self.twin.advance_to(self.clock.now(), &mut self.sink);
             self.sink.notify();
             self.look_ahead();
@@ -102,6 +106,7 @@ impl Solver {
             // A thread that owes a forecast does not sleep: less than a slice is left before the deadline.
             let is_busy = self.twin.awaits_forecast() || self.twin.is_completing();
             if self.shared.inbox.is_empty() && !is_busy {
+                self.start_background();
                 let deadline = self.twin.next_deadline(self.clock.now());
                 self.clock
                     .wait_until(deadline, self.shared.inbox.notifier());
@@ -148,6 +153,25 @@ impl Solver {
             any = true;
         }
         any
+    }
+
+    /// Abandons what is computed in the background for another column than the present one, or takes the result.
+    fn take_background_result(&mut self) {
+        self.background.follow(&self.twin);
+        if let Some(command) = self.background.take_result() {
+            let now = self.clock.now();
+            // The twin takes it in every state.
+            let _ = self.twin.handle(command, now, &mut self.sink);
+            self.background.follow(&self.twin);
+        }
+    }
+
+    /// Lets something be computed in the background, if nothing else is to be done.
+    fn start_background(&mut self) {
+        if !self.twin.is_responding() && !self.twin.is_looking_ahead() {
+            self.background
+                .start(&self.twin, self.shared.inbox.notifier());
+        }
     }
 
     fn look_ahead(&mut self) {
@@ -356,6 +380,7 @@ mod tests {
                 parameters: Arc::default(),
                 unnotified: false,
             },
+            background: Background::new(),
             latest: None,
             completing_cycles: 0,
         };

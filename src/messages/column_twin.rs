@@ -467,6 +467,10 @@ pub struct TwinStatus {
     pub severity_reason: String,
     pub crush: PerMass,
     pub error_estimate: f64,
+    pub critical_vehicle: Vec<String>,
+    pub critical_mass: Vec<f64>,
+    pub critical_velocity_restrict: Vec<f64>,
+    pub critical_velocity_evacuate: Vec<f64>,
 }
 
 impl TwinStatus {

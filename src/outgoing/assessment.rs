@@ -3,6 +3,7 @@
 use crate::assessment::{Assessment, Criterion, ImpactEvaluation, RemainingCapacity, Severity};
 use crate::column::Impact;
 use crate::messages::column_twin::{AssessmentCriterion, ImpactReport, PerMass, TwinStatus};
+use crate::study::VehicleLimits;
 use crate::twin::{Assessed, Prediction, ReportOutput, Status};
 
 impl From<&ReportOutput> for ImpactReport {
@@ -85,6 +86,21 @@ impl TwinStatus {
             severity_reason: numbers.reason.to_owned(),
             crush: PerMass::first(&status.vehicle.permanent_crush, status.vehicle.masses),
             error_estimate: status.error_estimate.unwrap_or(f64::NAN),
+            ..self
+        }
+        .with_critical_velocities(status.critical_velocities.as_deref().unwrap_or_default())
+    }
+
+    fn with_critical_velocities(self, vehicles: &[VehicleLimits]) -> Self {
+        let velocities = |of: fn(&VehicleLimits) -> Option<f64>| {
+            let velocities = vehicles.iter().map(of);
+            velocities.map(|it| it.unwrap_or(f64::NAN)).collect()
+        };
+        Self {
+            critical_vehicle: vehicles.iter().map(|it| it.vehicle.to_string()).collect(),
+            critical_mass: vehicles.iter().map(|it| it.mass).collect(),
+            critical_velocity_restrict: velocities(|it| it.restrict),
+            critical_velocity_evacuate: velocities(|it| it.evacuate),
             ..self
         }
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::hexadecimal::Hexadecimal;
+
 /// Bytes of the prefix of a GUID, which identifies a participant on the network.
 pub const GUID_PREFIX_BYTES: usize = 12;
 
@@ -66,7 +68,7 @@ impl FromStr for AllowedSender {
 impl fmt::Display for AllowedSender {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Guid(bytes) => bytes.iter().try_for_each(|byte| write!(f, "{byte:02x}")),
+            Self::Guid(bytes) => Hexadecimal(bytes).fmt(f),
             Self::Enclave(name) => f.write_str(name),
         }
     }

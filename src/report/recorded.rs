@@ -15,6 +15,7 @@ use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
 use crate::parameters::Parameters;
 use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
+use crate::study::VehicleLimits;
 use crate::twin::{
     ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
     ReportOutput, StateOutput, Twin,
@@ -46,6 +47,8 @@ pub struct ReportedRecording {
     pub events: Vec<EventSummary>,
     /// Impacts with a report that have no section of their own, because there are too many.
     pub without_section: usize,
+    /// How fast each vehicle may hit the column next, at the end of the recording; `None` if it is not known there.
+    pub critical_velocities: Option<Arc<[VehicleLimits]>>,
 }
 
 /// A file of a recording.
@@ -126,6 +129,7 @@ impl ReportDocument {
             verification: verification.map_err(|error: VerifyError| error.to_string()),
             events,
             without_section: gathered.without_section + reports - impacts.len(),
+            critical_velocities: gathered.critical_velocities,
         };
         Ok(Self {
             origin: Origin::Recording(Box::new(recorded)),
@@ -247,6 +251,7 @@ struct Gathered {
     running: Option<(Arc<str>, Vec<Sample>, Option<Lengths>)>,
     finished: VecDeque<Finished>,
     without_section: usize,
+    critical_velocities: Option<Arc<[VehicleLimits]>>,
 }
 
 impl Gathered {
@@ -256,6 +261,8 @@ impl Gathered {
                 if let Some(last) = self.finished.back_mut() {
                     last.after.get_or_insert(checkpoint.state);
                 }
+                self.critical_velocities
+                    .clone_from(&checkpoint.critical_velocities);
                 self.at_rest = Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos)).ok();
             }
             Observed::Entry(JournalEntry::Twin(Journal::Command(record))) => self.command(record),
@@ -273,6 +280,11 @@ impl Gathered {
         if record.refusal.is_some() {
             return;
         }
+        // Whatever else is accepted may change the column.
+        self.critical_velocities = match &record.command {
+            Command::CriticalVelocities { vehicles } => Some(Arc::clone(vehicles)),
+            _ => None,
+        };
         let is_at_rest = record.position.step.is_none() && !record.taken_back;
         match &record.command {
             Command::Impact(command) => {

@@ -11,6 +11,7 @@ use super::words::short;
 use crate::evidence::{About, Verification, build};
 use crate::figures::units::Unit;
 use crate::recording::{EventSummary, instant};
+use crate::study::{LIMIT_VELOCITIES, VehicleLimits};
 
 /// Maximum number of events in the overview; of more events, the last ones are listed.
 const MAX_ROWS: usize = 500;
@@ -50,6 +51,42 @@ pub(super) fn overview(recorded: &ReportedRecording, impacts: &[ReportedImpact])
             section id="overview" {
                 h2 { "Impacts of the recording" }
                 (table(recorded, impacts))
+            }
+        }
+        @if let Some(vehicles) = recorded.critical_velocities.as_deref().filter(|it| !it.is_empty()) {
+            (critical_velocities(vehicles))
+        }
+    }
+}
+
+/// How fast each vehicle may hit the column next.
+fn critical_velocities(vehicles: &[VehicleLimits]) -> Markup {
+    let velocity = |velocity: Option<f64>| match velocity {
+        None => format!("not up to {} m/s", short(LIMIT_VELOCITIES[1])),
+        Some(0.0) => "any speed".to_owned(),
+        Some(velocity) => format!("{velocity:.1} m/s"),
+    };
+    html! {
+        section id="critical-velocities" {
+            h2 { "How fast a vehicle may hit the column next" }
+            p {
+                "The speed from which on one more impact leads to a severity, on the column with the damage that it has at the end of "
+                "this recording. A speed limit needs a margin for the uncertainty of the model and of the vehicle."
+            }
+            table.events {
+                thead {
+                    tr { th { "vehicle" } th.number { "mass" } th.number { "restrict" } th.number { "evacuate" } }
+                }
+                tbody {
+                    @for it in vehicles {
+                        tr {
+                            th scope="row" { @if it.vehicle.is_empty() { "by numbers" } @else { (it.vehicle) } }
+                            td.number { (short(it.mass)) " kg" }
+                            td.number { (velocity(it.restrict)) }
+                            td.number { (velocity(it.evacuate)) }
+                        }
+                    }
+                }
             }
         }
     }

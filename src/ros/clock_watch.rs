@@ -1,4 +1,4 @@
-//! Notices that simulated time is wanted, but nobody publishes `/clock`.
+//! Warns if the node uses simulated time, but no message arrives on `/clock`.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};

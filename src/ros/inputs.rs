@@ -22,12 +22,13 @@ use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, Refusal};
 
 use super::diagnostics::NodeCounters;
+use super::guid_prefix::GuidPrefix;
 use super::live_twin::LiveTwin;
 use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
-use super::senders::{GuidPrefix, Rejected, Senders};
+use super::senders::{Rejected, Senders};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
 impl ros2_client::Message for TriggerRequest {}

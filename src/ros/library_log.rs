@@ -9,13 +9,15 @@ use std::time::{Duration, Instant};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
+use super::log_limit::LogLimit;
+
 /// Most messages of one place of the libraries per [`PERIOD`].
 const MAX_PER_PLACE: u64 = 3;
 
 /// Period of [`MAX_PER_PLACE`].
 const PERIOD: Duration = Duration::from_secs(60);
 
-/// Most places that are told apart; the libraries have fewer. Further ones share one allowance.
+/// Maximum number of places with a limit of their own. The libraries have fewer; any further places share one limit.
 const MAX_PLACES: usize = 1024;
 
 /// Longest message in characters: a text may come from a peer.
@@ -54,17 +56,11 @@ fn is_about_itself(text: &str) -> bool {
 /// Forwards what passes.
 #[derive(Debug, Default)]
 struct LibraryLog {
-    places: Mutex<HashMap<Place, Spoken>>,
+    places: Mutex<HashMap<Place, LogLimit>>,
 }
 
 /// File and line in a library.
 type Place = (String, u32);
-
-#[derive(Debug)]
-struct Spoken {
-    period_start: Instant,
-    count: u64,
-}
 
 /// Begins to forward, if no other part of the program takes the records of the `log` crate.
 pub(super) fn forward() {
@@ -79,20 +75,10 @@ impl LibraryLog {
         let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
         let is_full = places.len() >= MAX_PLACES && !places.contains_key(&place);
         let place = if is_full { Place::default() } else { place };
-        let spoken = places.entry(place).or_insert(Spoken {
-            period_start: now,
-            count: 0,
-        });
-        let mut hidden = 0;
-        if now.saturating_duration_since(spoken.period_start) >= PERIOD {
-            hidden = spoken.count.saturating_sub(MAX_PER_PLACE);
-            *spoken = Spoken {
-                period_start: now,
-                count: 0,
-            };
-        }
-        spoken.count += 1;
-        (spoken.count <= MAX_PER_PLACE).then_some(hidden)
+        let limit = places.entry(place);
+        limit
+            .or_insert(LogLimit::new(MAX_PER_PLACE, PERIOD))
+            .admit(now)
     }
 }
 

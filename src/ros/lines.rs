@@ -1,5 +1,6 @@
 //! Lines that show the twin's messages to people.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::column::HINGE_NAMES;
@@ -36,6 +37,9 @@ impl Seen {
 /// Minimum time between two lines of state.
 const STATE_LINES: Duration = Duration::from_millis(100);
 
+/// Maximum number of columns whose last critical velocities are kept: anybody may send names of columns.
+const MAX_COLUMNS: usize = 2_000;
+
 /// Time from the first message on in which those arrive that publishers keep for late joiners.
 const HISTORY_ARRIVES: Duration = Duration::from_millis(500);
 
@@ -56,6 +60,8 @@ pub(super) struct WatchLines {
     history: History,
     last_state: Option<(Instant, u8)>,
     last_status: Option<(u8, u64, u64)>,
+    /// The last critical velocities that were shown, by column.
+    last_critical: BTreeMap<String, Vec<CriticalVelocities>>,
 }
 
 impl Default for WatchLines {
@@ -64,6 +70,7 @@ impl Default for WatchLines {
             history: History::Awaited,
             last_state: None,
             last_status: None,
+            last_critical: BTreeMap::new(),
         }
     }
 }
@@ -89,7 +96,10 @@ impl WatchLines {
             due = newest;
         }
         due.extend(seen.and_then(|seen| self.not_history(seen, now)));
-        due.iter().filter_map(|seen| self.line(seen, now)).collect()
+        due.iter()
+            .flat_map(|seen| [self.line(seen, now), self.critical_line(seen)])
+            .flatten()
+            .collect()
     }
 
     /// Returns the message unless it is, or may be, one that is kept for late joiners.
@@ -162,6 +172,24 @@ impl WatchLines {
                 (before != Some(state)).then(|| status_line(status, before))
             }
         }
+    }
+
+    /// The line about critical velocities that have not been shown yet.
+    fn critical_line(&mut self, seen: &Seen) -> Option<String> {
+        let Seen::Status(status) = seen else {
+            return None;
+        };
+        let critical = critical_velocities(status);
+        if critical.is_empty() || self.last_critical.get(&status.column_id) == Some(&critical) {
+            return None;
+        }
+        if self.last_critical.len() == MAX_COLUMNS {
+            self.last_critical.clear();
+        }
+        let line = critical_line(&status.column_id, &critical);
+        self.last_critical
+            .insert(status.column_id.clone(), critical);
+        Some(line)
     }
 }
 
@@ -261,6 +289,47 @@ fn status_line(status: &TwinStatus, before: Option<(u8, u64, u64)>) -> String {
     )
 }
 
+/// The critical velocities of one vehicle, as a status has them.
+#[derive(Debug, Clone, PartialEq)]
+struct CriticalVelocities {
+    vehicle: String,
+    /// For restrict and evacuate \[m/s\]; `None`: not reached.
+    velocities: [Option<f64>; 2],
+}
+
+/// The critical velocities in a status, of as many vehicles as all its arrays have.
+fn critical_velocities(status: &TwinStatus) -> Vec<CriticalVelocities> {
+    let reached = |velocity: &f64| (!velocity.is_nan()).then_some(*velocity);
+    let velocities = status.critical_velocity_restrict.iter().map(reached);
+    let velocities = velocities.zip(status.critical_velocity_evacuate.iter().map(reached));
+    let vehicles = status.critical_vehicle.iter().zip(velocities);
+    vehicles
+        .map(|(vehicle, (restrict, evacuate))| CriticalVelocities {
+            vehicle: vehicle.clone(),
+            velocities: [restrict, evacuate],
+        })
+        .collect()
+}
+
+/// The line about critical velocities.
+fn critical_line(column_id: &str, critical: &[CriticalVelocities]) -> String {
+    let velocity = |velocity: Option<f64>| match velocity {
+        None => "-".to_owned(),
+        Some(velocity) => format!("{velocity:.1}"),
+    };
+    let vehicles: Vec<_> = critical
+        .iter()
+        .map(|it| {
+            let [restrict, evacuate] = it.velocities.map(velocity);
+            format!("{} {restrict}/{evacuate}", vehicle_word(&it.vehicle))
+        })
+        .collect();
+    format!(
+        "{column_id} critical velocities for RESTRICT/EVACUATE in m/s: {}",
+        vehicles.join(", ")
+    )
+}
+
 fn phase_word(phase: u8) -> &'static str {
     match phase {
         ColumnState::IDLE => "idle",
@@ -334,6 +403,28 @@ mod tests {
         assert!(lines.lines(Some(status(1, 1)), start).is_empty());
         let state = Seen::State(ColumnState::default());
         assert_eq!(lines.lines(Some(state), start).len(), 1);
+    }
+
+    #[test]
+    fn critical_velocities_are_shown_once_each_time_they_are_known() {
+        let mut lines = WatchLines::default();
+        let mut line = |restrict: &[f64], evacuate: &[f64]| {
+            lines.critical_line(&Seen::Status(TwinStatus {
+                column_id: "c".to_owned(),
+                critical_vehicle: vec![String::new(), "mid_car".to_owned()],
+                critical_velocity_restrict: restrict.to_vec(),
+                critical_velocity_evacuate: evacuate.to_vec(),
+                ..TwinStatus::default()
+            }))
+        };
+        assert_eq!(line(&[], &[]), None);
+        let first =
+            "c critical velocities for RESTRICT/EVACUATE in m/s: by numbers 0.0/3.1, mid_car 2.5/-";
+        assert_eq!(line(&[0.0, 2.5], &[3.14, f64::NAN]), Some(first.to_owned()));
+        // They are in every status, and there are none during a response.
+        assert_eq!(line(&[0.0, 2.5], &[3.14, f64::NAN]), None);
+        assert_eq!(line(&[], &[]), None);
+        assert!(line(&[0.0, 2.4], &[3.14, f64::NAN]).is_some());
     }
 
     #[test]

@@ -12,6 +12,7 @@ use rustdds::{
     DomainParticipant, DomainParticipantStatusEvent, EndpointDescription, GUID, StatusEvented,
 };
 
+use super::guid_prefix::GuidPrefix;
 use super::security::Peers;
 
 /// The peers of the participant's endpoints.
@@ -118,21 +119,21 @@ impl Matches {
                 participant,
                 outcome,
             } => {
-                let (peer, now) = (bytes(participant), Instant::now());
+                let (peer, now) = (prefix(participant), Instant::now());
                 match outcome {
                     Ok(subject) => self.security_peers.take_joined(peer, &subject, now),
                     Err(reason) => self.security_peers.take_rejected(peer, &reason, now),
                 }
             }
-            Event::ParticipantLost { id, .. } => self.security_peers.take_lost(&bytes(id)),
+            Event::ParticipantLost { id, .. } => self.security_peers.take_lost(prefix(id)),
             _ => {}
         }
     }
 }
 
 /// The prefix of a GUID, which is the same for all endpoints of a participant.
-fn bytes(prefix: impl AsRef<[u8]>) -> [u8; 12] {
-    prefix.as_ref().try_into().unwrap_or_default()
+fn prefix(bytes: impl AsRef<[u8]>) -> GuidPrefix {
+    GuidPrefix(bytes.as_ref().try_into().unwrap_or_default())
 }
 
 /// Ignores poisoning: the contents of these mutexes are consistent after every statement.

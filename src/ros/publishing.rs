@@ -32,7 +32,7 @@ use super::security::{Peers, Protection};
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// States that leave later than this are told at the log level `debug` \[ns\].
+/// States that are published later than this are logged at the level `debug` \[ns\].
 const LATE: i64 = 2_000_000;
 
 /// Maximum wait for an output before the thread checks the stop flag.
@@ -247,6 +247,9 @@ impl Publishing {
                     Command::RejectedChange { .. } => "change that cannot be read".to_owned(),
                     Command::Reset { .. } => "reset".to_owned(),
                     Command::ClockJumpedBack { .. } => "jump of the clock".to_owned(),
+                    Command::CriticalVelocities { vehicles } => {
+                        format!("critical velocities of {} vehicles", vehicles.len())
+                    }
                 };
                 let outcome = it.refusal.as_ref().map_or("accepted", |it| it.code.name());
                 let at = it.position;

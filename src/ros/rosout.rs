@@ -26,6 +26,7 @@ use tracing_subscriber::{Layer, Registry};
 
 use super::arguments::{LogLevel, RosArguments};
 use super::library_log;
+use super::log_limit::LogLimit;
 use crate::printable::Printable;
 
 /// Maximum number of messages that wait to be published; further ones are dropped and counted.
@@ -217,15 +218,7 @@ struct RosFormat {
 
 /// Limits how often the terminal shows warnings and errors from the same place of the program.
 #[derive(Debug, Default)]
-struct Limit(Mutex<HashMap<Identifier, Repeated>>);
-
-/// The messages from one place of the program.
-#[derive(Debug)]
-struct Repeated {
-    period_start: Instant,
-    /// Messages in this period.
-    count: u64,
-}
+struct Limit(Mutex<HashMap<Identifier, LogLimit>>);
 
 impl Limit {
     /// Whether to show a message; then with the number of messages that were hidden before it.
@@ -234,20 +227,10 @@ impl Limit {
             return Some(0);
         }
         let mut places = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = places.entry(metadata.callsite()).or_insert(Repeated {
-            period_start: now,
-            count: 0,
-        });
-        let mut hidden = 0;
-        if now.saturating_duration_since(place.period_start) >= LIMIT_PERIOD {
-            hidden = place.count.saturating_sub(MAX_REPEATED);
-            *place = Repeated {
-                period_start: now,
-                count: 0,
-            };
-        }
-        place.count += 1;
-        (place.count <= MAX_REPEATED).then_some(hidden)
+        let place = places.entry(metadata.callsite());
+        place
+            .or_insert(LogLimit::new(MAX_REPEATED, LIMIT_PERIOD))
+            .admit(now)
     }
 }
 

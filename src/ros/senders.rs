@@ -1,4 +1,4 @@
-//! Who may speak to the node, and how often: an allow-list and a rate limit per sender, independent of DDS security.
+//! Which senders the node accepts, and how often: an allow-list and a rate limit per sender, independent of DDS security.
 //!
 //! A sender is a participant, known by the prefix of its GUID. Without DDS security anybody can forge a GUID: the list keeps
 //! mistakes away, and the limits keep a runaway sender from starving the others, but neither stops an attacker.
@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use ros2_client::Gid;
-
+use super::guid_prefix::GuidPrefix;
+use super::log_limit::LogLimit;
 use super::security::Peers;
-use crate::parameters::{AllowedSender, GUID_PREFIX_BYTES, SendersSettings};
+use crate::parameters::{AllowedSender, SendersSettings};
 use crate::twin::{Refusal, RefusalCode};
 
 /// Most senders whose rates are known at a time. Of more, the one that has been silent for the longest is forgotten.
@@ -23,24 +23,6 @@ const MAX_TOLD: u64 = 10;
 
 /// Period of [`MAX_TOLD`].
 const TELLING_PERIOD: Duration = Duration::from_secs(10);
-
-/// A participant on the network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct GuidPrefix(pub [u8; GUID_PREFIX_BYTES]);
-
-impl From<Gid> for GuidPrefix {
-    fn from(gid: Gid) -> Self {
-        let mut prefix = [0; GUID_PREFIX_BYTES];
-        prefix.copy_from_slice(&gid.to_bytes16()[..GUID_PREFIX_BYTES]);
-        Self(prefix)
-    }
-}
-
-impl fmt::Display for GuidPrefix {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
 
 /// Knows the proven identities of participants: DDS security does, and without it there are none.
 #[derive(Debug)]
@@ -58,7 +40,7 @@ impl Identities {
     /// The enclave of a participant; `None` if it is not proven. SROS 2 makes it the common name of the certificate, which has
     /// no other part.
     fn enclave(&self, sender: GuidPrefix) -> Option<String> {
-        let subject = self.peers.subject(&sender.0).filter(|_| self.is_secure)?;
+        let subject = self.peers.subject(sender).filter(|_| self.is_secure)?;
         let enclave = subject.strip_prefix("CN=")?;
         Some(enclave.to_owned())
     }
@@ -71,7 +53,7 @@ pub(super) struct Senders {
     rates: Option<Mutex<Rates>>,
     not_allowed: AtomicU64,
     too_fast: AtomicU64,
-    telling: Mutex<Telling>,
+    telling: Mutex<LogLimit>,
 }
 
 impl fmt::Debug for Senders {
@@ -107,7 +89,7 @@ impl Senders {
             rates: (*max_rate > 0.0).then(|| Mutex::new(Rates::new(limit))),
             not_allowed: AtomicU64::new(0),
             too_fast: AtomicU64::new(0),
-            telling: Mutex::default(),
+            telling: Mutex::new(LogLimit::new(MAX_TOLD, TELLING_PERIOD)),
         }
     }
 
@@ -118,7 +100,7 @@ impl Senders {
         for enclave in enclaves.filter(|_| !self.identities.is_secure) {
             tracing::warn!(
                 "senders.allowed names the enclave {enclave}, but this node runs without DDS security, so that the entry \
-                 matches nobody"
+                 matches no sender"
             );
         }
     }
@@ -260,36 +242,10 @@ impl Rates {
     }
 }
 
-/// Limits what is told of rejections.
-#[derive(Debug, Default)]
-struct Telling {
-    period_start: Option<Instant>,
-    told: u64,
-    hidden: u64,
-}
-
-impl Telling {
-    /// Whether to tell; then with the number of rejections that were not told before.
-    fn admit(&mut self, now: Instant) -> Option<u64> {
-        let since = self
-            .period_start
-            .map(|it| now.saturating_duration_since(it));
-        if since.is_none_or(|since| since >= TELLING_PERIOD) {
-            self.period_start = Some(now);
-            self.told = 0;
-        }
-        if self.told == MAX_TOLD {
-            self.hidden += 1;
-            return None;
-        }
-        self.told += 1;
-        Some(std::mem::take(&mut self.hidden))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::GUID_PREFIX_BYTES;
 
     fn settings(allowed: &[&str], max_rate: f64, burst: u32) -> SendersSettings {
         SendersSettings {
@@ -321,7 +277,7 @@ mod tests {
     fn only_listed_senders_are_admitted() {
         let now = Instant::now();
         let peers = Peers::default();
-        peers.take_joined(sender(3).0, "CN=/operator", now);
+        peers.take_joined(sender(3), "CN=/operator", now);
         let settings = settings(&["00000001", "/operator"], 0.0, 10);
         let senders = Senders::new(&settings, Identities::new(Arc::new(peers), true));
         let admitted = [1, 2, 3].map(|number| senders.admit(sender(number), now).is_ok());

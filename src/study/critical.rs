@@ -104,16 +104,22 @@ impl CriticalSearch {
         reason = "it returns the same velocity until it is recorded"
     )]
     pub fn next(&self) -> Option<f64> {
+        self.next_for(&SEVERITIES)
+    }
+
+    /// As [`next`](Self::next), where only the critical velocities of these severities are wanted: fewer responses suffice.
+    #[must_use]
+    pub fn next_for(&self, wanted: &[Severity]) -> Option<f64> {
         let all_found = self
             .known
             .last()
-            .is_some_and(|(_, it)| *it == Severity::Evacuate);
+            .is_some_and(|(_, it)| wanted.iter().all(|severity| it >= severity));
         if !all_found && self.scanned <= self.intervals {
             return Some(self.scan_velocity(self.scanned));
         }
         // A class is found with those below it, so that one response often serves several.
-        SEVERITIES.into_iter().find_map(|severity| {
-            let (below, at) = self.bracket(severity)?;
+        wanted.iter().find_map(|severity| {
+            let (below, at) = self.bracket(*severity)?;
             (at > (1.0 + CRITICAL_TOLERANCE) * below).then(|| libm::sqrt(below * at))
         })
     }

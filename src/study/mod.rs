@@ -3,7 +3,9 @@
 //! [`StudyColumn`] is a column that is prepared once for many impacts; [`StudyColumn::screen`] follows one impact and
 //! reduces it to the numbers that a study compares, a [`Screening`]. [`Batch`] spreads any number of them over the
 //! processors, in an order that does not depend on how many there are, and can be interrupted. [`DamageMap`] is the plane of
-//! two quantities, [`CriticalSearch`] finds how fast a vehicle may be.
+//! two quantities, [`DamageMap::refine`] finds the boundaries of its classes alone, [`CriticalSearch`] how fast a vehicle may
+//! be, [`vehicle_limits`] the same for every vehicle of the catalogue. Without the feature `study`, which takes all processors,
+//! there are only the last two and the column.
 //!
 //! ```
 //! use column_twin::parameters::Parameters;
@@ -16,17 +18,38 @@
 //! # Ok::<(), column_twin::study::StudyError>(())
 //! ```
 
+#[cfg(feature = "study")]
 mod axis;
+#[cfg(feature = "study")]
 mod batch;
 mod critical;
+#[cfg(feature = "study")]
 mod map;
+#[cfg(feature = "study")]
+mod map_columns;
+#[cfg(feature = "study")]
+mod map_grid;
+#[cfg(feature = "study")]
+mod refine;
+#[cfg(feature = "study")]
 pub mod risk;
 mod study_column;
+mod vehicle_limits;
 
+#[cfg(feature = "study")]
 pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};
+#[cfg(feature = "study")]
 pub use batch::{Batch, BatchEnd};
 pub use critical::{
     CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity, SEVERITIES,
 };
+#[cfg(feature = "study")]
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
+#[cfg(feature = "study")]
+pub use map_columns::{ColumnKind, TableColumn, TableValue, severity_name};
+#[cfg(feature = "study")]
+pub use map_grid::{GridCell, MapGrid};
+#[cfg(feature = "study")]
+pub use refine::{BoundaryPoint, ClassBoundary, RefineError, RefinedMap, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
+pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits};

@@ -65,7 +65,15 @@ impl StudyColumn {
     /// Properties that make no column, or an imperfection out of its range.
     pub fn virgin(parameters: &Parameters) -> Result<Self, StudyError> {
         let model = Model::new(&parameters.column_properties()).map_err(SimulationError::from)?;
-        let rest = State::at_rest(&model);
+        Self::at_rest(parameters, model, State::at_rest(&model))
+    }
+
+    /// The column of this model as it is at rest, with all damage that it has. The model may have hinges 1a and 1b at another
+    /// height than the parameters.
+    ///
+    /// # Errors
+    /// An imperfection out of its range.
+    pub fn at_rest(parameters: &Parameters, model: Model, rest: State) -> Result<Self, StudyError> {
         let assessment = PreparedAssessment::new(parameters, &model)?;
         Ok(Self {
             parameters: parameters.clone(),

@@ -8,6 +8,7 @@ use super::exact_number;
 use super::refusal::Refusal;
 use crate::column::ImpactSpecification;
 use crate::parameters::Value;
+use crate::study::VehicleLimits;
 
 /// Nanoseconds since the epoch of the clock that drives the twin: that of ROS, or simulated time.
 pub type Nanos = i64;
@@ -45,6 +46,13 @@ pub enum Command {
     ClockJumpedBack {
         /// How far \[ns\].
         by: u64,
+    },
+    /// The critical velocities of the column at rest are known, which another thread has computed from
+    /// [`Twin::critical_velocity_task`](super::Twin::critical_velocity_task). From now on the status contains them. They are a
+    /// command, so that the journal tells from when on.
+    CriticalVelocities {
+        /// One entry for each vehicle.
+        vehicles: Arc<[VehicleLimits]>,
     },
 }
 

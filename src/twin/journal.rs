@@ -17,6 +17,7 @@ use super::refusal::Refusal;
 use super::registry::{Counts, LastRefusal, Life};
 use crate::column::{Impact, State};
 use crate::parameters::Parameters;
+use crate::study::VehicleLimits;
 
 /// A twin at rest gives out a checkpoint at least this often \[ns\].
 pub const CHECKPOINT_PERIOD: Nanos = 60_000_000_000;
@@ -63,6 +64,8 @@ pub struct Checkpoint {
     pub state: State,
     /// Whether it stands.
     pub condition: Condition,
+    /// Its critical velocities; `None` if they are not known yet.
+    pub critical_velocities: Option<Arc<[VehicleLimits]>>,
     /// What it has been through since the last reset.
     pub life: Life,
     /// Counts since the start of the program.

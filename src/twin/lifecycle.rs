@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once};
 use super::command::{Accepted, Command, ImpactCommand, Nanos};
+use super::critical::KnownCriticalVelocities;
 use super::forecast::{Forecast, Foreseen, SupersededForecasts};
 use super::journal::{Journal, JournalClock, StatusRecord};
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, Verdicts};
@@ -34,6 +35,8 @@ pub struct Twin {
     pub(super) assessed: Option<Arc<Assessed>>,
     /// Virgin capacity of the last column that was assessed.
     pub(super) virgin: Option<VirginCapacity>,
+    /// Its critical velocities; `None` until they are computed.
+    pub(super) critical: Option<KnownCriticalVelocities>,
     pub(super) response: Option<ActiveResponse>,
     /// The clock has jumped back during the present response, which no longer waits for it.
     is_completing: bool,
@@ -88,6 +91,7 @@ impl Twin {
             at_rest,
             assessed: None,
             virgin: None,
+            critical: None,
             response: None,
             is_completing: false,
             superseded: SupersededForecasts::new(),
@@ -210,6 +214,7 @@ impl Twin {
                 self.clock_jumped_back(*by, now, out);
                 Ok(Accepted::Applied)
             }
+            Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
         };
         let refusal = result.as_ref().err().cloned();
         out.put(Output::Journal(
@@ -275,6 +280,7 @@ impl Twin {
             &self.registry,
             &self.at_rest,
             self.assessed.as_ref(),
+            self.critical_velocities(),
             struck,
             self.journal.responses,
         )
@@ -668,6 +674,7 @@ impl Twin {
         self.journal.set_checkpoint_due();
         self.apply_waiting_parameters(now, out);
         assess(self);
+        self.forget_other_critical_velocities();
         self.save(now, out);
         while self.response.is_none()
             && let Some(next) = self.registry.take_pending()

@@ -12,6 +12,7 @@
 //! | `timeline` | from the clock to steps, samples, snapshots, rewinding, the look-ahead | identifiers |
 //! | `forecast` | the forecasts, also of responses that have ended before their time | |
 //! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
+//! | `critical` | critical velocities of the column at rest: what is to be computed, and the result | clock, identifiers |
 //! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
 //! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
 //! | `journal` | what a recording needs, numbered | what the entries mean |
@@ -37,6 +38,8 @@
 //!   holds; a notice tells which. Its forecast is completed nevertheless, and then withdrawn ([`Output::Withdrawn`]).
 //! - Every accepted impact has a forecast, or an [`Output::Withdrawn`] that tells why it has none. At rest no forecast is
 //!   under way.
+//! - Critical velocities belong to one column at rest with one assessment and one set of parameters; they are forgotten when
+//!   any of these changes, and not shown during a response.
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
 //!   damage it.
@@ -46,6 +49,7 @@
 mod active_response;
 mod assessed;
 mod command;
+mod critical;
 mod exact_number;
 mod forecast;
 mod forecasting;
@@ -67,6 +71,7 @@ mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
 pub use command::{Accepted, Command, ImpactCommand, Nanos};
+pub use critical::CriticalVelocityTask;
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,

@@ -28,7 +28,7 @@ pub enum Condition {
 }
 
 /// The column at one instant: at rest with its damage, or in motion.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plant {
     pub model: Model,
     pub state: State,
@@ -193,7 +193,10 @@ impl Plant {
     }
 
     /// The column with its hinges 1a and 1b where `properties` have them.
-    fn with_hinges_at_impact(
+    ///
+    /// # Errors
+    /// They cannot be there.
+    pub fn with_hinges_at_impact(
         &self,
         properties: &ColumnProperties,
     ) -> Result<(Model, State), Refusal> {

@@ -40,6 +40,7 @@ impl Twin {
             if self.response.is_none() {
                 self.replace_column(column);
                 self.assess();
+                self.forget_other_critical_velocities();
             }
             Accepted::Applied
         };
@@ -192,6 +193,7 @@ impl Twin {
             Plant::virgin(&properties).unwrap_or_else(|_| Plant::virgin_of(self.at_rest.model));
         self.apply_waiting_parameters(now, out);
         self.assess();
+        self.forget_other_critical_velocities();
         let text = format!("reset by {source}: the column is virgin");
         out.notice(NoticeLevel::Info, now, text);
         self.status.set_changed();

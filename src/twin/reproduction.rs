@@ -33,6 +33,7 @@ impl Twin {
         twin.registry.last_refusal = from.last_refusal.clone();
         twin.journal = JournalClock::continuing(from);
         twin.assess();
+        twin.restore_critical_velocities(from.critical_velocities.as_ref());
         Ok(twin)
     }
 
@@ -52,6 +53,7 @@ impl Twin {
             length_above: properties.length_above,
             state: self.at_rest.state,
             condition: self.at_rest.condition.clone(),
+            critical_velocities: self.critical_velocities().map(Arc::clone),
             life: self.registry.life.clone(),
             counts: self.registry.counts,
             last_refusal: self.registry.last_refusal.clone(),
@@ -106,10 +108,7 @@ impl Twin {
                 self.run_ahead(u64::MAX, now.unwrap_or_default(), out);
                 return Ok(());
             }
-            let now = now.ok_or(not_reached)?;
-            self.run_ahead(u64::MAX, now, out);
-            self.step_to(now, now, out);
-            if self.position() == found {
+            if !self.moves_towards(now.ok_or(not_reached)?, out) {
                 return Err(not_reached);
             }
         }
@@ -123,14 +122,7 @@ impl Twin {
 
     /// Follows the column until all states up to an instant are given out, or the response is over.
     pub fn advance_to_instant(&mut self, now: Nanos, out: &mut impl Outputs) {
-        loop {
-            let found = self.position();
-            self.run_ahead(u64::MAX, now, out);
-            self.step_to(now, now, out);
-            if self.position() == found {
-                return;
-            }
-        }
+        while self.moves_towards(now, out) {}
     }
 
     /// Follows the column until the present response is over.
@@ -141,14 +133,16 @@ impl Twin {
         };
         while self.journal.responses < next.response
             && let Some(now) = self.instant_towards(next)
-        {
-            let found = self.position();
-            self.run_ahead(u64::MAX, now, out);
-            self.step_to(now, now, out);
-            if self.position() == found {
-                return;
-            }
-        }
+            && self.moves_towards(now, out)
+        {}
+    }
+
+    /// Completes the forecasts, and follows the column towards an instant: whether its position has changed.
+    fn moves_towards(&mut self, now: Nanos, out: &mut impl Outputs) -> bool {
+        let before = self.position();
+        self.run_ahead(u64::MAX, now, out);
+        self.step_to(now, now, out);
+        self.position() != before
     }
 
     /// Tries the next step of the column: a response whose next step cannot be computed ends there.

@@ -11,6 +11,7 @@ use super::command::Nanos;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
 use crate::column::{ColumnProperties, Displacement, ModelError, PerBar, PlasticFlow};
+use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 
 /// Format name in every state file.
@@ -214,17 +215,10 @@ impl SavedState {
 /// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.
 pub(super) fn fingerprint(parameters: &Parameters) -> String {
     let json = serde_json::to_string(&make_of(&parameters.column_properties())).unwrap_or_default();
-    hex(&Sha256::digest(json))
+    Hexadecimal(&Sha256::digest(json)).to_string()
 }
 
 fn checksum(content: &SavedState) -> Result<String, serde_json::Error> {
-    Ok(hex(&Sha256::digest(serde_json::to_vec(content)?)))
-}
-
-pub(super) fn hex(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}"); // writing to a String cannot fail
-        text
-    })
+    let digest = Sha256::digest(serde_json::to_vec(content)?);
+    Ok(Hexadecimal(&digest).to_string())
 }

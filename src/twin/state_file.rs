@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::saved_state::{SavedState, hex};
+use super::saved_state::SavedState;
+use crate::hexadecimal::Hexadecimal;
 use crate::parameters::Parameters;
 
 /// Maximum size of a state file that is read \[B\]; written files are much smaller.
@@ -114,7 +115,8 @@ fn file_name(column_id: &str) -> String {
     }
     if name.len() > MAX_NAME {
         name.truncate(MAX_NAME);
-        name.push_str(&hex(&Sha256::digest(column_id)[..8]));
+        let digest = Sha256::digest(column_id);
+        let _ = write!(name, "{}", Hexadecimal(&digest[..8])); // writing to a String cannot fail
     }
     name + ".json"
 }

@@ -10,6 +10,7 @@ use super::plant::{Condition, Plant, Struck};
 use super::refusal::RefusalCode;
 use super::registry::{Counts, LastRefusal, Registry};
 use crate::column::{HINGES, Phase, Sample, VehicleReport};
+use crate::study::VehicleLimits;
 
 /// Where column and twin are in the course of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,6 +91,8 @@ pub struct Status {
     pub plastic_elongation: [f64; HINGES],
     /// The assessment of the column at rest, without the present impact; `None` if the column cannot be computed.
     pub assessed: Option<Arc<Assessed>>,
+    /// The critical velocities of the column at rest; `None` if they are not known, and during a response.
+    pub critical_velocities: Option<Arc<[VehicleLimits]>>,
     /// The vehicle of the last response that has ended.
     pub vehicle: VehicleReport,
     /// Estimated relative error of the largest `v1` of the last response; `None` if it is not known.
@@ -110,7 +113,7 @@ pub struct RestingColumn {
 }
 
 impl Status {
-    /// The status at `now`; `assessed` is the assessment of the column at rest, `struck` the column where it is responding to
+    /// The status at `now`; `assessed` is the assessment of the column at rest, `critical` its critical velocities, `struck` the column where it is responding to
     /// an impact, `responses` those that have begun since the start of the program.
     pub(super) fn new(
         now: Nanos,
@@ -118,6 +121,7 @@ impl Status {
         registry: &Registry,
         at_rest: &Plant,
         assessed: Option<&Arc<Assessed>>,
+        critical: Option<&Arc<[VehicleLimits]>>,
         struck: Option<&Struck>,
         responses: u64,
     ) -> Self {
@@ -153,6 +157,7 @@ impl Status {
             plastic_rotation: hinges.map(|hinge| hinge.plastic_rotation),
             plastic_elongation: hinges.map(|hinge| hinge.plastic_elongation),
             assessed: assessed.map(Arc::clone),
+            critical_velocities: critical.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
             at_rest: struck.is_none().then(|| RestingColumn {

@@ -202,8 +202,10 @@ impl Connection {
         for item in items {
             // A twin at rest reports its state every second.
             let repeated = matches!((self.history.back(), &item),
-                (Some(ViewerItem::Rest { v1, u2, .. }), ViewerItem::Rest { v1: next_v1, u2: next_u2, .. })
-                    if v1 == next_v1 && u2 == next_u2);
+                (
+                    Some(ViewerItem::Rest { v1, u2, critical_velocities, .. }),
+                    ViewerItem::Rest { v1: next_v1, u2: next_u2, critical_velocities: next, .. },
+                ) if v1 == next_v1 && u2 == next_u2 && critical_velocities == next);
             if !repeated {
                 self.history.push_back(item);
             }

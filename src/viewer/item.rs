@@ -6,6 +6,7 @@ use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleS
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
+use crate::study::VehicleLimits;
 use crate::twin::{NoticeLevel, Output, RefusedInput, ReportOutput, StateOutput, TwinPhase};
 
 /// Something to show in the viewer. Stamps are nanoseconds since the epoch.
@@ -29,6 +30,8 @@ pub enum ViewerItem {
         v1: f64,
         /// `u2` \[m\].
         u2: f64,
+        /// How fast each vehicle may hit it next, once that is known.
+        critical_velocities: Option<Arc<[VehicleLimits]>>,
     },
     /// A line for the log.
     Line {
@@ -78,6 +81,7 @@ impl ViewerItem {
                 stamp: status.stamp,
                 v1: status.residual_v1,
                 u2: status.residual_u2,
+                critical_velocities: status.critical_velocities,
             },
             Output::Refused(it) => Self::Line {
                 stamp: it.stamp,

@@ -6,6 +6,7 @@ use crate::column::{HINGE_NAMES, HINGES};
 use crate::messages::column_twin::ImpactReport;
 use crate::printable::is_printable;
 use crate::shape::HINGE_PLACES;
+use crate::study::VehicleLimits;
 
 /// The entity of the panel.
 pub const PANEL: &str = "panel";
@@ -33,6 +34,30 @@ pub fn panel(drawing: &Drawing, told: Told<'_>) -> String {
         Told::Result(it) => verdict("Result", it),
     };
     format!("{verdict}\n{}\n{}", vehicle(drawing), legend(drawing))
+}
+
+/// The panel with the table of how fast each vehicle may hit the column at rest next.
+#[must_use]
+pub fn with_critical_velocities(panel: &str, vehicles: &[VehicleLimits]) -> String {
+    let velocity = |velocity: Option<f64>| match velocity {
+        None => "-".to_owned(),
+        Some(velocity) => format!("{velocity:.1}"),
+    };
+    let rows: Vec<_> = vehicles
+        .iter()
+        .map(|it| {
+            let name = match &*it.vehicle {
+                "" => "by numbers".to_owned(),
+                name => escaped(name),
+            };
+            let velocities = format!("{} / {}", velocity(it.restrict), velocity(it.evacuate));
+            [format!("{name}, {:.0} kg", it.mass), velocities]
+        })
+        .collect();
+    format!(
+        "{panel}\n**How fast a vehicle may hit the column next**\n\n{}",
+        table(["Vehicle", "RESTRICT / EVACUATE from \\[m/s\\]"], &rows)
+    )
 }
 
 /// The outcome in words, for a heading.
@@ -302,6 +327,27 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
+    }
+
+    #[test]
+    fn critical_velocities_follow_the_verdict() {
+        let limits = |vehicle: &str, restrict, evacuate| VehicleLimits {
+            vehicle: vehicle.into(),
+            mass: 1_500.0,
+            restrict,
+            evacuate,
+        };
+        let vehicles = [
+            limits("", Some(0.0), Some(3.14)),
+            limits("mid_car", Some(2.0), None),
+        ];
+        let text = with_critical_velocities("## Result\n", &vehicles);
+        assert_eq!(heading(&text), "## Result");
+        assert!(
+            text.contains("| by numbers, 1500 kg | 0.0 / 3.1 |"),
+            "{text}"
+        );
+        assert!(text.contains("| mid\\_car, 1500 kg | 2.0 / - |"), "{text}");
     }
 
     #[test]

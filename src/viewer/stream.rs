@@ -23,6 +23,7 @@ use super::timeline::{Moment, Placed, Timeline, nanos};
 use crate::column::{HINGES, Impact, MAX_MASSES, Sample};
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
+use crate::study::VehicleLimits;
 use crate::twin::{NoticeLevel, StateOutput, TwinPhase};
 
 /// Maximum number of states in a batch.
@@ -116,6 +117,10 @@ pub struct ViewerStream {
     /// Mass and velocity of the vehicle for which the ranges of the axes were last predicted.
     predicted: Option<[f64; 2]>,
     progress: ImpactProgress,
+    /// The panel that was written last, without the critical velocities.
+    told: String,
+    /// The critical velocities that were added to it.
+    critical_velocities: Option<Arc<[VehicleLimits]>>,
     /// The displacements of the column at rest that were shown last.
     at_rest: Option<[f64; 2]>,
     shown_top: ShownTop,
@@ -156,6 +161,8 @@ impl ViewerStream {
             timeline,
             predicted: None,
             progress: ImpactProgress::default(),
+            told: String::new(),
+            critical_velocities: None,
             at_rest: None,
             shown_top: ShownTop::default(),
             drawn: false,
@@ -238,7 +245,15 @@ impl ViewerStream {
                 self.line(line)
             }
             ViewerItem::Result(result) => self.result(&result),
-            ViewerItem::Rest { stamp, v1, u2 } => self.rest(stamp, v1, u2),
+            ViewerItem::Rest {
+                stamp,
+                v1,
+                u2,
+                critical_velocities,
+            } => {
+                self.rest(stamp, v1, u2)?;
+                self.critical_velocities(stamp, critical_velocities)
+            }
             ViewerItem::Line { stamp, level, text } => self.line(LogLine {
                 moment: self.timeline.at_last(stamp),
                 level,
@@ -388,8 +403,28 @@ impl ViewerStream {
     }
 
     /// Writes the panel beside the scene.
-    fn tell(&self, moment: Moment, told: Told<'_>) -> RecordingStreamResult<()> {
-        let text = TextDocument::from_markdown(panel::panel(&self.drawing, told));
+    fn tell(&mut self, moment: Moment, told: Told<'_>) -> RecordingStreamResult<()> {
+        self.told = panel::panel(&self.drawing, told);
+        self.critical_velocities = None;
+        self.write_panel(moment, self.told.clone())
+    }
+
+    /// Adds the critical velocities to the panel, unless they are there already. They come some time after a response.
+    fn critical_velocities(
+        &mut self,
+        stamp: i64,
+        known: Option<Arc<[VehicleLimits]>>,
+    ) -> RecordingStreamResult<()> {
+        let (Some(vehicles), true) = (&known, known != self.critical_velocities) else {
+            return Ok(());
+        };
+        let text = panel::with_critical_velocities(&self.told, vehicles);
+        self.critical_velocities = known;
+        self.write_panel(self.timeline.after_last(stamp), text)
+    }
+
+    fn write_panel(&self, moment: Moment, text: String) -> RecordingStreamResult<()> {
+        let text = TextDocument::from_markdown(text);
         let data = text.columns_of_unit_batches()?;
         self.stream
             .send_columns(PANEL, time_columns([moment]), data)

@@ -4,15 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use column_twin::evidence::{
-    JournalEntry, JournalError, JournalLine, RECORDED, Topics, Verification, VerifyError, verify,
+    JournalEntry, JournalError, JournalLine, Topics, Verification, VerifyError, verify,
 };
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::{ColumnState, ImpactReport};
 use column_twin::messages::std_msgs;
-use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
+use column_twin::recording::{Entry, Message, Writer, WriterOptions};
 use column_twin::twin::{ImpactCommand, Journal};
 use tempfile::TempDir;
 
+use super::copies::{forged, messages, written, written_with};
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 /// Two impacts and the time between them.
@@ -24,35 +25,6 @@ fn recording() -> Finished {
         twin.advance(100 * MS);
     }
     twin.finish()
-}
-
-/// Writes a copy of a recording in which `change` has changed or removed messages.
-pub fn forged(
-    original: &Path,
-    mut change: impl FnMut(&Message) -> Option<Vec<u8>>,
-) -> (TempDir, PathBuf) {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("forged");
-    let topics = Topics::of_default_node();
-    let declared = topics.declared().unwrap();
-    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
-    for message in Reader::open(original).unwrap().messages() {
-        let message = message.unwrap();
-        let Some(data) = change(&message) else {
-            continue;
-        };
-        let topic = declared.iter().position(|it| *it.name == *message.topic);
-        let entry = Entry {
-            topic: topic.unwrap(),
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: data.into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-    }
-    writer.finish().unwrap();
-    (directory, path)
 }
 
 /// Verifies a copy in which one field of the `which`-th message of a topic is changed.
@@ -249,32 +221,11 @@ fn removed_messages_are_missing() {
 #[test]
 fn inserted_messages_are_found() {
     let original = recording();
-    let mut twice = false;
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared().unwrap();
-    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
-    for message in Reader::open(&original.path()).unwrap().messages() {
-        let message = message.unwrap();
-        let topic = declared
-            .iter()
-            .position(|it| *it.name == *message.topic)
-            .unwrap();
-        let is_report = RECORDED[topic].name == "impact_report";
-        let entry = Entry {
-            topic,
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: message.data.into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-        if is_report && !twice {
-            twice = true;
-            writer.write(&entry).unwrap();
-        }
-    }
-    writer.finish().unwrap();
+    let mut all = messages(&original.path());
+    let report = all.iter().position(|it| *it.topic == *"/impact_report");
+    let report = report.unwrap();
+    all.insert(report, all[report].clone());
+    let (_directory, path) = written(&all);
     let found = verify(&path).unwrap();
     assert!(!found.is_equal(), "{found}");
     assert_eq!(found.topics[3].unexpected, 1, "{found}");
@@ -341,11 +292,8 @@ fn removed_entries_of_the_journal_are_missing() {
                 JournalEntry::Twin(Journal::Status(_))
             )
     };
-    let reader = Reader::open(&original.path()).unwrap();
-    let count = reader
-        .messages()
-        .filter(|it| numbered(it.as_ref().unwrap()))
-        .count();
+    let all = messages(&original.path());
+    let count = all.iter().filter(|it| numbered(it)).count();
     assert_eq!(
         count, 8,
         "three states at rest, two messages, two commands and the end"
@@ -407,37 +355,17 @@ fn a_recording_without_any_comparable_message_is_not_equal() {
 #[test]
 fn a_recording_of_the_end_of_a_response_is_no_forgery() {
     let original = recording();
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("rest");
     let note = ("repeated_checkpoint".to_owned(), String::new());
     let options = WriterOptions {
         notes: [note].into(),
         ..WriterOptions::default()
     };
-    let declared = Topics::of_default_node().declared().unwrap();
-    let mut writer = Writer::create(&path, &options, &declared).unwrap();
-    let all: Vec<_> = Reader::open(&original.path())
-        .unwrap()
-        .messages()
-        .map(Result::unwrap)
-        .collect();
+    let all = messages(&original.path());
     let of = |topic: &str| all.iter().find(|it| it.topic.ends_with(topic)).unwrap();
-    for message in [of("/journal"), of("/impact_report")] {
-        let entry = Entry {
-            topic: declared
-                .iter()
-                .position(|it| *it.name == *message.topic)
-                .unwrap(),
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: message.data.clone().into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-    }
-    writer.finish().unwrap();
+    let rest = ["/journal", "/impact_report"].map(|topic| of(topic).clone());
+    let (directory, path) = written_with(&options, &rest);
     // The recorder did not stop here.
-    let bytes = std::fs::read(path.join("rest_0.mcap")).unwrap();
+    let bytes = std::fs::read(path.join("forged_0.mcap")).unwrap();
     let cut = directory.path().join("cut.mcap");
     std::fs::write(&cut, &bytes[..bytes.len() - 100]).unwrap();
     let found = verify(&cut).unwrap();
@@ -510,7 +438,7 @@ fn a_journal_of_version_1_is_refused_with_the_version_that_recorded_it() {
     );
     let text = error.to_string();
     assert!(
-        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 4"),
+        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 5"),
         "{text}"
     );
     let mut commands = vec!["verify"];

@@ -4,6 +4,8 @@
 #![allow(clippy::disallowed_methods)]
 
 mod commands;
+mod copies;
+mod critical;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod dropped;

@@ -18,8 +18,8 @@ use column_twin::ros::{ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinN
 use column_twin::twin::Command as TwinCommand;
 use tempfile::TempDir;
 
+use super::copies::forged;
 use super::domain::{Domain, PATIENCE};
-use super::forgeries::forged;
 use super::incoming::{Incoming, reader};
 use super::recorded_twin::the_one_recording;
 
@@ -217,9 +217,10 @@ fn losses_are_counted_and_declared() {
     assert_eq!(reader.lost_messages(), Some(statistics.lost));
 }
 
-/// The program as a user starts it.
-pub fn program(domain: &Domain, directory: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_column-twin"))
+/// The program as a user starts it, with its recordings in this directory.
+pub fn command(domain: &Domain, directory: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+    command
         .args([
             "run",
             "--ros-args",
@@ -234,9 +235,13 @@ pub fn program(domain: &Domain, directory: &Path) -> Child {
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env_remove("ROS_NAMESPACE")
         .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+        .stderr(Stdio::piped());
+    command
+}
+
+/// The program as a user starts it, while it runs.
+pub fn program(domain: &Domain, directory: &Path) -> Child {
+    command(domain, directory).spawn().unwrap()
 }
 
 pub fn stopped(child: Child) -> (Option<i32>, String) {

@@ -188,6 +188,13 @@ impl RecordedTwin {
         });
     }
 
+    /// The critical velocities of the column at rest have been computed.
+    pub fn know_critical_velocities(&mut self) {
+        let task = self.twin.critical_velocity_task().expect("awaited");
+        let vehicles = task.compute(&mut || true).expect("not abandoned");
+        self.execute(Command::CriticalVelocities { vehicles });
+    }
+
     /// One cycle of a solver that wakes after `nanos`, with a slice of the forecast.
     pub fn advance(&mut self, nanos: Nanos) {
         self.now += nanos;

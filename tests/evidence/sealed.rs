@@ -3,7 +3,6 @@
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use column_twin::parameters::RecordMode;
 use column_twin::recording::{Predecessor, PublicKey, Reader, RecorderOptions};
@@ -11,6 +10,7 @@ use tempfile::TempDir;
 
 use super::commands::typed;
 use super::forging::{KINDS, Kept, Parts};
+use super::node;
 use super::random_damage::Random;
 use super::recorded_twin::{MS, RecordedTwin, event, parameters};
 use super::scenarios::size_of_one_impact;
@@ -400,24 +400,9 @@ fn a_node_logs_the_key_of_its_seals() {
         ),
     ] {
         let directory = format!("recordings_{}", key.len());
-        let mut node = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+        let mut node = node::command(&domain, Path::new(&directory))
             .current_dir(folder.path())
-            .args([
-                "run",
-                "--ros-args",
-                "-p",
-                "record.mode:=always",
-                "-p",
-                "state.directory:=''",
-                "-p",
-            ])
-            .arg(format!("record.directory:={directory}"))
             .args(["-p", &format!("record.seal_key:={key}")])
-            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
-            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .env_remove("ROS_NAMESPACE")
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         // Its stderr stays open until it ends; the recording begins with the first checkpoint.
@@ -428,7 +413,7 @@ fn a_node_logs_the_key_of_its_seals() {
             assert!(node.try_wait().unwrap().is_none(), "the node has ended");
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
-        let (code, log) = super::node::stopped(node);
+        let (code, log) = node::stopped(node);
         assert_eq!(code, Some(0), "{log}");
         assert!(log.contains(&expected), "{log}");
         let bag = super::recorded_twin::the_one_recording(&recordings);

@@ -2,12 +2,11 @@
 //! changes a value, a count, a place or a time, without a seal.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::endpoints;
 use column_twin::evidence::{
-    JournalEntry, JournalLine, MAX_DELAY, Tally, Topics, Verification, record_impact, verify,
+    JournalEntry, JournalLine, MAX_DELAY, Tally, Verification, record_impact, verify,
 };
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::cdr;
@@ -17,12 +16,13 @@ use column_twin::messages::rcl_interfaces::Log;
 use column_twin::messages::std_msgs;
 use column_twin::outgoing::{Message as TwinMessage, Topic};
 use column_twin::parameters::{Parameters, RecordMode, Value};
-use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
+use column_twin::recording::{Message, WriterOptions};
 use column_twin::twin::{Command, ImpactCommand, Journal};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
+use super::copies::{messages, written};
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 /// Few steps and few states, so that a thousand verifications take seconds.
@@ -86,36 +86,6 @@ fn recorded(mode: RecordMode) -> Finished {
         twin.advance(1_200 * MS);
     }
     twin.finish()
-}
-
-fn messages(path: &Path) -> Vec<Message> {
-    let reader = Reader::open(path).unwrap();
-    reader.messages().map(Result::unwrap).collect()
-}
-
-/// Writes a recording with these messages, in this order, as by a forger: all chunks have the right CRCs.
-fn written(messages: &[Message]) -> (TempDir, PathBuf) {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared().unwrap();
-    let options = WriterOptions {
-        sync: false,
-        ..WriterOptions::default()
-    };
-    let mut writer = Writer::create(&path, &options, &declared).unwrap();
-    for message in messages {
-        let topic = declared.iter().position(|it| *it.name == *message.topic);
-        let entry = Entry {
-            topic: topic.unwrap(),
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: message.data.clone().into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-    }
-    writer.finish().unwrap();
-    (directory, path)
 }
 
 fn verified(messages: &[Message]) -> Verification {

@@ -50,7 +50,7 @@ content_hash() {
   (
     cd "$repository"
     sha256sum tests/interop/environment.sh tests/interop/requirements.txt tests/interop/constraints.txt \
-      package.xml CMakeLists.txt msg/*.msg srv/*.srv
+      package.xml CMakeLists.txt crates/python/python/column_twin/__init__.py msg/*.msg srv/*.srv
     "$python" -c 'import sys; print(sys.version, sys.base_prefix)'
   ) | sha256sum | cut -c1-16
 }

@@ -6,6 +6,9 @@
 
 mod browser;
 #[allow(dead_code)] // the tests of the evidence use more of it
+#[path = "../evidence/copies.rs"]
+mod copies;
+#[allow(dead_code)] // the tests of the evidence use more of it
 #[path = "../evidence/recorded_twin.rs"]
 mod recorded_twin;
 mod recordings;

@@ -1,18 +1,17 @@
 //! The command `report`, run as by a user.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use assert_cmd::Command;
 use tempfile::TempDir;
 
 use column_twin::column::ImpactSpecification;
-use column_twin::evidence::Topics;
 use column_twin::messages::cdr;
 use column_twin::messages::column_twin::ImpactReport;
 use column_twin::parameters::Value;
-use column_twin::recording::{Entry, Message, Reader, Writer, WriterOptions};
 use column_twin::twin::ImpactCommand;
 
+use super::copies::forged;
 use super::recorded_twin::{Finished, MS, RecordedTwin, event, parameters};
 
 /// Runs the program in a folder: exit code, standard output, standard error.
@@ -162,31 +161,6 @@ fn a_recorded_impact_is_reported_as_the_simulated_one() {
     assert!(simulated == recorded, "other figures");
 }
 
-/// A copy of a recording in which `change` has changed or removed messages.
-fn forged(bag: &Path, change: impl Fn(&Message) -> Option<Vec<u8>>) -> (TempDir, PathBuf) {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared().unwrap();
-    let mut writer = Writer::create(&path, &WriterOptions::default(), &declared).unwrap();
-    for message in Reader::open(bag).unwrap().messages() {
-        let message = message.unwrap();
-        let Some(data) = change(&message) else {
-            continue;
-        };
-        let topic = declared.iter().position(|it| *it.name == *message.topic);
-        let entry = Entry {
-            topic: topic.unwrap(),
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: data.into(),
-            checkpoint: false,
-        };
-        writer.write(&entry).unwrap();
-    }
-    writer.finish().unwrap();
-    (directory, path)
-}
-
 #[test]
 fn a_changed_recording_is_reported_as_changed() {
     let recording = three_impacts();
@@ -273,4 +247,29 @@ fn what_is_not_a_recording_of_an_impact_is_rejected_with_the_reason() {
     let (code, _, stderr) = typed(folder.path(), "report bag -o nowhere/report.html");
     assert_eq!(code, 1, "{stderr}");
     assert!(stderr.contains("nowhere/report.html"), "{stderr}");
+}
+
+#[test]
+fn a_report_tells_how_fast_a_vehicle_may_hit_the_column_next() {
+    let mut twin = RecordedTwin::new(parameters());
+    twin.hit(event("a", twin.now));
+    twin.until_rest();
+    twin.advance(MS);
+    twin.know_critical_velocities();
+    twin.advance(MS);
+    let known = twin.twin.status(twin.now).critical_velocities;
+    let known = known.expect("known");
+    let (code, _, html) = report_of(&twin.finish().path(), &[]);
+    assert_eq!(code, 0);
+    let (_, section) = html
+        .split_once("id=\"critical-velocities\"")
+        .expect("a section");
+    for it in known.iter() {
+        assert!(section.contains(&*it.vehicle));
+        let evacuate = it.evacuate.filter(|it| *it > 0.0);
+        assert!(evacuate.is_none_or(|it| section.contains(&format!("{it:.1} m/s"))));
+    }
+    let recording = three_impacts();
+    let (_, _, html) = report_of(&recording.path(), &[]);
+    assert!(!html.contains("id=\"critical-velocities\""), "not known");
 }

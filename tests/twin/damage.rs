@@ -7,7 +7,7 @@ use column_twin::parameters::Value;
 use column_twin::twin::state_file::{self, Loaded};
 use column_twin::twin::{ImpactCommand, SavedState, TwinPhase};
 
-use crate::{Bench, MS, START, event, light, parameters};
+use crate::{Bench, MS, START, event, fatal, light, parameters};
 
 fn hit_and_rest(bench: &mut Bench, event: ImpactCommand) {
     bench.hit(event);
@@ -111,17 +111,7 @@ fn the_damage_of_an_interrupted_response_is_saved_with_the_forecast() {
 #[test]
 fn a_collapse_survives_a_restart() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    hit_and_rest(
-        &mut bench,
-        ImpactCommand {
-            impact: ImpactSpecification {
-                mass: 100_000.0,
-                velocity: 50.0,
-                ..event("a", START).impact
-            },
-            ..event("a", START)
-        },
-    );
+    hit_and_rest(&mut bench, fatal("a", START));
     let mut again = restarted(&bench);
     assert_eq!(again.status().phase, TwinPhase::Collapsed);
     again.hit(event("b", again.now));

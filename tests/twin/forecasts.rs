@@ -7,7 +7,7 @@ use column_twin::twin::{
     ForecastEnd, ImpactCommand, MAX_SUPERSEDED_FORECASTS, Output, WithdrawnForecast,
 };
 
-use crate::{Bench, MS, START, event, light};
+use crate::{Bench, MS, START, event, fatal, light};
 
 /// What the outputs say of the forecasts of one impact.
 #[derive(Debug, Default, PartialEq)]
@@ -158,14 +158,7 @@ fn a_reset_tells_of_every_impact_that_it_drops() {
 #[test]
 fn an_impact_that_the_column_cannot_take_when_it_is_due_has_no_forecast() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactCommand {
-        impact: ImpactSpecification {
-            mass: 100_000.0,
-            velocity: 50.0,
-            ..event("fatal", START).impact
-        },
-        ..event("fatal", START)
-    });
+    bench.hit(fatal("fatal", START));
     bench.hit(event("too late", START + 900 * MS));
     bench.rest();
     bench.go_on(1_000 * MS);

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod clock;
+mod critical;
 mod damage;
 mod forecasts;
 mod memory;
@@ -200,6 +201,18 @@ pub(crate) fn light(id: &str, stamp: Nanos) -> ImpactCommand {
         impact: ImpactSpecification {
             mass: 10.0,
             velocity: 0.5,
+            ..event(id, stamp).impact
+        },
+        ..event(id, stamp)
+    }
+}
+
+/// An impact under which a column with a load of 2 MN collapses.
+pub(crate) fn fatal(id: &str, stamp: Nanos) -> ImpactCommand {
+    ImpactCommand {
+        impact: ImpactSpecification {
+            mass: 100_000.0,
+            velocity: 50.0,
             ..event(id, stamp).impact
         },
         ..event(id, stamp)

@@ -5,7 +5,7 @@ use column_twin::twin::{
     Accepted, Command, Output, ParametersChanged, Refusal, RefusalCode, RefusedInput,
 };
 
-use crate::{Bench, MS, START, event};
+use crate::{Bench, MS, START, event, light};
 
 fn changed(bench: &Bench) -> Vec<&ParametersChanged> {
     bench.all(|it| {
@@ -230,16 +230,19 @@ fn a_change_that_the_damage_of_the_response_forbids_is_rejected_at_once() {
     }
 }
 
+/// A change of the section waits for the end of an elastic response.
+fn section_changed_after_a_light_impact() -> Bench {
+    let mut bench = Bench::new(&[]);
+    bench.hit(light("a", START));
+    bench.go_on(MS);
+    bench.change(&[("section.name", "HEB300".into())]);
+    bench
+}
+
 /// A response that leaves no damage lets the properties change at its end.
 #[test]
 fn properties_change_after_an_elastic_response() {
-    let mut bench = Bench::new(&[]);
-    let mut light = event("a", START);
-    light.impact.mass = 10.0;
-    light.impact.velocity = 0.5;
-    bench.hit(light);
-    bench.go_on(MS);
-    bench.change(&[("section.name", "HEB300".into())]);
+    let mut bench = section_changed_after_a_light_impact();
     assert!(bench.refusals().is_empty(), "{:?}", bench.refusals());
     assert_eq!(value(&bench, "section.name"), Value::from("HEB220"));
     bench.rest();
@@ -249,13 +252,7 @@ fn properties_change_after_an_elastic_response() {
 /// A second impact, which was not foreseen, may damage the column before the change takes effect.
 #[test]
 fn a_waiting_change_can_be_rejected_at_the_end_of_the_response() {
-    let mut bench = Bench::new(&[]);
-    let mut light = event("a", START);
-    light.impact.mass = 10.0;
-    light.impact.velocity = 0.5;
-    bench.hit(light);
-    bench.go_on(MS);
-    bench.change(&[("section.name", "HEB300".into())]);
+    let mut bench = section_changed_after_a_light_impact();
     assert!(bench.refusals().is_empty());
     let now = bench.now;
     bench.hit(event("b", now));

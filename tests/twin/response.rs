@@ -4,7 +4,7 @@ use column_twin::column::{ImpactSpecification, Outcome, Report, Sample, simulate
 use column_twin::parameters::{Parameters, Value};
 use column_twin::twin::{ImpactCommand, Output, TwinPhase};
 
-use crate::{Bench, MS, START, event, light, parameters};
+use crate::{Bench, MS, START, event, fatal, light, parameters};
 
 /// The result of `column-twin simulate`: every step, and the report.
 fn simulated(parameters: &Parameters, event: &ImpactCommand) -> (Vec<Sample>, Report) {
@@ -291,14 +291,7 @@ fn an_event_ahead_of_the_clock_waits_for_its_stamp() {
 #[test]
 fn a_collapse_is_reported_and_lasts_until_a_reset() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactCommand {
-        impact: ImpactSpecification {
-            mass: 100_000.0,
-            velocity: 50.0,
-            ..event("truck", START).impact
-        },
-        ..event("truck", START)
-    });
+    bench.hit(fatal("truck", START));
     bench.rest();
     let report = bench.reports()[0].report;
     assert_eq!(
@@ -330,14 +323,7 @@ fn a_collapse_is_reported_and_lasts_until_a_reset() {
 #[test]
 fn an_impact_after_a_collapse_is_rejected_and_counted_once() {
     let mut bench = Bench::new(&[("top.load", 2.0e6.into())]);
-    bench.hit(ImpactCommand {
-        impact: ImpactSpecification {
-            mass: 100_000.0,
-            velocity: 50.0,
-            ..event("truck", START).impact
-        },
-        ..event("truck", START)
-    });
+    bench.hit(fatal("truck", START));
     bench.hit(light("next", START + 900 * MS));
     assert_eq!(bench.status().counts.events_accepted, 2);
     bench.rest();

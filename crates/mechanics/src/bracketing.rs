@@ -293,7 +293,7 @@ mod tests {
 
     use super::*;
     use crate::model::Model;
-    use crate::properties::{ColumnProperties, ElasticLaw, Scheme, Support, YieldExponents};
+    use crate::properties::PLAIN_COLUMN;
 
     /// Forces of the massless unknowns that leap and vanish nowhere, and one of the mass that no correction lowers.
     struct Unsolvable {
@@ -331,35 +331,8 @@ mod tests {
     /// six million evaluations, which took 1.9 s, for what only shorter parts could solve.
     #[test]
     fn a_search_that_cannot_succeed_ends_soon() {
-        let properties = ColumnProperties {
-            length_below: 1.0,
-            length_above: 3.0,
-            axial_rigidity: 2e9,
-            bending_stiffness: 2e7,
-            mass_per_length: 70.0,
-            resistance_moment: 3e5,
-            resistance_axial: 3e6,
-            yield_surface: YieldExponents {
-                alpha: 2.0,
-                beta: 2.0,
-                gamma: 2.0,
-            },
-            elastic_law: ElasticLaw::Uncoupled,
-            base: Support::BuiltIn,
-            top: Support::BuiltIn,
-            hinge_stiffness: [None; 4],
-            top_spring_stiffness: 0.0,
-            top_mass: 0.0,
-            top_load: 0.0,
-            damping_ratio: 0.0,
-            rate: None,
-            hardening_ratio: 0.0,
-            ultimate_rotation: 0.0,
-            scheme: Scheme::Midpoint,
-            step_nanos: 10_000,
-        };
         let system = Unsolvable {
-            model: Model::new(&properties).expect("a column"),
+            model: Model::new(&PLAIN_COLUMN).expect("a column"),
             evaluations: Cell::new(0),
         };
         let unsolved = solve(&system, Displacement::default(), &mut ()).err();

@@ -143,3 +143,33 @@ pub enum Scheme {
     #[serde(alias = "energy")]
     ConservingMidpoint,
 }
+
+/// A column for tests of single parts: without load, damping, hardening and spring at the top.
+#[cfg(test)]
+pub(crate) const PLAIN_COLUMN: ColumnProperties = ColumnProperties {
+    length_below: 1.0,
+    length_above: 3.0,
+    axial_rigidity: 2e9,
+    bending_stiffness: 2e7,
+    mass_per_length: 70.0,
+    resistance_moment: 3e5,
+    resistance_axial: 3e6,
+    yield_surface: YieldExponents {
+        alpha: 2.0,
+        beta: 2.0,
+        gamma: 2.0,
+    },
+    elastic_law: ElasticLaw::Uncoupled,
+    base: Support::BuiltIn,
+    top: Support::BuiltIn,
+    hinge_stiffness: [None; 4],
+    top_spring_stiffness: 0.0,
+    top_mass: 0.0,
+    top_load: 0.0,
+    damping_ratio: 0.0,
+    rate: None,
+    hardening_ratio: 0.0,
+    ultimate_rotation: 0.0,
+    scheme: Scheme::Midpoint,
+    step_nanos: 10_000,
+};

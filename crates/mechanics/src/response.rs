@@ -536,8 +536,9 @@ fn follow(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::properties::PLAIN_COLUMN;
     use crate::yield_surface::YieldSurface;
-    use crate::{ElasticLaw, Scheme, Support, YieldExponents};
+    use crate::{ElasticLaw, Scheme, YieldExponents};
 
     /// Every utilisation was once computed with the surface of the lower bar.
     #[test]
@@ -548,27 +549,10 @@ mod tests {
             gamma: 1.0,
         };
         let mut model = Model::new(&ColumnProperties {
-            length_below: 1.0,
-            length_above: 3.0,
-            axial_rigidity: 2e9,
-            bending_stiffness: 2e7,
-            mass_per_length: 70.0,
-            resistance_moment: 3e5,
-            resistance_axial: 3e6,
             yield_surface: exponents,
             elastic_law: ElasticLaw::Coupled,
-            base: Support::BuiltIn,
-            top: Support::BuiltIn,
-            hinge_stiffness: [None; 4],
-            top_spring_stiffness: 0.0,
-            top_mass: 0.0,
-            top_load: 0.0,
-            damping_ratio: 0.0,
-            rate: None,
-            hardening_ratio: 0.0,
-            ultimate_rotation: 0.0,
             scheme: Scheme::ConservingMidpoint,
-            step_nanos: 10_000,
+            ..PLAIN_COLUMN
         })
         .expect("a column");
         model.frame.above.surface = YieldSurface::new(1e5, 1e6, exponents);

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 /// Numbers of a row.
 pub const NUMBERS: usize = 9;
 
-/// Bytes of a row: its numbers, three codes, and what aligns the next row.
+/// Bytes of a row: its numbers, and three codes in 2, 2 and 4 bytes, so that no byte is left over whose value would be undefined.
 pub const ROW_BYTES: usize = NUMBERS * 8 + 8;
 
 /// Time between two looks at the signals of Python.
@@ -24,20 +24,33 @@ pub struct Row {
     /// Mass, velocity, max v1, residual v1, peak contact force, remaining capacity, its ratio, its reserve, and the largest
     /// plastic rotation; NaN where there is none.
     pub numbers: [f64; NUMBERS],
-    /// Severity, outcome, and the place of the deciding criterion among the names.
-    pub codes: [u8; 3],
+    /// Its verdict.
+    pub codes: Codes,
+}
+
+/// Severity, outcome, and the place of the deciding criterion among the names.
+#[derive(Debug, Clone, Copy)]
+pub struct Codes(pub [u8; 3]);
+
+impl Codes {
+    /// Of what could not be computed: larger than every severity, so that a comparison does not take it for harmless.
+    pub const UNKNOWN: Self = Self([u8::MAX; 3]);
 }
 
 impl Row {
     pub fn new(impact: &Impact, screening: &Screening) -> Self {
+        Self::of([impact.mass, impact.velocity], screening)
+    }
+
+    pub fn of([mass, velocity]: [f64; 2], screening: &Screening) -> Self {
         let criterion = CRITERION_NAMES
             .iter()
             .position(|name| *name == screening.deciding_criterion)
             .expect("every criterion has a name");
         Self {
             numbers: [
-                impact.mass,
-                impact.velocity,
+                mass,
+                velocity,
                 screening.max_v1,
                 screening.residual_v1.unwrap_or(f64::NAN),
                 screening.peak_contact_force,
@@ -46,11 +59,11 @@ impl Row {
                 screening.capacity_reserve.unwrap_or(f64::NAN),
                 screening.max_plastic_rotation,
             ],
-            codes: [
+            codes: Codes([
                 screening.severity as u8,
                 screening.outcome as u8,
                 criterion as u8,
-            ],
+            ]),
         }
     }
 
@@ -60,8 +73,10 @@ impl Row {
         for (chunk, number) in chunks.iter_mut().zip(self.numbers) {
             *chunk = number.to_ne_bytes();
         }
-        codes.fill(0);
-        codes[..self.codes.len()].copy_from_slice(&self.codes);
+        let [severity, outcome, criterion] = self.codes.0;
+        codes[..2].copy_from_slice(&u16::from(severity).to_ne_bytes());
+        codes[2..4].copy_from_slice(&u16::from(outcome).to_ne_bytes());
+        codes[4..].copy_from_slice(&u32::from(criterion).to_ne_bytes());
     }
 }
 

@@ -15,11 +15,15 @@ use column_twin::parameters::{
 use column_twin::results::{CapacityFields, HistoryColumns, ImpactFields};
 use column_twin::study::{Batch, BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
-use pyo3::types::PyByteArray;
+use pyo3::types::{PyByteArray, PyDict};
 
 use crate::batch::{NUMBERS, ROW_BYTES, Row, interruptible};
 use crate::fault;
+use crate::study::{self, GivenAxis};
 use crate::values::{doubles, numbers, object, value};
+
+/// The velocities below and at a critical one \[m/s\].
+type Bracket = (Option<f64>, Option<f64>);
 
 /// Names and values that change parameters.
 type Changes<'py> = Vec<(String, Bound<'py, PyAny>)>;
@@ -118,7 +122,7 @@ impl Column {
         let screened = py.detach(|| self.study.screen(&impact));
         let screening = screened.map_err(|fault| fault::study(&fault))?;
         let row = Row::new(&impact, &screening);
-        Ok((row.numbers, row.codes))
+        Ok((row.numbers, row.codes.0))
     }
 
     /// Many impacts without their histories, as rows of bytes. `masses` and `velocities` are arrays of doubles; without masses
@@ -174,9 +178,7 @@ impl Column {
                 )));
             }
             Err(BatchFault::Threads(reason)) => {
-                return Err(fault::simulation(format!(
-                    "the system gives no threads: {reason}"
-                )));
+                return Err(fault::no_threads(&reason));
             }
         }
         PyByteArray::new_with(py, ROW_BYTES * rows.len(), |bytes| {
@@ -187,6 +189,44 @@ impl Column {
                 .for_each(|(chunk, row)| row.write(chunk));
             Ok(())
         })
+    }
+
+    /// A map over two axes; see `_map.py`.
+    fn map<'py>(
+        &self,
+        py: Python<'py>,
+        vehicle: Option<&str>,
+        axes: [GivenAxis; 2],
+        compared: Option<GivenAxis>,
+        threads: Option<NonZeroUsize>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        study::map(py, self.parameters(), vehicle, axes, compared, threads)
+    }
+
+    /// The velocities around the critical one of each severity, least severe first, and the number of responses.
+    fn critical_velocities(
+        &self,
+        py: Python<'_>,
+        vehicle: Option<&str>,
+        mass: Option<f64>,
+        lowest: f64,
+        highest: f64,
+    ) -> PyResult<(Vec<Bracket>, usize)> {
+        for velocity in [lowest, highest] {
+            self.impact(vehicle, mass, Some(velocity))?;
+        }
+        if lowest >= highest {
+            return Err(fault::input(format!(
+                "expected a lowest velocity below the highest; found {lowest} and {highest} m/s"
+            )));
+        }
+        let found = py.detach(|| {
+            self.study
+                .critical_velocities(vehicle, mass, [lowest, highest])
+        });
+        let found = found.map_err(|fault| fault::study(&fault))?;
+        let brackets = found.velocities.into_iter().map(study::bracket);
+        Ok((brackets.collect(), found.responses))
     }
 
     /// One impact with its history: names and values of its columns, and the outcome as JSON.

@@ -44,3 +44,7 @@ pub fn of_simulation(fault: &SimulationError) -> PyErr {
 pub fn of_capacity(fault: &CapacityError) -> PyErr {
     input(fault.to_string())
 }
+
+pub fn no_threads(reason: &rayon::ThreadPoolBuildError) -> PyErr {
+    simulation(format!("the system gives no threads: {reason}"))
+}

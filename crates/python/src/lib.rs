@@ -6,6 +6,7 @@
 mod batch;
 mod column;
 mod fault;
+mod study;
 mod values;
 
 use pyo3::prelude::*;

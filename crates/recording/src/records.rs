@@ -85,7 +85,7 @@ impl Found {
                     },
                 }
             }
-            // Attachments of others may be large, and are not read.
+            // Attachments that other programs have written may be large, and are not read.
             op::ATTACHMENT if data.len() <= MAX_ATTACHMENT => {
                 attachment(data).map_or(Self::Other(opcode), Self::Record)
             }

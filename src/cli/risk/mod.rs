@@ -1,6 +1,5 @@
 //! `column-twin risk`: how often vehicles that leave the road damage the column, and how severely.
 
-mod interruption;
 mod summary;
 mod tables;
 
@@ -13,6 +12,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::{Exit, Failure, unless_closed};
+use super::interruption::Interruption;
 use super::simulate::load;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::Parameters;
@@ -22,7 +22,7 @@ use column_twin::study::risk::{
 };
 use column_twin::study::{Batch, BatchEnd};
 use column_twin::whole_file;
-use interruption::Interruption;
+
 use tables::SampleWriter;
 
 /// Most samples of a study.

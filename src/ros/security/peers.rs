@@ -5,9 +5,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::ros::guid_prefix::GuidPrefix;
+use crate::ros::log_limit::LogLimit;
+
 /// Maximum number of log messages about peers per [`LIMIT_PERIOD`]; further ones are counted. A hostile peer may try to join
 /// as often as it likes, so that this bounds what it can write into the log: about 3 MB a day.
-const MAX_LOGGED: u32 = 10;
+const MAX_LOGGED: u64 = 10;
 
 /// Period of [`MAX_LOGGED`].
 const LIMIT_PERIOD: Duration = Duration::from_secs(60);
@@ -19,20 +22,24 @@ const MAX_REMEMBERED: usize = 1024;
 const MAX_REASON: usize = 300;
 
 /// The peers of a protected participant.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Peers {
     joined: AtomicU64,
     rejected: AtomicU64,
     /// Subjects of authenticated peers by the prefix of their GUID.
-    subjects: Mutex<BTreeMap<[u8; 12], String>>,
-    limit: Mutex<Option<Limit>>,
+    subjects: Mutex<BTreeMap<GuidPrefix, String>>,
+    limit: Mutex<LogLimit>,
 }
 
-#[derive(Debug)]
-struct Limit {
-    period_start: Instant,
-    logged: u32,
-    hidden: u64,
+impl Default for Peers {
+    fn default() -> Self {
+        Self {
+            joined: AtomicU64::new(0),
+            rejected: AtomicU64::new(0),
+            subjects: Mutex::default(),
+            limit: Mutex::new(LogLimit::new(MAX_LOGGED, LIMIT_PERIOD)),
+        }
+    }
 }
 
 impl Peers {
@@ -50,19 +57,19 @@ impl Peers {
 
     /// The subject of the certificate of an authenticated peer, such as `CN=/monitor`.
     #[must_use]
-    pub fn subject(&self, prefix: &[u8; 12]) -> Option<String> {
+    pub fn subject(&self, prefix: GuidPrefix) -> Option<String> {
         let subjects = self.subjects.lock().unwrap_or_else(PoisonError::into_inner);
-        subjects.get(prefix).cloned()
+        subjects.get(&prefix).cloned()
     }
 
     /// A peer has proved its identity, and its permissions are valid.
-    pub fn take_joined(&self, prefix: [u8; 12], subject: &str, now: Instant) {
+    pub fn take_joined(&self, prefix: GuidPrefix, subject: &str, now: Instant) {
         self.joined.fetch_add(1, Ordering::Relaxed);
         let subject = printable(subject);
         if let Some(hidden) = self.admit(now) {
             tracing::info!(
                 "peer {} joined with the identity {subject}{}",
-                hex(&prefix),
+                prefix,
                 not_shown(hidden)
             );
         }
@@ -74,12 +81,12 @@ impl Peers {
     }
 
     /// A peer was rejected.
-    pub fn take_rejected(&self, prefix: [u8; 12], reason: &str, now: Instant) {
+    pub fn take_rejected(&self, prefix: GuidPrefix, reason: &str, now: Instant) {
         self.rejected.fetch_add(1, Ordering::Relaxed);
         if let Some(hidden) = self.admit(now) {
             tracing::warn!(
                 "peer {} was rejected: {}{}",
-                hex(&prefix),
+                prefix,
                 printable(reason),
                 not_shown(hidden)
             );
@@ -87,29 +94,15 @@ impl Peers {
     }
 
     /// A peer has left.
-    pub fn take_lost(&self, prefix: &[u8; 12]) {
+    pub fn take_lost(&self, prefix: GuidPrefix) {
         let mut subjects = self.subjects.lock().unwrap_or_else(PoisonError::into_inner);
-        subjects.remove(prefix);
+        subjects.remove(&prefix);
     }
 
     /// Whether to log a message; then with the number of messages that were hidden before it.
     fn admit(&self, now: Instant) -> Option<u64> {
         let mut limit = self.limit.lock().unwrap_or_else(PoisonError::into_inner);
-        let limit = limit.get_or_insert(Limit {
-            period_start: now,
-            logged: 0,
-            hidden: 0,
-        });
-        if now.saturating_duration_since(limit.period_start) >= LIMIT_PERIOD {
-            limit.period_start = now;
-            limit.logged = 0;
-        }
-        if limit.logged >= MAX_LOGGED {
-            limit.hidden += 1;
-            return None;
-        }
-        limit.logged += 1;
-        Some(std::mem::take(&mut limit.hidden))
+        limit.admit(now)
     }
 }
 
@@ -120,10 +113,6 @@ fn not_shown(hidden: u64) -> String {
             format!(" ({hidden} messages about peers before this one are not shown)")
         }
     }
-}
-
-fn hex(prefix: &[u8; 12]) -> String {
-    prefix.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Parts of a text may come from the peer: no control characters, and a bounded length.
@@ -156,17 +145,20 @@ mod tests {
     fn every_peer_is_counted_and_only_present_ones_are_remembered() {
         let (peers, now) = (Peers::default(), Instant::now());
         for index in 0..100u8 {
-            peers.take_joined([index; 12], "CN=/monitor", now);
-            peers.take_rejected([index; 12], "forged", now);
+            peers.take_joined(GuidPrefix([index; 12]), "CN=/monitor", now);
+            peers.take_rejected(GuidPrefix([index; 12]), "forged", now);
         }
         assert_eq!((peers.joined(), peers.rejected()), (100, 100));
-        assert_eq!(peers.subject(&[7; 12]).as_deref(), Some("CN=/monitor"));
-        peers.take_lost(&[7; 12]);
-        assert_eq!(peers.subject(&[7; 12]), None);
+        assert_eq!(
+            peers.subject(GuidPrefix([7; 12])).as_deref(),
+            Some("CN=/monitor")
+        );
+        peers.take_lost(GuidPrefix([7; 12]));
+        assert_eq!(peers.subject(GuidPrefix([7; 12])), None);
         for index in 0..3000u16 {
             let mut prefix = [0; 12];
             prefix[..2].copy_from_slice(&index.to_be_bytes());
-            peers.take_joined(prefix, "CN=/flood", now);
+            peers.take_joined(GuidPrefix(prefix), "CN=/flood", now);
         }
         let remembered = peers.subjects.lock().expect("not poisoned").len();
         assert!(remembered <= MAX_REMEMBERED, "{remembered}");

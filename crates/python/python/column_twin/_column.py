@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ._capacity import Capacity, PushDown
+from ._codes import Severity
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning
 from ._loading import native
+from ._map import CriticalVelocity, Map
 from ._result import Result
 from ._screening import Screening, table_of
 
@@ -22,6 +24,27 @@ Value = Union[bool, int, float, str, Sequence[float], Sequence[str]]
 
 Setting = Union[Value, npt.NDArray[Any], np.generic, "os.PathLike[str]"]
 """What a parameter may be set to: a value, or what numpy or pathlib make of one."""
+
+
+AxisValues = Union["tuple[float, float, int]", Sequence[float], Sequence[str], npt.NDArray[Any], str]
+"""The values of an axis: (from, to, number of points), numbers, or names."""
+
+_NativeAxis = Union[str, "tuple[str, float, float, int]", "tuple[str, list[float]]", "tuple[str, list[str]]"]
+
+
+def _axis(name: str, values: AxisValues) -> _NativeAxis:
+    """An axis for the native part."""
+    if isinstance(values, str):
+        return f"{name}={values}"
+    if isinstance(values, tuple) and len(values) == 3 and not any(isinstance(it, str) for it in values):
+        first, last, count = values
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 0:
+            raise ParameterError(f"{name}: expected (from, to, number of points); found {values}")
+        return name, float(first), float(last), int(count)
+    plain = [_plain(it) for it in values]
+    if plain and all(isinstance(it, str) for it in plain):
+        return name, [str(it) for it in plain]
+    return name, [float(it) for it in plain]
 
 
 def _plain(value: Any) -> Any:
@@ -193,6 +216,89 @@ class Column:
             raise ParameterError(f"threads: expected at least 1, found {threads}")
         rows = self._native.screen_batch(vehicle, weights, speeds.tobytes(), threads)
         return table_of(rows).reshape(shape)
+
+    def map(
+        self,
+        *axes: str,
+        vehicle: str | Sequence[str] | None = None,
+        compare: str | Mapping[str, AxisValues] | None = None,
+        threads: int | None = None,
+        changes: Mapping[str, AxisValues] | None = None,
+        **ranges: AxisValues,
+    ) -> Map:
+        """A damage map over two quantities, on all processors.
+
+        An axis is `mass`, `velocity`, `height`, `section`, `vehicle`, or any parameter that is a number (`top__load`). Its values
+        are a tuple (from, to, number of points), a list or an array of numbers, or a list of names of a catalogue; or it is a
+        text in the notation of `column-twin map`.
+
+        >>> column.map(mass=(2000, 12000, 50), velocity=(1, 25, 50), vehicle="lorry_8t")
+        >>> column.map("section=HEB 200,HEB 240,HEB 300", velocity=np.linspace(1.0, 20.0, 50), vehicle="van")
+        >>> column.map(velocity=(1, 25, 50), top__load=(2e5, 1e6, 20), compare={"section": ["HEB 220", "HEB 300"]})
+
+        Other Python threads run meanwhile, and Ctrl-C interrupts the map.
+
+        Args:
+            axes: axes in the notation of the command line, such as `velocity=1:25:100`.
+            vehicle: the vehicle of all cells; a list of names is an axis.
+            compare: one more quantity, for each of whose values there is a map over the same axes.
+            threads: number of threads; default: as many as there are processors. The result does not depend on it.
+            changes: axes by the names of parameters, with dots.
+            ranges: axes by keywords; two underscores are a dot.
+
+        Raises:
+            ParameterError: axes, values or a number of cells that are not accepted.
+        """
+        if threads is not None and threads < 1:
+            raise ParameterError(f"threads: expected at least 1, found {threads}")
+        given: list[_NativeAxis] = list(axes)
+        named = {**(changes or {}), **{name.replace("__", "."): values for name, values in ranges.items()}}
+        if vehicle is not None and not isinstance(vehicle, str):
+            named["vehicle"], vehicle = vehicle, None
+        given.extend(_axis(name, values) for name, values in named.items())
+        if len(given) != 2:
+            found = ", ".join(str(axis if isinstance(axis, str) else axis[0]) for axis in given) or "none"
+            raise ParameterError(f"a map has two axes, such as mass=(2000, 12000, 50), velocity=(1, 25, 50); found {found}")
+        if isinstance(compare, Mapping):
+            if len(compare) != 1:
+                raise ParameterError(f"compare: expected one quantity, found {len(compare)}")
+            ((name, values),) = compare.items()
+            compared: _NativeAxis | None = _axis(name, values)
+        else:
+            compared = compare
+        computed = self._native.map(vehicle, given, compared, threads)
+        return Map._of(computed, compared=compare is not None)
+
+    def critical_velocities(
+        self, vehicle: str | None = None, mass: float | None = None, lowest: float = 0.1, highest: float = 60.0
+    ) -> dict[Severity, CriticalVelocity]:
+        """How fast a vehicle may be before its impact has each severity, to 1 %.
+
+        A scan goes up from `lowest` in ratios of at most 1.4, then intervals are halved; narrower ranges of velocities with a
+        higher severity are not found.
+
+        Args:
+            vehicle: as in `simulate`.
+            mass: as in `simulate`.
+            lowest: where the scan begins [m/s].
+            highest: where it ends [m/s].
+        """
+        brackets, _ = self._native.critical_velocities(vehicle, mass, lowest, highest)
+        severities = [it for it in Severity if it is not Severity.NONE]
+        return {it: CriticalVelocity(*bracket) for it, bracket in zip(severities, brackets)}
+
+    def critical_velocity(
+        self,
+        severity: Severity,
+        vehicle: str | None = None,
+        mass: float | None = None,
+        lowest: float = 0.1,
+        highest: float = 60.0,
+    ) -> CriticalVelocity:
+        """How fast a vehicle may be before its impact has this severity; as `critical_velocities`."""
+        if severity == Severity.NONE:
+            raise ParameterError("severity: expected one from inspect to evacuate, found none")
+        return self.critical_velocities(vehicle, mass, lowest, highest)[Severity(severity)]
 
     def capacity(
         self, vehicle: str | None = None, mass: float | None = None, velocity: float | None = None

@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
 
+from ._codes import Severity
+from ._html import COLOURS
 from ._result import HINGES
 
 if TYPE_CHECKING:
@@ -13,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ._capacity import Capacity
+    from ._map import Map, MapAxis
     from ._result import Result
 
 
@@ -62,3 +68,38 @@ def push_down(capacity: Capacity, ax: Axes | None) -> Axes:
     ax.grid(alpha=0.3)
     ax.legend(fontsize="small")
     return ax
+
+
+def damage_map(damage: Map, ax: Axes | None, label: str | None) -> Axes:
+    """Severity as colours, and lines of equal residual displacement."""
+    if ax is None:
+        ax = plt.subplots(layout="constrained")[1]
+    cells = damage._of_label(label)
+    x, y = _positions(damage.columns), _positions(damage.rows)
+    colours = ListedColormap([COLOURS[it] for it in Severity] + ["#9e9e9e"])
+    # A code above every severity: not computed.
+    norm = BoundaryNorm([*(it - 0.5 for it in Severity), max(Severity) + 0.5, 255.5], colours.N)
+    ax.pcolormesh(x, y, cells["severity"], cmap=colours, norm=norm, shading="nearest", alpha=0.8)
+    if min(cells.shape) > 1 and not (damage.rows.values.dtype.kind == "U" or damage.columns.values.dtype.kind == "U"):
+        residual = 1e3 * cells["residual_v1"]
+        levels = [level for level in (1, 2, 5, 10, 20, 50, 100, 200, 500) if np.nanmin(residual) < level < np.nanmax(residual)]
+        if levels:
+            lines = ax.contour(x, y, residual, levels=levels, colors="black", linewidths=0.8)
+            ax.clabel(lines, fmt="%g mm", fontsize="small")
+    for axis, values in ((ax.xaxis, damage.columns), (ax.yaxis, damage.rows)):
+        if values.values.dtype.kind == "U":
+            axis.set_ticks(range(len(values)), labels=list(values.values))
+    ax.set_xlabel(damage.columns.label)
+    ax.set_ylabel(damage.rows.label)
+    present = [it for it in Severity if (cells["severity"] == it).any()]
+    ax.legend(handles=[Patch(color=COLOURS[it], label=str(it)) for it in present], fontsize="small", loc="upper left")
+    if damage.cells.ndim == 3:
+        ax.set_title(label or damage.labels[0])
+    return ax
+
+
+def _positions(axis: MapAxis) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Where the values of an axis are drawn: names at equal distances."""
+    if axis.values.dtype.kind == "U":
+        return np.arange(len(axis), dtype=np.float64)
+    return np.asarray(axis.values, dtype=np.float64)

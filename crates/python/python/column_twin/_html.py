@@ -14,6 +14,7 @@ from ._codes import Severity
 if TYPE_CHECKING:
     from ._capacity import Capacity
     from ._column import Column
+    from ._map import Map
     from ._result import Result
     from ._screening import Screening
 
@@ -134,3 +135,42 @@ def column(column: Column) -> str:
     text = escape(repr(column).strip("<>"))
     below = _rows(rows) if rows else "<div>all parameters have their defaults</div>"
     return f"<div><b>{text}</b>{below}</div>"
+
+
+def damage_map(damage: Map) -> str:
+    """How many cells have each severity, and a drawing of the plane, one for each column that is compared."""
+    cells = damage.cells.reshape(len(damage.labels), len(damage.rows), len(damage.columns))
+    parts = [
+        f"<figure style=\"display:inline-block;margin:4px\">{_plane(plane['severity'])}"
+        f"<figcaption>{escape(label)}</figcaption></figure>"
+        for label, plane in zip(damage.labels, cells)
+    ]
+    counts = [
+        f"{_badge(severity)} {int((cells['severity'] == severity).sum())}"
+        for severity in Severity
+        if (cells["severity"] == severity).any()
+    ]
+    axes = f"{damage.columns.label} to the right, {damage.rows.label} upwards"
+    return f"<div>{''.join(parts)}<div>{' '.join(counts)} cells; {escape(axes)}</div></div>"
+
+
+def _plane(severity: npt.NDArray[np.uint16]) -> str:
+    """Rectangles of equal severity, row by row; at most 60 rows and columns are drawn."""
+    rows, columns = (np.unique(np.linspace(0, size - 1, min(size, 60)).astype(int)) for size in severity.shape)
+    width, height = 240 / columns.size, 160 / rows.size
+    boxes = []
+    for place, row in enumerate(rows):
+        line = severity[row, columns]
+        starts = np.flatnonzero(np.diff(line, prepend=np.uint16(254)))
+        ends = np.append(starts[1:], line.size)
+        for start, end in zip(starts, ends):
+            code = int(line[start])
+            colour = COLOURS[Severity(code)] if code <= max(Severity) else "#9e9e9e"
+            boxes.append(
+                f'<rect x="{start * width:.2f}" y="{160 - (place + 1) * height:.2f}" width="{(end - start) * width + 0.3:.2f}" '
+                f'height="{height + 0.3:.2f}" fill="{colour}"/>'
+            )
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 240 160" width="240" height="160" role="img" '
+        f'aria-label="severity">{"".join(boxes)}</svg>'
+    )

@@ -8,6 +8,7 @@ from ._catalogue import Section, Vehicle, sections, vehicles
 from ._codes import CRITERIA, Outcome, Severity
 from ._column import Column
 from ._errors import ColumnTwinError, ParameterError, ParameterWarning, SimulationError
+from ._map import CriticalVelocity, Map, MapAxis
 from ._result import Result
 from ._screening import SCREENING, Screening, to_pandas
 
@@ -19,6 +20,9 @@ __all__ = [
     "Capacity",
     "Column",
     "ColumnTwinError",
+    "CriticalVelocity",
+    "Map",
+    "MapAxis",
     "Outcome",
     "ParameterError",
     "ParameterWarning",

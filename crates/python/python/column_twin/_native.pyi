@@ -1,6 +1,9 @@
 """The native part: numbers, bytes and JSON. Use the package instead."""
 
+from collections.abc import Sequence
 from typing import Any, Final, final
+
+_Axis = str | tuple[str, float, float, int] | tuple[str, list[float]] | tuple[str, list[str]]
 
 VERSION: Final[str]
 VEHICLES_JSON: Final[str]
@@ -32,3 +35,9 @@ class Column:
     def capacity_after(
         self, vehicle: str | None, mass: float | None, velocity: float | None
     ) -> tuple[str, list[bytearray]]: ...
+    def map(
+        self, vehicle: str | None, axes: Sequence[_Axis], compared: _Axis | None, threads: int | None
+    ) -> dict[str, Any]: ...
+    def critical_velocities(
+        self, vehicle: str | None, mass: float | None, lowest: float, highest: float
+    ) -> tuple[list[tuple[float | None, float | None]], int]: ...

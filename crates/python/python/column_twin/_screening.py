@@ -26,10 +26,18 @@ _NUMBERS = (
     "capacity_reserve",
     "max_plastic_rotation",
 )
-_CODES = ("severity", "outcome", "deciding_criterion")
+# Of sizes that leave no gap: the bytes of two equal batches are equal.
+_CODES = (("severity", np.uint16), ("outcome", np.uint16), ("deciding_criterion", np.uint32))
+
+CATEGORIES: dict[str, list[str]] = {
+    "severity": [str(it) for it in Severity],
+    "outcome": [str(it) for it in Outcome],
+    "deciding_criterion": list(CRITERIA),
+}
+"""The words for the codes of a batch."""
 
 SCREENING: np.dtype[np.void] = np.dtype(
-    [(name, np.float64) for name in _NUMBERS] + [(name, np.uint8) for name in _CODES], align=True
+    [*((name, np.float64) for name in _NUMBERS), *_CODES], align=True
 )
 """Type of the rows of a batch: the fields of `Screening` in SI units, NaN where there is none; `severity` and `outcome` are
 numbers of `Severity` and `Outcome`, `deciding_criterion` is a place in `CRITERIA`."""
@@ -114,8 +122,7 @@ def to_pandas(screenings: npt.NDArray[np.void]) -> pd.DataFrame:
     flat = screenings.reshape(-1)
     table = pd.DataFrame({name: flat[name] for name in _NUMBERS})
 
-    names = {"severity": map(str, Severity), "outcome": map(str, Outcome), "deciding_criterion": CRITERIA}
-    for name in _CODES:
-        words = pd.Index(list(names[name]))
+    for name, names in CATEGORIES.items():
+        words = pd.Index(names)
         table[name] = pd.Categorical.from_codes(flat[name].tolist(), words, ordered=name == "severity")
     return table

@@ -1,0 +1,94 @@
+#!/usr/bin/env bash
+# Builds the wheels of the library and of the program, and does one thing with them in a fresh virtual environment:
+#
+#   crates/python/tests/wheels.sh build               # both wheels into $CARGO_TARGET_DIR/wheels
+#   crates/python/tests/wheels.sh install             # pip install of both, as a user does; the demonstration of the program
+#   crates/python/tests/wheels.sh test [ARGUMENT...]  # pytest of the installed library
+#   crates/python/tests/wheels.sh mixed               # the library beside the ROS 2 messages of the same name
+#
+# COLUMN_TWIN_PROGRAM_FLAGS are further flags of maturin for the program, such as --no-default-features --features cli,ros,record.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+repository=$(cd "$here/../../.." && pwd)
+target=${CARGO_TARGET_DIR:-$repository/target}
+wheels=$target/wheels
+tools=$("$here/environment.sh")
+unset PYTHONPATH PYTHONHOME
+
+build() {
+  local flags
+  read -ra flags <<<"${COLUMN_TWIN_PROGRAM_FLAGS:-}"
+  rm -rf "$wheels"
+  (cd "$repository/crates/python" && "$tools/bin/maturin" build --release --out "$wheels")
+  # The binary of `cargo build --release`, which is not compiled again: same profile, features and flags.
+  (cd "$repository/packaging/program" && "$tools/bin/maturin" build --release --out "$wheels" "${flags[@]}")
+  ls -l "$wheels"
+}
+
+site_packages() {
+  "$1/bin/python" -c 'import site; print(site.getsitepackages()[0])'
+}
+
+# A fresh environment in the folder $1; with a second argument on top of the packages of that environment.
+fresh_environment() {
+  "$tools/bin/python" -m venv "$1"
+  if [[ $# -gt 1 ]]; then
+    printf 'import site; site.addsitedir("%s")\n' "$(site_packages "$2")" >"$(site_packages "$1")/under.pth"
+  fi
+}
+
+# `pip install` as a user does it, dependencies from PyPI; then what the README promises.
+install() {
+  fresh_environment "$folder/venv"
+  "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --find-links "$wheels" 'column-twin[program]'
+  "$folder/venv/bin/column-twin" --version
+  (cd "$folder" && "$folder/venv/bin/column-twin" demo >demo.txt) || {
+    cat "$folder/demo.txt"
+    return 1
+  }
+  tail -n 3 "$folder/demo.txt"
+  "$folder/venv/bin/python" -I -c 'from column_twin import Column; print(Column().simulate("mid_car", velocity=10.0))'
+}
+
+run_tests() {
+  fresh_environment "$folder/venv" "$tools"
+  "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-deps "$wheels"/*.whl
+  (cd "$here" && PATH=$folder/venv/bin:$PATH PYTHONDONTWRITEBYTECODE=1 "$folder/venv/bin/python" -m pytest -p no:cacheprovider -q "$@")
+}
+
+# Both packages `column_twin`, in two folders in either order, and in one folder.
+mixed() {
+  local ros site python=$folder/venv/bin/python pip=$folder/venv/bin/pip messages=$folder/ros/column_twin
+  ros=$("$repository/tests/interop/environment.sh")
+  fresh_environment "$folder/venv" "$ros"
+  "$pip" install --quiet --disable-pip-version-check --no-deps "$wheels"/column_twin-*.whl
+  site=$(site_packages "$folder/venv")
+  mkdir "$folder/ros"
+  cp -r "$(site_packages "$ros")/column_twin" "$messages"
+  PYTHONPATH=$folder/ros:$site "$python" "$here/beside_ros_messages.py" "$messages" "$messages"
+  PYTHONPATH=$site:$folder/ros "$python" "$here/beside_ros_messages.py" "$site" "$messages"
+  # As `colcon build --merge-install` or pip in the environment of ROS put them.
+  cp -r "$messages" "$site"
+  "$python" "$here/beside_ros_messages.py" "$site" "$site"
+  # pip neither takes the messages for the library nor removes them with it.
+  "$pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$wheels"/column_twin-*.whl
+  "$python" "$here/beside_ros_messages.py" "$site" "$site"
+  "$pip" uninstall --quiet --disable-pip-version-check --yes column-twin
+  "$python" -c 'from column_twin.msg import ColumnState; print(ColumnState.__name__, "without the library")'
+}
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+command=${1:-}
+case $command in
+build | install | mixed) "$command" ;;
+test)
+  shift
+  run_tests "$@"
+  ;;
+*)
+  printf '%s\n' "expected build, install, test or mixed; found '$command'" >&2
+  exit 2
+  ;;
+esac

@@ -1,0 +1,382 @@
+//! `column-twin map`: what impacts on a column lead to, over a plane of two quantities.
+
+mod arguments;
+mod boundaries;
+mod files;
+mod summary;
+mod table_writer;
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::time::Instant;
+
+pub use arguments::MapArgs;
+
+use super::failure::{Exit, Failure, unless_closed};
+use super::interruption::Interruption;
+use boundaries::{boundary_columns, boundary_rows, show_boundaries};
+use column_twin::figures::{self, FigureError, MapFigures};
+use column_twin::study::{
+    BatchEnd, DamageMap, MapError, MapGrid, RefineError, RefinedMap, TableValue,
+};
+use files::{Files, MapFileError};
+use summary::{MapSummary, extent};
+
+/// Why there is no map.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+enum MapCommandError {
+    #[error("{0}")]
+    #[diagnostic(help("see `column-twin map --help` and docs/study.md"))]
+    Map(#[from] MapError),
+    #[error("a map has two axes; found {found}{}", listed(.names))]
+    #[diagnostic(help(
+        "give a range from:to:number of points to two of --mass, --velocity, --height and --vary, such as --mass 2000:12000:100 --velocity 1:25:100"
+    ))]
+    NotTwoAxes { found: usize, names: Vec<String> },
+    #[error("--{name} {given}: expected one number or a range, such as {example}")]
+    #[diagnostic(help("omit the unit; SI units apply"))]
+    NotANumber {
+        name: &'static str,
+        given: String,
+        example: &'static str,
+    },
+    #[error(
+        "--shard {given}: expected the number of the part and the number of parts, such as 3/16"
+    )]
+    #[diagnostic(help("the parts are numbered from 1; together they are the map"))]
+    Shard { given: String },
+    #[error("only one of {0} can write to the standard output")]
+    #[diagnostic(help("name a file for the other one"))]
+    OneOutput(&'static str),
+    #[error(
+        "--compare {given}: expected section=HEB200,HEB240, any parameter with its values, or config=a.yaml,b.yaml"
+    )]
+    #[diagnostic(help("name at least two"))]
+    Compare { given: String },
+    #[error("the boundaries cannot be computed: {0}")]
+    #[diagnostic(help(
+        "check the ranges; without --refine, the map leaves out what cannot be computed"
+    ))]
+    Refine(#[from] RefineError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    File(#[from] MapFileError),
+    #[error("cannot start the threads of the map: {0}")]
+    Threads(String),
+    #[error("cannot write to the standard output: {0}")]
+    Output(io::Error),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Figures(#[from] FigureError),
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Viewer(#[from] column_twin::viewer::ViewerError),
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        names => format!(" ({})", names.join(", ")),
+    }
+}
+
+impl From<rayon::ThreadPoolBuildError> for MapCommandError {
+    fn from(error: rayon::ThreadPoolBuildError) -> Self {
+        Self::Threads(error.to_string())
+    }
+}
+
+impl From<MapCommandError> for Failure {
+    fn from(fault: MapCommandError) -> Self {
+        let exit = match &fault {
+            MapCommandError::Map(_)
+            | MapCommandError::NotTwoAxes { .. }
+            | MapCommandError::NotANumber { .. }
+            | MapCommandError::Shard { .. }
+            | MapCommandError::OneOutput(_)
+            | MapCommandError::Compare { .. }
+            | MapCommandError::Refine(RefineError::NotARange(_)) => Exit::BadInput,
+            _ => Exit::Failed,
+        };
+        Self::new(exit, fault)
+    }
+}
+
+/// Computes the map and writes the requested files; the summary goes to `output`, unless a file does.
+pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Failure> {
+    let map = arguments.map()?;
+    match arguments.refines() {
+        true => refine(arguments, &map, output),
+        false => compute(arguments, &map, output),
+    }
+}
+
+/// How a command ended that may have been interrupted.
+struct Ended {
+    /// What is printed.
+    text: String,
+    /// What is missing.
+    missing: Option<String>,
+}
+
+impl Ended {
+    /// Prints the text where no file has taken the standard output, and ends the command.
+    fn print(self, to_error: bool, output: &mut dyn Write) -> Result<(), Failure> {
+        if to_error {
+            eprint!("{}", self.text);
+        } else {
+            let written = output
+                .write_all(self.text.as_bytes())
+                .and_then(|()| output.flush());
+            unless_closed(written).map_err(MapCommandError::Output)?;
+        }
+        match self.missing {
+            None => Ok(()),
+            Some(missing) => Err(Failure::plain(Exit::Lossy, missing)),
+        }
+    }
+}
+
+fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Result<(), Failure> {
+    let cells = arguments.cells(map)?;
+    let to_error = arguments.takes_standard_output();
+    let metadata = arguments.metadata(map, &cells);
+    let mut files = Files::create(
+        arguments,
+        &map.table_columns(),
+        &metadata,
+        "cells",
+        &mut *output,
+    )
+    .map_err(MapCommandError::from)?;
+    let mut grid = (arguments.wants_figures()).then(|| MapGrid::of(map));
+    let mut summary = MapSummary::new(map);
+    let start = Instant::now();
+    let mut end_cell = cells.start;
+    let batch = arguments.batch();
+    let interruption = Interruption::listen();
+    let result = interruption.watch(&batch, cells.end - cells.start, "impacts", || {
+        map.compute(&batch, cells.clone(), |part| {
+            for cell in &part {
+                let values: Vec<TableValue<'_>> = map.table_values(cell).collect();
+                files.row(&values)?;
+                summary.add(cell);
+                if let Some(grid) = &mut grid {
+                    grid.push(cell);
+                }
+                end_cell = cell.index + 1;
+            }
+            Ok::<(), MapCommandError>(())
+        })
+    });
+    // A reader that stops reading early is not a failure.
+    let end = match result {
+        Err(MapCommandError::File(error)) if error.is_closed() => BatchEnd::Complete,
+        other => other?,
+    };
+    let elapsed = start.elapsed();
+    let is_complete = end == BatchEnd::Complete;
+
+    // The figures draw boundaries more exactly than the cells show them.
+    let mut refined = None;
+    if grid.is_some() && is_complete && arguments.shard.is_none() && map.columns().ends().is_some()
+    {
+        refined = interruption
+            .watch(&batch, 0, "impacts", || map.refine(&batch))
+            .ok();
+        if let Some(refined) = &refined {
+            summary.refine(refined);
+        }
+    }
+    drop(interruption);
+    let closing = [
+        ("end_cell", end_cell.to_string()),
+        ("complete", is_complete.to_string()),
+        (
+            "summary",
+            summary
+                .json()
+                .map_err(io::Error::other)
+                .map_err(MapCommandError::Output)?,
+        ),
+    ];
+    let written = files.finish(&closing).map_err(MapCommandError::from)?;
+    let mut text = arguments.heading(map);
+    let count = end_cell - cells.start;
+    let _ = writeln!(
+        text,
+        "{count} responses in {:.1} s on {} threads\n",
+        elapsed.as_secs_f64(),
+        arguments.thread_count(),
+    );
+    let _ = write!(text, "{summary}");
+    text.push_str(&written);
+    if let Some(grid) = &grid {
+        text.push_str(&draw(arguments, map, Some(grid), refined.as_ref())?);
+    }
+    let mut missing = Vec::new();
+    if !is_complete {
+        missing.push(interrupted(map, &cells, end_cell, arguments.writes_files()));
+    }
+    if let Some(fault) = summary.first_fault() {
+        missing.push(format!(
+            "{} of the impacts could not be computed; the first one: {fault}",
+            summary.faults()
+        ));
+    }
+    let missing = (!missing.is_empty()).then(|| missing.join("\n"));
+    Ended { text, missing }.print(to_error, output)
+}
+
+/// What an interrupted map has.
+fn interrupted(map: &DamageMap, cells: &std::ops::Range<u64>, end: u64, has_files: bool) -> String {
+    let total = cells.end - cells.start;
+    let place = map.place(end.min(map.len() - 1));
+    let variant = match map.variants() {
+        [_] => String::new(),
+        variants => format!(" of {}", variants[place.variant].label),
+    };
+    let files = if has_files {
+        "; the files contain these"
+    } else {
+        ""
+    };
+    format!(
+        "interrupted: {} of {total} impacts are done, the cells {} to {}, up to column {} of row {} of {}{variant}{files}",
+        end - cells.start,
+        cells.start,
+        end.saturating_sub(1),
+        place.column,
+        place.row + 1,
+        map.rows().len(),
+    )
+}
+
+fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Result<(), Failure> {
+    let to_error = arguments.takes_standard_output();
+    let metadata = arguments.metadata(map, &(0..map.len()));
+    let mut files = Files::create(
+        arguments,
+        &boundary_columns(map),
+        &metadata,
+        "boundaries",
+        &mut *output,
+    )
+    .map_err(MapCommandError::from)?;
+    let batch = arguments.batch();
+    let start = Instant::now();
+    let refined = Interruption::listen().watch(&batch, 0, "impacts", || map.refine(&batch));
+    let refined: RefinedMap = refined.map_err(MapCommandError::from)?;
+    let elapsed = start.elapsed();
+    boundary_rows(map, &refined, |values| files.row(values)).map_err(MapCommandError::from)?;
+    let closing = [
+        ("responses", refined.responses.to_string()),
+        ("complete", refined.complete.to_string()),
+    ];
+    let written = files.finish(&closing).map_err(MapCommandError::from)?;
+    let mut text = arguments.heading(map);
+    let _ = writeln!(
+        text,
+        "Boundaries to 1 % with {} responses in {:.2} s on {} threads; a map of all cells takes {}\n",
+        refined.responses,
+        elapsed.as_secs_f64(),
+        arguments.thread_count(),
+        map.len(),
+    );
+    text.push_str(&show_boundaries(map, &refined));
+    text.push_str(&written);
+    if arguments.wants_figures() {
+        text.push_str(&draw(arguments, map, None, Some(&refined))?);
+    }
+    let missing = (!refined.complete).then(|| {
+        "interrupted: the boundaries are known in the rows that were done, and not to 1 % between them".to_owned()
+    });
+    Ended { text, missing }.print(to_error, output)
+}
+
+/// Draws the figures and the file of the viewer, and says where they are.
+fn draw(
+    arguments: &MapArgs,
+    map: &DamageMap,
+    grid: Option<&MapGrid>,
+    refined: Option<&RefinedMap>,
+) -> Result<String, MapCommandError> {
+    let mut text = String::new();
+    let figures = MapFigures {
+        map,
+        grid,
+        refined,
+        subject: &arguments.subject(map),
+    };
+    if let Some(folder) = &arguments.plots {
+        let count = figures::draw_map(folder, &figures)?.len();
+        let _ = writeln!(text, "Figures    {count} files in {}", folder.display());
+    }
+    #[cfg(feature = "viewer")]
+    if let Some(path) = &arguments.rrd {
+        column_twin::viewer::write_map_rrd(path, map, grid, refined)?;
+        let _ = writeln!(text, "Viewer     rerun {}", path.display());
+    }
+    Ok(text)
+}
+
+impl MapArgs {
+    /// What the map is about, in one line.
+    fn subject(&self, map: &DamageMap) -> String {
+        let settings = map.variants()[0].parameters.settings();
+        let column = match map.variants() {
+            [only] => only.label.clone(),
+            variants => {
+                let labels: Vec<_> = variants.iter().map(|it| it.label.as_str()).collect();
+                format!("{} ({})", settings.column_id, labels.join(", "))
+            }
+        };
+        let axes = [map.rows(), map.columns()].map(|axis| axis.quantity().name());
+        let is_varied = |name: &str| axes.contains(&name);
+        let mut text = column;
+        if !is_varied("vehicle") {
+            let vehicle = match settings.vehicle.name.as_str() {
+                "" => "vehicle by numbers",
+                "rigid" => "rigid mass",
+                name => name,
+            };
+            let _ = write!(text, ", {vehicle}");
+        }
+        let impact = map.variants()[0].parameters.impact();
+        if !is_varied("mass") && !is_varied("vehicle") {
+            let _ = write!(text, ", {} kg", column_twin::report::short(impact.mass));
+        }
+        if !is_varied("velocity") {
+            let _ = write!(
+                text,
+                ", {} m/s",
+                column_twin::report::short(impact.velocity)
+            );
+        }
+        if !is_varied("height") && !is_varied("geometry.length_below") {
+            let height = settings.geometry.length_below;
+            let _ = write!(
+                text,
+                ", {} m above the base",
+                column_twin::report::short(height)
+            );
+        }
+        text
+    }
+
+    fn heading(&self, map: &DamageMap) -> String {
+        let count = match map.variants().len() {
+            1 => String::new(),
+            count => format!("{count} x "),
+        };
+        format!(
+            "{}\n{}, {}: {count}{} x {} impacts\n",
+            self.subject(map),
+            extent(map.rows()),
+            extent(map.columns()),
+            map.rows().len(),
+            map.columns().len(),
+        )
+    }
+}

@@ -1,0 +1,334 @@
+//! What a map shows, for people and as JSON: classes with their shares, critical velocities, the largest numbers.
+
+use std::fmt::{self, Display};
+
+use serde::Serialize;
+
+use column_twin::assessment::Severity;
+use column_twin::figures::units::{Unit, significant};
+use column_twin::report::short;
+use column_twin::study::{
+    CellPlace, DamageMap, MapAxis, MapCell, RefinedMap, RowBoundary, SEVERITIES, Screening,
+    severity_name,
+};
+
+/// Rows of which the summary shows the critical values.
+const SHOWN_ROWS: u64 = 5;
+/// Every class, least severe first.
+const CLASSES: usize = SEVERITIES.len() + 1;
+
+/// The summary of the cells that were computed, in a memory that does not depend on their number.
+pub(super) struct MapSummary<'a> {
+    map: &'a DamageMap,
+    /// Cells of each class.
+    classes: [u64; CLASSES],
+    faults: u64,
+    first_fault: Option<(CellPlace, String)>,
+    rows: Vec<CriticalRow>,
+    extremes: [Option<Extreme>; EXTREMES.len()],
+}
+
+/// The critical values in one row.
+#[derive(Debug, Clone, Serialize)]
+struct CriticalRow {
+    variant: String,
+    row: String,
+    #[serde(skip)]
+    place: (usize, u64),
+    critical: [Critical; SEVERITIES.len()],
+}
+
+/// Where a row reaches a class.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Critical {
+    /// No cell of the row has it, as far as the row was computed.
+    NotReached,
+    /// The lowest value of the row has it already.
+    AtMost(f64),
+    /// Between two values.
+    Between(f64, f64),
+}
+
+/// A number at its largest or smallest.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Extreme {
+    value: f64,
+    #[serde(skip)]
+    place: CellPlace,
+}
+
+/// A number of a response; `None` where it says nothing.
+type NumberOf = fn(&Screening) -> Option<f64>;
+
+/// Name, whether the smallest counts, unit, and value.
+const EXTREMES: [(&str, bool, fn(f64) -> Unit, NumberOf); 4] = [
+    ("Largest max v1, column stands", false, Unit::length, |it| {
+        it.residual_v1.map(|_| it.max_v1)
+    }),
+    ("Largest residual v1", false, Unit::length, |it| {
+        it.residual_v1
+    }),
+    ("Largest contact force", false, Unit::force, |it| {
+        Some(it.peak_contact_force)
+    }),
+    ("Smallest N_u, column stands", true, Unit::force, |it| {
+        it.residual_v1.map(|_| it.remaining_capacity)
+    }),
+];
+
+impl<'a> MapSummary<'a> {
+    pub fn new(map: &'a DamageMap) -> Self {
+        let last = map.rows().len() - 1;
+        let mut shown: Vec<u64> = (0..SHOWN_ROWS)
+            .map(|part| last * part / (SHOWN_ROWS - 1))
+            .collect();
+        shown.dedup();
+        let rows = map.variants().iter().enumerate().flat_map(|(variant, it)| {
+            shown.iter().map(move |&row| CriticalRow {
+                variant: it.label.clone(),
+                row: map.rows().value(row).to_string(),
+                place: (variant, row),
+                critical: [Critical::NotReached; SEVERITIES.len()],
+            })
+        });
+        Self {
+            map,
+            classes: [0; CLASSES],
+            faults: 0,
+            first_fault: None,
+            rows: rows.collect(),
+            extremes: [None; EXTREMES.len()],
+        }
+    }
+
+    pub fn add(&mut self, cell: &MapCell) {
+        let place = cell.place;
+        let screening = match &cell.result {
+            Ok(screening) => screening,
+            Err(fault) => {
+                self.faults += 1;
+                self.first_fault
+                    .get_or_insert_with(|| (place, fault.clone()));
+                return;
+            }
+        };
+        self.classes[screening.severity as usize] += 1;
+        for ((_, smallest, _, value), extreme) in EXTREMES.iter().zip(&mut self.extremes) {
+            let Some(value) = value(screening).filter(|it| it.is_finite()) else {
+                continue;
+            };
+            let is_new = extreme.is_none_or(|it| match smallest {
+                true => value < it.value,
+                false => value > it.value,
+            });
+            if is_new {
+                *extreme = Some(Extreme { value, place });
+            }
+        }
+        let columns = self.map.columns();
+        let wanted = (place.variant, place.row);
+        let Some(row) = self.rows.iter_mut().find(|row| row.place == wanted) else {
+            return;
+        };
+        let Some(at) = columns.number(place.column) else {
+            return;
+        };
+        for (severity, critical) in SEVERITIES.into_iter().zip(&mut row.critical) {
+            if *critical == Critical::NotReached && screening.severity >= severity {
+                let below = place
+                    .column
+                    .checked_sub(1)
+                    .and_then(|it| columns.number(it));
+                *critical =
+                    below.map_or(Critical::AtMost(at), |below| Critical::Between(below, at));
+            }
+        }
+    }
+
+    /// Takes the critical values from boundaries that are known more exactly.
+    pub fn refine(&mut self, refined: &RefinedMap) {
+        for row in &mut self.rows {
+            for (severity, critical) in SEVERITIES.into_iter().zip(&mut row.critical) {
+                let boundary = refined
+                    .boundaries
+                    .iter()
+                    .find(|it| it.variant == row.place.0 && it.severity == severity);
+                let point =
+                    boundary.and_then(|it| it.points.iter().find(|point| point.row == row.place.1));
+                match point.map(|point| point.place) {
+                    Some(RowBoundary::Between {
+                        below,
+                        at,
+                        rising: true,
+                    }) => {
+                        *critical = Critical::Between(below, at);
+                    }
+                    Some(RowBoundary::Always) => {
+                        let lowest = self.map.columns().number(0).unwrap_or(f64::NAN);
+                        *critical = Critical::AtMost(lowest);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Cells that could not be computed.
+    pub fn faults(&self) -> u64 {
+        self.faults
+    }
+
+    /// The first fault with its place.
+    pub fn first_fault(&self) -> Option<String> {
+        let (place, fault) = self.first_fault.as_ref()?;
+        Some(format!("{}: {fault}", self.at(*place)))
+    }
+
+    /// Cells that were computed.
+    fn computed(&self) -> u64 {
+        self.classes.iter().sum()
+    }
+
+    /// A place in words.
+    fn at(&self, place: CellPlace) -> String {
+        let axis = |axis: &MapAxis, index| {
+            let quantity = axis.quantity();
+            let value = match axis.number(index) {
+                Some(number) => short(number),
+                None => axis.value(index).to_string(),
+            };
+            format!("{} {value} {}", quantity.name(), quantity.unit())
+                .trim_end()
+                .to_owned()
+        };
+        let map = self.map;
+        let variant = match map.variants() {
+            [_] => String::new(),
+            variants => format!("{}, ", variants[place.variant].label),
+        };
+        format!(
+            "{variant}{}, {}",
+            axis(map.rows(), place.row),
+            axis(map.columns(), place.column)
+        )
+    }
+
+    /// The table of the rows with their critical values; empty where the axis of the columns has names.
+    fn criticals(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (rows, columns) = (self.map.rows().quantity(), self.map.columns());
+        if columns.quantity().is_named() {
+            return Ok(());
+        }
+        let unit = with_unit(columns.quantity().unit());
+        writeln!(
+            f,
+            "\nLowest {}{unit} at which the severity is at least",
+            columns.quantity().name()
+        )?;
+        let is_comparison = self.map.variants().len() > 1;
+        let head = format!("{}{}", rows.name(), with_unit(rows.unit()));
+        let lead = |variant: &str, row: &str| match is_comparison {
+            true => format!("  {variant:<18}{row:<22}"),
+            false => format!("  {row:<24}"),
+        };
+        write!(f, "{}", lead("", &head))?;
+        for severity in SEVERITIES {
+            write!(f, "{:>14}", severity_name(severity))?;
+        }
+        writeln!(f)?;
+        let highest = columns.number(columns.len() - 1).unwrap_or(f64::NAN);
+        for row in &self.rows {
+            let number = row.row.parse().map_or_else(|_| row.row.clone(), short);
+            write!(f, "{}", lead(&row.variant, &number))?;
+            for critical in &row.critical {
+                let text = match critical {
+                    Critical::NotReached => format!("> {}", short(highest)),
+                    Critical::AtMost(value) => format!("<= {}", short(*value)),
+                    Critical::Between(_, at) => significant(*at, 4),
+                };
+                write!(f, "{text:>14}")?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+
+    /// The summary as JSON.
+    pub fn json(&self) -> serde_json::Result<String> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            computed: u64,
+            faults: u64,
+            classes: std::collections::BTreeMap<&'static str, u64>,
+            critical: &'a [CriticalRow],
+        }
+        serde_json::to_string(&Fields {
+            computed: self.computed(),
+            faults: self.faults,
+            classes: classes().map(severity_name).zip(self.classes).collect(),
+            critical: &self.rows,
+        })
+    }
+}
+
+fn classes() -> impl Iterator<Item = Severity> {
+    [Severity::None].into_iter().chain(SEVERITIES)
+}
+
+fn with_unit(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    }
+}
+
+/// The values of an axis in words.
+pub(super) fn extent(axis: &MapAxis) -> String {
+    let quantity = axis.quantity();
+    match axis.ends() {
+        Some([from, to]) => format!(
+            "{} {} to {} {}",
+            quantity.name(),
+            short(from),
+            short(to),
+            quantity.unit()
+        )
+        .trim_end()
+        .to_owned(),
+        None => {
+            let names = (0..axis.len()).map(|index| axis.value(index).to_string());
+            format!(
+                "{} {}",
+                quantity.name(),
+                names.collect::<Vec<_>>().join(", ")
+            )
+        }
+    }
+}
+
+impl Display for MapSummary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let computed = self.computed();
+        if computed > 0 {
+            writeln!(f, "{:<15}{:>9}   share", "Severity", "impacts")?;
+            for (severity, count) in classes().zip(self.classes) {
+                let share = 100.0 * count as f64 / computed as f64;
+                writeln!(
+                    f,
+                    "  {:<13}{count:>9}{share:>7.1} %",
+                    severity_name(severity)
+                )?;
+            }
+            self.criticals(f)?;
+            writeln!(f)?;
+        }
+        for ((name, _, unit, _), extreme) in EXTREMES.iter().zip(&self.extremes) {
+            if let Some(Extreme { value, place }) = extreme {
+                let value_text = unit(*value).show(*value);
+                writeln!(f, "{name:<32}{value_text:<12}  at {}", self.at(*place))?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,605 @@
+//! The figures of a damage map: the classes over its plane, and the boundaries of several columns in comparison.
+
+use plotters::element::{PathElement, Rectangle};
+use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::{Color, RGBColor, WHITE};
+
+use super::axis::PlotAxis;
+use super::chart::{PlotArea, axes};
+use super::iso_lines::iso_lines;
+use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
+use super::units::Unit;
+use crate::assessment::Severity;
+use crate::shape::severity_colour;
+use crate::study::{DamageMap, MapAxis, MapGrid, Quantity, RefinedMap, SEVERITIES, severity_name};
+
+/// Places along the axis of the rows at which a boundary is drawn.
+const BOUNDARY_POINTS: usize = 240;
+/// Most iso-lines of a figure.
+const MAX_LEVELS: usize = 7;
+/// Height and least distance of the labels on lines.
+const LABEL: i32 = 88;
+
+/// What the figures of a map show.
+#[derive(Debug, Clone, Copy)]
+pub struct MapFigures<'a> {
+    /// The map.
+    pub map: &'a DamageMap,
+    /// Its cells, as far as they were computed.
+    pub grid: Option<&'a MapGrid>,
+    /// The boundaries of its classes.
+    pub refined: Option<&'a RefinedMap>,
+    /// What the map is about, in one line.
+    pub subject: &'a str,
+}
+
+/// An axis of a map as a figure shows it.
+struct ShownAxis<'a> {
+    axis: &'a MapAxis,
+    symbol: String,
+    per_si: f64,
+}
+
+/// What a line that compares columns looks like: colour, and whether it is dashed.
+const COMPARED: [(RGBColor, bool); 8] = [
+    (RGBColor(0, 114, 178), false),
+    (RGBColor(213, 94, 0), false),
+    (RGBColor(0, 158, 115), false),
+    (RGBColor(204, 121, 167), false),
+    (RGBColor(86, 180, 233), true),
+    (RGBColor(230, 159, 0), true),
+    (RGBColor(30, 30, 30), true),
+    (RGBColor(150, 150, 150), true),
+];
+
+impl<'a> ShownAxis<'a> {
+    fn of(axis: &'a MapAxis) -> Self {
+        let last = axis.ends().map_or(0.0, |ends| ends[1]);
+        let fitting = |unit: Unit| (unit.symbol.to_owned(), unit.per_si);
+        let (symbol, per_si) = match axis.quantity().unit() {
+            "kg" if last >= 1e4 => ("t".to_owned(), 1e-3),
+            "N" => fitting(Unit::force(last)),
+            "N m" => fitting(Unit::moment(last)),
+            "Pa" => ("MPa".to_owned(), 1e-6),
+            unit => (unit.to_owned(), 1.0),
+        };
+        Self {
+            axis,
+            symbol,
+            per_si,
+        }
+    }
+
+    /// The place of a value of the axis, in the unit of the figure; of a name, its number.
+    fn at(&self, index: u64) -> f64 {
+        let number = self.axis.number(index);
+        number.map_or(index as f64, |number| number * self.per_si)
+    }
+
+    fn of_si(&self, value: f64) -> f64 {
+        value * self.per_si
+    }
+
+    fn plot_axis(&self, count: usize) -> PlotAxis {
+        match self.axis.ends() {
+            Some([from, to]) => PlotAxis::exactly(self.of_si(from), self.of_si(to), count),
+            None => {
+                let names = (0..self.axis.len()).map(|index| self.axis.value(index).to_string());
+                PlotAxis::named(names.collect())
+            }
+        }
+    }
+
+    fn name(&self) -> String {
+        let title = self.axis.quantity().title();
+        match &*self.symbol {
+            "" => title.to_owned(),
+            symbol => format!("{title} [{symbol}]"),
+        }
+    }
+
+    /// The edges of the cells at these places of the axis: midway between them; the first and the last one reach to the ends of the
+    /// figure.
+    fn edges(&self, places: &[u64], plot: &PlotAxis) -> Vec<f64> {
+        let at: Vec<f64> = places.iter().map(|&index| self.at(index)).collect();
+        let between = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        [plot.from]
+            .into_iter()
+            .chain(between)
+            .chain([plot.to])
+            .collect()
+    }
+}
+
+fn rgb(severity: Severity) -> RGBColor {
+    let [red, green, blue] = severity_colour(severity);
+    RGBColor(red, green, blue)
+}
+
+/// The colour of a boundary on the areas on both sides of it.
+const BOUNDARY: RGBColor = RGBColor(30, 30, 30);
+const NOT_COMPUTED: RGBColor = RGBColor(235, 235, 235);
+/// The colour of iso-lines.
+const ISO_LINE: RGBColor = RGBColor(20, 60, 110);
+
+impl MapFigures<'_> {
+    /// The figures as SVG, by their names.
+    pub(super) fn draw(&self) -> Vec<(String, Drawn<String>)> {
+        let variants = self.map.variants();
+        let mut figures: Vec<_> = (0..variants.len())
+            .map(|variant| {
+                let name = match variants {
+                    [_] => "damage_map".to_owned(),
+                    variants => format!("damage_map_{}", file_name(&variants[variant].label)),
+                };
+                (name, self.classes(variant))
+            })
+            .collect();
+        if variants.len() > 1 && self.refined.is_some() {
+            figures.push(("damage_map_comparison".to_owned(), self.comparison()));
+        }
+        figures
+    }
+
+    fn axes(&self) -> [ShownAxis<'_>; 2] {
+        [self.map.rows(), self.map.columns()].map(ShownAxis::of)
+    }
+
+    /// The classes of one variant over the plane.
+    fn classes(&self, variant: usize) -> Drawn<String> {
+        let [rows, columns] = self.axes();
+        let (x, y) = (rows.plot_axis(10), columns.plot_axis(8));
+        let title = format!(
+            "Severity over {} and {}",
+            rows.axis.quantity().name(),
+            columns.axis.quantity().name()
+        );
+        let subject = match self.map.variants() {
+            [_] => self.subject.to_owned(),
+            variants => format!("{}: {}", variants[variant].label, self.subject),
+        };
+        let lines = self.levels(variant);
+        let mut key = Vec::new();
+        if self.refined.is_some() {
+            key.push(match columns.axis.quantity() {
+                Quantity::Velocity => "black lines: critical velocity of each class, to 1 %",
+                _ => "black lines: boundaries of the classes, to 1 %",
+            });
+        }
+        if !lines.is_empty() {
+            key.push("blue lines: residual displacement of the impact point");
+        }
+        let key = key.join("; ");
+        page::draw(|page| {
+            let top = page::heading(page, &title, [&subject, &key], &self.legend(variant))?;
+            let (_, below) = page.split_vertically(top + 20);
+            let plot = axes(&below, &x, &y, [&rows.name(), &columns.name()])?;
+            let picture = Picture {
+                page,
+                plot: &plot,
+                x: &x,
+                y: &y,
+            };
+            match self.grid {
+                Some(grid) => self.fill_cells(&picture, grid, variant)?,
+                None => self.fill_boundaries(&picture, variant)?,
+            }
+            for severity in SEVERITIES {
+                self.boundary(&picture, variant, severity, Stroke::solid(BOUNDARY, 12))?;
+            }
+            picture.iso_lines(&lines)?;
+            picture.frame()
+        })
+    }
+
+    fn legend(&self, variant: usize) -> Vec<(LegendKey, String)> {
+        let severities = [Severity::None].into_iter().chain(SEVERITIES);
+        let fill = |severity| {
+            (
+                LegendKey::Fill(rgb(severity)),
+                severity_name(severity).to_owned(),
+            )
+        };
+        let mut legend: Vec<_> = severities.map(fill).collect();
+        let is_missing = |grid: &MapGrid| {
+            let columns = 0..grid.columns().len();
+            (0..grid.rows().len()).any(|row| {
+                columns
+                    .clone()
+                    .any(|column| grid.cell(variant, row, column).is_none())
+            })
+        };
+        if self.grid.is_some_and(is_missing) {
+            legend.push((LegendKey::Fill(NOT_COMPUTED), "not computed".to_owned()));
+        }
+        legend
+    }
+
+    /// Fills the cells. Where a boundary is known more exactly than the cells show it, it is the edge.
+    fn fill_cells(
+        &self,
+        picture: &Picture<'_, '_, '_>,
+        grid: &MapGrid,
+        variant: usize,
+    ) -> Drawn<()> {
+        let [rows, columns] = self.axes();
+        let row_edges = rows.edges(grid.rows(), picture.x);
+        let column_edges = columns.edges(grid.columns(), picture.y);
+        let can_be_refined = self.refined.is_some() && rows.axis.ends().is_some();
+        let parts = match can_be_refined {
+            true => (BOUNDARY_POINTS / grid.rows().len()).clamp(1, 24),
+            false => 1,
+        };
+        for row in 0..grid.rows().len() {
+            let (left, right) = (row_edges[row], row_edges[row + 1]);
+            for part in 0..parts {
+                let at = |part: usize| left + (right - left) * part as f64 / parts as f64;
+                let strip = (at(part), at(part + 1));
+                let middle = 0.5 * (strip.0 + strip.1) / rows.per_si;
+                let mut below: Option<Severity> = None;
+                for column in 0..grid.columns().len() {
+                    let found = grid.cell(variant, row, column).map(|cell| cell.severity);
+                    let edge = column_edges[column];
+                    match (below, found) {
+                        _ if column == 0 => picture.fill(strip, edge, found)?,
+                        (Some(one), Some(other)) if other > one => {
+                            // Several classes may begin between two cells.
+                            let (low, high) = (
+                                columns.at(grid.columns()[column - 1]),
+                                columns.at(grid.columns()[column]),
+                            );
+                            for class in SEVERITIES
+                                .into_iter()
+                                .filter(|it| *it > one && *it <= other)
+                            {
+                                let exact = self
+                                    .refined
+                                    .and_then(|it| it.value_at(self.map, variant, class, middle))
+                                    .map(|value| columns.of_si(value));
+                                // A boundary runs from one cell to another within a row of cells.
+                                let room = 1.5 * (high - low);
+                                let exact =
+                                    exact.filter(|it| (low - room..high + room).contains(it));
+                                picture.fill(strip, exact.unwrap_or(edge), Some(class))?;
+                            }
+                        }
+                        (one, other) if one != other => picture.fill(strip, edge, found)?,
+                        _ => {}
+                    }
+                    below = found;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fills the areas between the boundaries, where there are no cells.
+    fn fill_boundaries(&self, picture: &Picture<'_, '_, '_>, variant: usize) -> Drawn<()> {
+        let Some(refined) = self.refined else {
+            return Ok(());
+        };
+        let [rows, columns] = self.axes();
+        let count = match rows.axis.ends() {
+            Some(_) => BOUNDARY_POINTS,
+            None => rows.axis.len() as usize,
+        };
+        for strip in 0..count {
+            let at = |part: usize| {
+                picture.x.from + (picture.x.to - picture.x.from) * part as f64 / count as f64
+            };
+            let (left, right) = (at(strip), at(strip + 1));
+            let middle = 0.5 * (left + right) / rows.per_si;
+            let value = |severity| self.boundary_at(refined, variant, severity, strip, middle);
+            let lowest = SEVERITIES
+                .into_iter()
+                .rfind(|severity| refined.always_at(self.map, variant, *severity, middle));
+            picture.fill(
+                (left, right),
+                picture.y.from,
+                Some(lowest.unwrap_or(Severity::None)),
+            )?;
+            for severity in SEVERITIES {
+                if let Some(value) = value(severity) {
+                    picture.fill((left, right), columns.of_si(value), Some(severity))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A boundary at a value of the axis of the rows, or in a row that has a name.
+    fn boundary_at(
+        &self,
+        refined: &RefinedMap,
+        variant: usize,
+        severity: Severity,
+        row: usize,
+        value: f64,
+    ) -> Option<f64> {
+        if self.map.rows().ends().is_some() {
+            return refined.value_at(self.map, variant, severity, value);
+        }
+        let boundary = refined
+            .boundaries
+            .iter()
+            .find(|it| it.variant == variant && it.severity == severity)?;
+        let point = boundary
+            .points
+            .iter()
+            .find(|point| point.row == row as u64)?;
+        point.place.value()
+    }
+
+    /// Draws a boundary.
+    fn boundary(
+        &self,
+        picture: &Picture<'_, '_, '_>,
+        variant: usize,
+        severity: Severity,
+        stroke: Stroke,
+    ) -> Drawn<()> {
+        let Some(refined) = self.refined else {
+            return Ok(());
+        };
+        let [rows, columns] = self.axes();
+        let Some([from, to]) = rows.axis.ends() else {
+            // A step over each name.
+            for row in 0..rows.axis.len() as usize {
+                if let Some(value) = self.boundary_at(refined, variant, severity, row, 0.0) {
+                    let value = columns.of_si(value);
+                    let row = row as f64;
+                    picture.line(&[(row - 0.46, value), (row + 0.46, value)], stroke)?;
+                }
+            }
+            return Ok(());
+        };
+        let mut line = Vec::new();
+        for part in 0..=BOUNDARY_POINTS {
+            let at = from + (to - from) * part as f64 / BOUNDARY_POINTS as f64;
+            match refined.value_at(self.map, variant, severity, at) {
+                Some(value) => line.push((rows.of_si(at), columns.of_si(value))),
+                None => picture.line(&std::mem::take(&mut line), stroke)?,
+            }
+        }
+        picture.line(&line, stroke)
+    }
+
+    /// The iso-lines of the residual displacement with their levels, the lowest first.
+    fn levels(&self, variant: usize) -> Vec<(String, Vec<Vec<(f64, f64)>>)> {
+        let [rows, columns] = self.axes();
+        let (Some(grid), Some(_), Some(_)) = (self.grid, rows.axis.ends(), columns.axis.ends())
+        else {
+            return Vec::new();
+        };
+        let residual = |row: usize, column: usize| {
+            let cell = grid.cell(variant, row, column)?;
+            cell.residual_v1.map(f64::abs)
+        };
+        let (height, width) = (grid.rows().len(), grid.columns().len());
+        let all =
+            (0..height).flat_map(|row| (0..width).filter_map(move |column| residual(row, column)));
+        let largest = all.fold(0.0, f64::max);
+        let place = |(row, column): (f64, f64)| {
+            let between = |axis: &ShownAxis<'_>, places: &[u64], at: f64| {
+                let low = (at.floor() as usize).min(places.len() - 2);
+                let (from, to) = (axis.at(places[low]), axis.at(places[low + 1]));
+                from + (at - low as f64) * (to - from)
+            };
+            (
+                between(&rows, grid.rows(), row),
+                between(&columns, grid.columns(), column),
+            )
+        };
+        let mut levels = round_levels(largest);
+        levels.reverse();
+        let unit = Unit::length(0.1);
+        levels
+            .into_iter()
+            .map(|level| {
+                let lines = iso_lines(height, width, level, residual);
+                let lines = lines
+                    .into_iter()
+                    .map(|line| line.into_iter().map(place).collect());
+                (
+                    format!("{} {}", unit.of(level), unit.symbol),
+                    lines.collect(),
+                )
+            })
+            .collect()
+    }
+
+    /// The boundaries of all variants, one panel for each class.
+    fn comparison(&self) -> Drawn<String> {
+        let [rows, columns] = self.axes();
+        let (x, y) = (rows.plot_axis(6), columns.plot_axis(5));
+        let title = format!(
+            "{} at which each severity begins",
+            match columns.axis.quantity() {
+                Quantity::Velocity => "Critical velocity".to_owned(),
+                quantity => format!("Value of {}", quantity.name()),
+            }
+        );
+        let key = "one panel for each class; a line that ends leaves the range of the map";
+        let stroke = |variant: usize| {
+            let (colour, is_dashed) = COMPARED[variant % COMPARED.len()];
+            match is_dashed {
+                true => Stroke::dashed(colour, 14),
+                false => Stroke::solid(colour, 14),
+            }
+        };
+        let variants = self.map.variants();
+        let legend: Vec<_> = variants
+            .iter()
+            .enumerate()
+            .map(|(variant, it)| (LegendKey::Line(stroke(variant)), it.label.clone()))
+            .collect();
+        page::draw(|page| {
+            let top = page::heading(page, &title, [self.subject, key], &legend)?;
+            let (_, below) = page.split_vertically(top);
+            let (upper, lower) = below.split_vertically((CANVAS.1 as i32 - top) / 2);
+            let half = CANVAS.0 as i32 / 2 - 40;
+            let ((a, b), (c, d)) = (
+                upper.split_horizontally(half),
+                lower.split_horizontally(half),
+            );
+            for (panel, severity) in [a, b, c, d].iter().zip(SEVERITIES) {
+                let plot = axes(panel, &x, &y, [&rows.name(), &columns.name()])?;
+                let picture = Picture {
+                    page,
+                    plot: &plot,
+                    x: &x,
+                    y: &y,
+                };
+                for variant in 0..variants.len() {
+                    self.boundary(&picture, variant, severity, stroke(variant))?;
+                }
+                picture.name(severity_name(severity))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Round numbers up to the largest residual displacement \[m\], the largest first.
+fn round_levels(largest: f64) -> Vec<f64> {
+    let mut levels = Vec::new();
+    // Upwards from 0.1 mm; a displacement of a column is far below 100 m.
+    for decade in -4..2 {
+        for mantissa in [1.0, 2.0, 5.0] {
+            let level = mantissa * libm::pow(10.0, f64::from(decade));
+            if level < 0.95 * largest {
+                levels.push((level * 1e4).round() / 1e4);
+            }
+        }
+    }
+    levels.reverse();
+    levels.truncate(MAX_LEVELS);
+    levels
+}
+
+/// A name for a file, without characters that have a meaning there.
+fn file_name(label: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-.".contains(c);
+    label
+        .chars()
+        .map(|c| if is_plain(c) { c } else { '_' })
+        .take(80)
+        .collect()
+}
+
+/// A plot on the page.
+struct Picture<'p, 'a, 'b> {
+    page: &'p Area<'a>,
+    plot: &'p PlotArea<'a, 'b>,
+    x: &'p PlotAxis,
+    y: &'p PlotAxis,
+}
+
+impl Picture<'_, '_, '_> {
+    /// Fills a strip from `bottom` to the upper edge of the plot; what lies above is painted over it.
+    fn fill(&self, strip: (f64, f64), bottom: f64, severity: Option<Severity>) -> Drawn<()> {
+        let bottom = bottom.clamp(self.y.from, self.y.to);
+        let (left, low) = self.plot.backend_coord(&(strip.0, bottom));
+        let (right, high) = self.plot.backend_coord(&(strip.1, self.y.to));
+        // Neighbours overlap, so that no seam shows; the frame is drawn over the last one.
+        let (edge, _) = self.plot.backend_coord(&(self.x.to, self.y.to));
+        let right = (right + 12).min(edge);
+        if low <= high || right <= left {
+            return Ok(());
+        }
+        let colour = severity.map_or(NOT_COMPUTED, rgb);
+        self.page.draw(&Rectangle::new(
+            [(left, high), (right, low)],
+            colour.filled(),
+        ))
+    }
+
+    /// Draws a line through points in the units of the figure.
+    fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn<()> {
+        let mut line: Vec<_> = points
+            .iter()
+            .map(|point| self.plot.backend_coord(point))
+            .collect();
+        line.dedup();
+        match line.len() {
+            0 | 1 => Ok(()),
+            _ => stroke.draw(self.page, line),
+        }
+    }
+
+    /// Draws lines with labels where there is room for them.
+    fn iso_lines(&self, levels: &[(String, Vec<Vec<(f64, f64)>>)]) -> Drawn<()> {
+        for (_, lines) in levels {
+            for line in lines {
+                self.line(line, Stroke::solid(ISO_LINE, 7))?;
+            }
+        }
+        let style = page::text_style(SMALL, ISO_LINE, HPos::Center, VPos::Center);
+        let mut taken: Vec<[i32; 4]> = Vec::new();
+        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
+        for (text, lines) in levels {
+            let width = page::width(self.page, text, &style)?;
+            let longest = lines.iter().max_by_key(|line| line.len());
+            let Some(line) = longest.filter(|line| line.len() > 4) else {
+                continue;
+            };
+            for part in [0.5, 0.35, 0.65, 0.25, 0.75, 0.15, 0.85] {
+                let place = line[((line.len() - 1) as f64 * part) as usize];
+                let (x, y) = self.plot.backend_coord(&place);
+                let (half_width, half_height) = (width / 2 + 24, LABEL / 2);
+                let label = [
+                    x - half_width,
+                    y - half_height,
+                    x + half_width,
+                    y + half_height,
+                ];
+                let fits = label[0] >= horizontal.start
+                    && label[2] <= horizontal.end
+                    && label[1] >= vertical.start
+                    && label[3] <= vertical.end;
+                let overlaps = taken.iter().any(|other| {
+                    label[0] < other[2] + 40
+                        && label[2] + 40 > other[0]
+                        && label[1] < other[3] + 20
+                        && label[3] + 20 > other[1]
+                });
+                if fits && !overlaps {
+                    let [left, top, right, bottom] = label;
+                    self.page.draw(&Rectangle::new(
+                        [(left, top), (right, bottom)],
+                        WHITE.mix(0.8).filled(),
+                    ))?;
+                    self.page.draw_text(text, &style, (x, y))?;
+                    taken.push(label);
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a name into the upper left corner of the plot.
+    fn name(&self, text: &str) -> Drawn<()> {
+        let (horizontal, vertical) = self.plot.plotting_area().get_pixel_range();
+        let place = (horizontal.start + 200, vertical.start + 130);
+        page::label(
+            self.page,
+            text,
+            place,
+            (horizontal.start, horizontal.end),
+            colour::INK,
+        )
+    }
+
+    /// Draws the frame of the plot over what was filled.
+    fn frame(&self) -> Drawn<()> {
+        let (from, to) = ((self.x.from, self.y.from), (self.x.to, self.y.to));
+        let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|it| self.plot.backend_coord(it))
+            .collect();
+        self.page
+            .draw(&PathElement::new(corners, colour::INK.stroke_width(6)))
+    }
+}

@@ -1,0 +1,228 @@
+//! The columns of a map in files: one table of names, units and values for every format.
+
+use super::axis::AxisValue;
+use super::map::{DamageMap, MapCell};
+use super::study_column::Screening;
+use crate::assessment::Severity;
+use crate::column::Outcome;
+
+/// A column of a table in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableColumn {
+    /// Its name, which ends with the unit.
+    pub name: String,
+    /// The kind of its values.
+    pub kind: ColumnKind,
+    /// SI unit; empty where there is none.
+    pub unit: &'static str,
+    /// Its meaning, in one line.
+    pub meaning: &'static str,
+}
+
+/// The kind of the values of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColumnKind {
+    /// Whole numbers that may be missing.
+    Whole,
+    /// Numbers that may be missing.
+    Number,
+    /// Words that may be missing.
+    Text,
+}
+
+/// A value in a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TableValue<'a> {
+    /// A whole number; `None` if it does not exist.
+    Whole(Option<u64>),
+    /// A number; `None` if it does not exist.
+    Number(Option<f64>),
+    /// A word; `None` if it does not exist.
+    Text(Option<&'a str>),
+}
+
+/// A result of an impact: name, unit, meaning, and the value.
+type ResultColumn = (
+    &'static str,
+    ColumnKind,
+    &'static str,
+    &'static str,
+    fn(&Screening) -> TableValue<'static>,
+);
+
+/// What is written of every impact that was computed.
+const RESULTS: [ResultColumn; 11] = [
+    (
+        "severity",
+        ColumnKind::Text,
+        "",
+        "what has to be done: none, inspect, restrict, prop or evacuate",
+        |it| TableValue::Text(Some(severity_name(it.severity))),
+    ),
+    (
+        "severity_level",
+        ColumnKind::Whole,
+        "",
+        "the severity as a number, from 0 (none) to 4 (evacuate)",
+        |it| TableValue::Whole(Some(it.severity as u64)),
+    ),
+    (
+        "deciding_criterion",
+        ColumnKind::Text,
+        "",
+        "the criterion that decides; docs/assessment.md lists them",
+        |it| TableValue::Text(Some(it.deciding_criterion)),
+    ),
+    (
+        "outcome",
+        ColumnKind::Text,
+        "",
+        "elastic, plastic, collapsed or severed",
+        |it| TableValue::Text(Some(outcome_name(it.outcome))),
+    ),
+    (
+        "max_v1_m",
+        ColumnKind::Number,
+        "m",
+        "largest displacement of the impact point",
+        |it| TableValue::Number(Some(it.max_v1)),
+    ),
+    (
+        "residual_v1_m",
+        ColumnKind::Number,
+        "m",
+        "residual displacement of the impact point; missing where the column does not stand",
+        |it| TableValue::Number(it.residual_v1),
+    ),
+    (
+        "peak_contact_force_n",
+        ColumnKind::Number,
+        "N",
+        "largest contact force",
+        |it| TableValue::Number(Some(it.peak_contact_force)),
+    ),
+    (
+        "remaining_capacity_n",
+        ColumnKind::Number,
+        "N",
+        "remaining axial capacity N_u; 0 where the column carries nothing",
+        |it| TableValue::Number(Some(it.remaining_capacity)),
+    ),
+    (
+        "capacity_ratio",
+        ColumnKind::Number,
+        "",
+        "remaining capacity over that of the virgin column",
+        |it| TableValue::Number(Some(it.capacity_ratio)),
+    ),
+    (
+        "capacity_reserve",
+        ColumnKind::Number,
+        "",
+        "remaining capacity over the carried load; missing where that is not compressive",
+        |it| TableValue::Number(it.capacity_reserve),
+    ),
+    (
+        "max_plastic_rotation_rad",
+        ColumnKind::Number,
+        "rad",
+        "largest plastic rotation of a hinge",
+        |it| TableValue::Number(Some(it.max_plastic_rotation)),
+    ),
+];
+
+/// The name of a severity, as messages and files write it.
+#[must_use]
+pub fn severity_name(severity: Severity) -> &'static str {
+    match severity {
+        Severity::None => "none",
+        Severity::Inspect => "inspect",
+        Severity::Restrict => "restrict",
+        Severity::Prop => "prop",
+        Severity::Evacuate => "evacuate",
+    }
+}
+
+fn outcome_name(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Elastic => "elastic",
+        Outcome::Plastic => "plastic",
+        Outcome::Collapsed => "collapsed",
+        Outcome::Severed => "severed",
+    }
+}
+
+impl DamageMap {
+    /// The columns of the map in a file: number of the cell, variant, the values on both axes, and the results.
+    #[must_use]
+    pub fn table_columns(&self) -> Vec<TableColumn> {
+        let column = |name: &str, kind, unit, meaning| TableColumn {
+            name: name.to_owned(),
+            kind,
+            unit,
+            meaning,
+        };
+        let mut columns = vec![
+            column(
+                "cell",
+                ColumnKind::Whole,
+                "",
+                "number of the cell in the whole map, from 0",
+            ),
+            column(
+                "variant",
+                ColumnKind::Text,
+                "",
+                "the column that was hit: its column_id, or what is compared",
+            ),
+        ];
+        columns.extend([self.rows(), self.columns()].map(|axis| {
+            let quantity = axis.quantity();
+            let kind = match quantity.is_named() {
+                true => ColumnKind::Text,
+                false => ColumnKind::Number,
+            };
+            column(
+                &quantity.column_name(),
+                kind,
+                quantity.unit(),
+                "value on an axis of the map",
+            )
+        }));
+        columns.extend(
+            RESULTS.map(|(name, kind, unit, meaning, _)| column(name, kind, unit, meaning)),
+        );
+        columns.push(column(
+            "fault",
+            ColumnKind::Text,
+            "",
+            "why the impact could not be computed; then the results are missing",
+        ));
+        columns
+    }
+
+    /// The values of a cell, in the order of [`table_columns`](Self::table_columns).
+    pub fn table_values<'a>(&'a self, cell: &'a MapCell) -> impl Iterator<Item = TableValue<'a>> {
+        let place = cell.place;
+        let value = |value| match value {
+            AxisValue::Number(number) => TableValue::Number(Some(number)),
+            AxisValue::Name(name) => TableValue::Text(Some(name)),
+        };
+        let head = [
+            TableValue::Whole(Some(cell.index)),
+            TableValue::Text(Some(&self.variants()[place.variant].label)),
+            value(self.rows().value(place.row)),
+            value(self.columns().value(place.column)),
+        ];
+        let results = RESULTS
+            .iter()
+            .map(|(_, kind, .., value)| match (&cell.result, kind) {
+                (Ok(screening), _) => value(screening),
+                (Err(_), ColumnKind::Whole) => TableValue::Whole(None),
+                (Err(_), ColumnKind::Number) => TableValue::Number(None),
+                (Err(_), ColumnKind::Text) => TableValue::Text(None),
+            });
+        let fault = TableValue::Text(cell.result.as_ref().err().map(String::as_str));
+        head.into_iter().chain(results).chain([fault])
+    }
+}

@@ -1,0 +1,693 @@
+//! The boundaries of the severity classes of a map, computed only where the classes change.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde::Serialize;
+
+use super::axis::{AxisValue, MapAxis};
+use super::batch::{Batch, BatchEnd};
+use super::critical::{CRITICAL_TOLERANCE, SEVERITIES};
+use super::map::DamageMap;
+use crate::assessment::Severity;
+
+/// Intervals between the rows that are scanned from one end to the other.
+const SCANNED_INTERVALS: u64 = 4;
+/// Intervals between the rows whose boundaries are always searched; between them, only where they are not where the rows
+/// beside them let expect them.
+const LEAST_INTERVALS: u64 = 8;
+/// Intervals of the scan of a row whose axis is not logarithmic.
+const LINEAR_INTERVALS: u32 = 12;
+/// Largest ratio of two values that follow each other in the scan of a logarithmic row.
+const SCAN_RATIO: f64 = 1.4;
+/// Classes that have a boundary.
+const CLASSES: usize = SEVERITIES.len();
+
+/// The boundaries of the severity classes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RefinedMap {
+    /// One for each variant and each of [`SEVERITIES`], variant by variant.
+    pub boundaries: Vec<ClassBoundary>,
+    /// Number of responses.
+    pub responses: u64,
+    /// Whether the boundaries are known to 1 % everywhere; not after an interruption.
+    pub complete: bool,
+}
+
+/// The boundary of one class: along it, the severity changes between less than `severity` and at least `severity`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClassBoundary {
+    /// Number of the variant.
+    pub variant: usize,
+    /// The class.
+    pub severity: Severity,
+    /// Where it is in the rows that were computed, in their order. Between two rows it is known to 1 % by interpolation,
+    /// logarithmic along an axis whose values are all above 0.
+    pub points: Vec<BoundaryPoint>,
+}
+
+/// A boundary in one row of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BoundaryPoint {
+    /// Place of the row on its axis, from 0.
+    pub row: u64,
+    /// Where it is.
+    pub place: RowBoundary,
+}
+
+/// Where the class changes along a row, seen from its lowest value.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum RowBoundary {
+    /// Between two values of the axis of the columns that differ by at most 1 %; 1 % of the range where the axis contains 0.
+    Between {
+        /// The lower value.
+        below: f64,
+        /// The upper value.
+        at: f64,
+        /// Whether the severity is reached at the upper value, and not at the lower one.
+        rising: bool,
+    },
+    /// The severity is reached in the whole row, as far as it was looked at.
+    Always,
+    /// The severity is not reached in the row, as far as it was looked at.
+    Never,
+}
+
+impl RowBoundary {
+    /// The place on the axis that both values enclose; `None` where the class does not change.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Between { below, at, .. } => Some(0.5 * (below + at)),
+            Self::Always | Self::Never => None,
+        }
+    }
+}
+
+impl RefinedMap {
+    /// The value on the axis of the columns at which a class begins, at any value on the axis of the rows: interpolated between the
+    /// rows that were computed. `None` where a class does not begin in one of both.
+    #[must_use]
+    pub fn value_at(
+        &self,
+        map: &DamageMap,
+        variant: usize,
+        severity: Severity,
+        row_value: f64,
+    ) -> Option<f64> {
+        let (rows, columns) = (Scale::of(map.rows())?, Scale::of(map.columns())?);
+        let boundary = self
+            .boundaries
+            .iter()
+            .find(|it| it.variant == variant && it.severity == severity)?;
+        let wanted = rows.at(row_value);
+        let at = |point: &BoundaryPoint| map.rows().number(point.row).map(|it| rows.at(it));
+        let after = boundary
+            .points
+            .iter()
+            .position(|point| at(point).is_some_and(|at| at >= wanted - 1e-9 * rows.extent()))?;
+        let second = &boundary.points[after];
+        let first = &boundary.points[after.saturating_sub(1)];
+        let (from, to) = (at(first)?, at(second)?);
+        if (to - wanted).abs() <= 1e-9 * rows.extent() {
+            return second.place.value();
+        }
+        if after == 0 {
+            return None;
+        }
+        let part = (wanted - from) / (to - from);
+        let [one, other] = [
+            columns.at(first.place.value()?),
+            columns.at(second.place.value()?),
+        ];
+        Some(columns.value(one + part * (other - one)))
+    }
+
+    /// Whether a class holds in the whole row that is the nearest to a value on the axis of the rows.
+    #[must_use]
+    pub fn always_at(
+        &self,
+        map: &DamageMap,
+        variant: usize,
+        severity: Severity,
+        row_value: f64,
+    ) -> bool {
+        let boundary = self
+            .boundaries
+            .iter()
+            .find(|it| it.variant == variant && it.severity == severity);
+        let distance = |point: &&BoundaryPoint| {
+            let number = map.rows().number(point.row).unwrap_or(point.row as f64);
+            (number - row_value).abs()
+        };
+        let nearest = boundary.and_then(|it| {
+            it.points
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        });
+        nearest.is_some_and(|point| point.place == RowBoundary::Always)
+    }
+}
+
+/// Why there are no boundaries.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RefineError {
+    /// The axis of the columns has names or only some numbers.
+    #[error(
+        "no boundary can be searched along {0}, whose values are listed; give it as from:to:number of points"
+    )]
+    NotARange(&'static str),
+    /// An impact that could not be computed.
+    #[error("{label}, {row}, {column}: {fault}")]
+    Impact {
+        /// The variant.
+        label: String,
+        /// The row with its value.
+        row: String,
+        /// The column with its value.
+        column: String,
+        /// Why not.
+        fault: String,
+    },
+    /// The system gives no threads.
+    #[error("cannot start the threads: {0}")]
+    Threads(String),
+}
+
+impl From<rayon::ThreadPoolBuildError> for RefineError {
+    fn from(error: rayon::ThreadPoolBuildError) -> Self {
+        Self::Threads(error.to_string())
+    }
+}
+
+/// An axis as the search sees it: logarithmic, if all values are above 0.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    logarithmic: bool,
+    /// Its ends, on the scale.
+    ends: [f64; 2],
+}
+
+impl Scale {
+    fn of(axis: &MapAxis) -> Option<Self> {
+        let [from, to] = axis.ends()?;
+        let logarithmic = from > 0.0;
+        let at = |value: f64| if logarithmic { libm::log(value) } else { value };
+        Some(Self {
+            logarithmic,
+            ends: [at(from), at(to)],
+        })
+    }
+
+    /// The place of a value.
+    fn at(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            libm::log(value)
+        } else {
+            value
+        }
+    }
+
+    /// The value at a place.
+    fn value(&self, at: f64) -> f64 {
+        if self.logarithmic { libm::exp(at) } else { at }
+    }
+
+    fn extent(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// Width of a bracket that is narrow enough.
+    fn tolerance(&self) -> f64 {
+        match self.logarithmic {
+            true => libm::log1p(CRITICAL_TOLERANCE),
+            false => CRITICAL_TOLERANCE * self.extent(),
+        }
+    }
+
+    fn scan_intervals(&self) -> u32 {
+        match self.logarithmic {
+            true => (libm::ceil(self.extent() / libm::log(SCAN_RATIO)) as u32).clamp(1, 64),
+            false => LINEAR_INTERVALS,
+        }
+    }
+}
+
+/// The severities that are known in a row, by their place on the scale, ascending.
+struct Row<'a> {
+    map: &'a DamageMap,
+    responses: &'a AtomicU64,
+    scale: Scale,
+    variant: usize,
+    row: u64,
+    known: Vec<(f64, Severity)>,
+}
+
+impl Row<'_> {
+    /// The severity at a place, computed unless it is known.
+    fn severity(&mut self, at: f64) -> Result<Severity, RefineError> {
+        let at = at.clamp(self.scale.ends[0], self.scale.ends[1]);
+        let place = self.known.partition_point(|(known, _)| *known < at);
+        if let Some((_, severity)) = self.known.get(place).filter(|(known, _)| *known == at) {
+            return Ok(*severity);
+        }
+        let ends = self.map.columns().ends().unwrap_or_default();
+        // The ends are those of the axis to the last bit.
+        let value = match at {
+            at if at == self.scale.ends[0] => ends[0],
+            at if at == self.scale.ends[1] => ends[1],
+            at => self.scale.value(at),
+        };
+        let (rows, columns) = (self.map.rows(), self.map.columns());
+        let values = [rows.value(self.row), AxisValue::Number(value)];
+        self.responses.fetch_add(1, Ordering::Relaxed);
+        let screened = self
+            .map
+            .screen(self.variant, [Some(self.row), None], values);
+        let severity = screened.map_err(|fault| RefineError::Impact {
+            label: self.map.variants()[self.variant].label.clone(),
+            row: format!("{} {}", rows.quantity().name(), values[0]),
+            column: format!("{} {}", columns.quantity().name(), values[1]),
+            fault,
+        })?;
+        let severity = severity.severity;
+        self.known.insert(place, (at, severity));
+        Ok(severity)
+    }
+
+    /// Goes through the whole row until every class has changed.
+    fn scan(&mut self) -> Result<(), RefineError> {
+        let intervals = self.scale.scan_intervals();
+        for number in 0..=intervals {
+            let part = f64::from(number) / f64::from(intervals);
+            self.severity(self.scale.ends[0] + part * self.scale.extent())?;
+            if SEVERITIES
+                .iter()
+                .all(|severity| self.first_change(*severity).is_some())
+            {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The known places around the first change of a class.
+    fn first_change(&self, severity: Severity) -> Option<[f64; 2]> {
+        let holds = |place: &(f64, Severity)| place.1 >= severity;
+        let first = holds(self.known.first()?);
+        let at = self.known.iter().position(|place| holds(place) != first)?;
+        Some([self.known[at - 1].0, self.known[at].0])
+    }
+
+    /// Halves a bracket until it is narrow enough.
+    fn narrowed(
+        &mut self,
+        severity: Severity,
+        [mut below, mut at]: [f64; 2],
+    ) -> Result<RowBoundary, RefineError> {
+        let first = self.severity(below)? >= severity;
+        // Places that are known already narrow it first.
+        for (known, found) in &self.known {
+            if *known > below && *known < at {
+                if (*found >= severity) == first {
+                    below = *known;
+                } else {
+                    at = *known;
+                    break;
+                }
+            }
+        }
+        while at - below > self.scale.tolerance() {
+            let middle = 0.5 * (below + at);
+            if (self.severity(middle)? >= severity) == first {
+                below = middle;
+            } else {
+                at = middle;
+            }
+        }
+        Ok(RowBoundary::Between {
+            below: self.scale.value(below),
+            at: self.scale.value(at),
+            rising: !first,
+        })
+    }
+
+    /// The boundary of a class in a row that was scanned.
+    fn scanned(&mut self, severity: Severity) -> Result<RowBoundary, RefineError> {
+        match self.first_change(severity) {
+            Some(bracket) => self.narrowed(severity, bracket),
+            None => self.unchanged(severity, self.scale.ends[0]),
+        }
+    }
+
+    fn unchanged(&mut self, severity: Severity, at: f64) -> Result<RowBoundary, RefineError> {
+        Ok(match self.severity(at)? >= severity {
+            true => RowBoundary::Always,
+            false => RowBoundary::Never,
+        })
+    }
+
+    /// The boundary of a class where the rows beside this one let expect it; also whether it is there.
+    fn expected(
+        &mut self,
+        severity: Severity,
+        expected: Expected,
+    ) -> Result<(RowBoundary, bool), RefineError> {
+        let [low, high] = self.scale.ends;
+        let (centre, rising, is_certain) = match expected {
+            // Where neither row beside has a boundary, the end at which it would come in is enough.
+            Expected::Unchanged(holds) => {
+                let end = if holds { low } else { high };
+                let found = self.unchanged(severity, end)?;
+                if (found == RowBoundary::Always) == holds {
+                    return Ok((found, true));
+                }
+                (end, true, false)
+            }
+            Expected::Near { centre, rising } => (centre, rising, false),
+            Expected::At { centre, rising } => (centre, rising, true),
+        };
+        let holds_below = |severity_found: Severity| (severity_found >= severity) != rising;
+        let half = 0.499 * self.scale.tolerance();
+        let (mut below, mut at) = ((centre - half).max(low), (centre + half).min(high));
+        let mut step = 4.0 * half;
+        let is_left = holds_below(self.severity(below)?);
+        let is_right = !holds_below(self.severity(at)?);
+        if is_left && is_right {
+            let boundary = self.narrowed(severity, [below, at])?;
+            return Ok((boundary, is_certain));
+        }
+        // The bracket grows towards the side where the boundary must be.
+        if is_left {
+            while holds_below(self.severity(at)?) {
+                if at >= high {
+                    return Ok((self.unchanged(severity, high)?, false));
+                }
+                below = at;
+                at = (at + step).min(high);
+                step *= 3.0;
+            }
+        } else {
+            while !holds_below(self.severity(below)?) {
+                if below <= low {
+                    return Ok((self.unchanged(severity, low)?, false));
+                }
+                at = below;
+                below = (below - step).max(low);
+                step *= 3.0;
+            }
+        }
+        Ok((self.narrowed(severity, [below, at])?, false))
+    }
+}
+
+/// What the rows on both sides let expect of the row between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Expected {
+    /// A boundary at this place, by interpolation.
+    At { centre: f64, rising: bool },
+    /// A boundary that only one of them has.
+    Near { centre: f64, rising: bool },
+    /// No boundary: the class holds in the whole row, or nowhere.
+    Unchanged(bool),
+}
+
+/// The rows of one variant that are known, per class.
+type Known = [Vec<(u64, RowBoundary)>; CLASSES];
+
+/// What one job has found: for each class the boundary, and whether it is where it was expected.
+type Found = [Option<(RowBoundary, bool)>; CLASSES];
+
+/// A row to compute.
+struct Job {
+    variant: usize,
+    row: u64,
+    /// What is expected of each class; `None`: nothing to find.
+    expected: [Option<Expected>; CLASSES],
+    /// Whether the whole row is scanned.
+    scan: bool,
+}
+
+/// The boundaries of one variant while they are being traced.
+struct Trace {
+    known: Known,
+    /// Intervals of rows in which a boundary is not certain yet, per class.
+    open: [Vec<(u64, u64)>; CLASSES],
+}
+
+impl DamageMap {
+    /// The boundaries of the severity classes, to 1 % along the axis of the columns, with a small part of the responses of the map.
+    ///
+    /// Five rows are scanned from their lowest value, in ratios of at most 1.4 along an axis whose values are above 0, until
+    /// every class has changed; the first change counts, as for
+    /// [`CriticalSearch`](super::CriticalSearch). In the rows between them, each boundary is searched around the place that
+    /// interpolation lets expect. Halves of an interval between two rows are computed in turn, down to the rows of the map, until the
+    /// boundary of the middle row is within 1 % of the expected one. Islands of another class that no scan meets are not found.
+    /// Rows that have names are scanned one by one.
+    ///
+    /// An interrupted batch leaves the boundaries that are known, and `complete` is false.
+    ///
+    /// # Errors
+    /// An axis of columns that is not a range, or an impact that cannot be computed.
+    ///
+    /// ```
+    /// use column_twin::assessment::Severity;
+    /// use column_twin::parameters::Parameters;
+    /// use column_twin::study::{Batch, DamageMap, MapAxis};
+    ///
+    /// let axes = [MapAxis::parse("mass=1000:2000:3")?, MapAxis::parse("velocity=1:20:100")?];
+    /// let map = DamageMap::new(&Parameters::default(), None, axes)?;
+    /// let refined = map.refine(&Batch::default())?;
+    /// assert!(refined.complete && refined.responses < map.len());
+    /// let inspect = &refined.boundaries[0];
+    /// assert_eq!(inspect.severity, Severity::Inspect);
+    /// let place = inspect.points[1].place.value().expect("a boundary");
+    /// assert!((1.0..20.0).contains(&place));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn refine(&self, batch: &Batch) -> Result<RefinedMap, RefineError> {
+        let scale = Scale::of(self.columns())
+            .ok_or_else(|| RefineError::NotARange(self.columns().quantity().name()))?;
+        let rows = RowScale {
+            axis: self.rows(),
+            scale: Scale::of(self.rows()),
+        };
+        let responses = AtomicU64::new(0);
+        let mut traces: Vec<Trace> = self.variants().iter().map(|_| Trace::new()).collect();
+        let last = self.rows().len() - 1;
+        let scanned = match rows.scale {
+            None => (0..=last).collect(),
+            Some(_) => part_rows(last, SCANNED_INTERVALS),
+        };
+        let mut jobs: Vec<Job> = (0..traces.len())
+            .flat_map(|variant| scanned.iter().map(move |row| Job::scan(variant, *row)))
+            .collect();
+        let mut complete = true;
+        let always_halved = last.div_ceil(LEAST_INTERVALS);
+        while !jobs.is_empty() && complete {
+            let mut found: Vec<Result<Found, RefineError>> = Vec::with_capacity(jobs.len());
+            let compute = |index: u64| {
+                let job = &jobs[index as usize];
+                let mut row = Row {
+                    map: self,
+                    responses: &responses,
+                    scale,
+                    variant: job.variant,
+                    row: job.row,
+                    known: Vec::new(),
+                };
+                job.run(&mut row)
+            };
+            let end = batch.run(jobs.len() as u64, compute, |part| {
+                found.extend(part);
+                Ok::<(), RefineError>(())
+            })?;
+            complete = end == BatchEnd::Complete;
+            for (job, found) in jobs.iter().zip(found) {
+                traces[job.variant].take(job, found?, always_halved);
+            }
+            if rows.scale.is_none() {
+                break;
+            }
+            if jobs.iter().any(|job| job.scan) {
+                traces.iter_mut().for_each(Trace::open_all);
+            }
+            jobs = (traces.iter_mut().enumerate())
+                .flat_map(|(variant, trace)| trace.jobs(variant, &rows, &scale))
+                .collect();
+        }
+        let boundaries = traces.into_iter().enumerate().flat_map(|(variant, trace)| {
+            SEVERITIES
+                .into_iter()
+                .zip(trace.known)
+                .map(move |(severity, known)| ClassBoundary {
+                    variant,
+                    severity,
+                    points: known
+                        .into_iter()
+                        .map(|(row, place)| BoundaryPoint { row, place })
+                        .collect(),
+                })
+        });
+        Ok(RefinedMap {
+            boundaries: boundaries.collect(),
+            responses: responses.into_inner(),
+            complete,
+        })
+    }
+}
+
+/// Rows at equal distances, with both ends.
+fn part_rows(last: u64, intervals: u64) -> Vec<u64> {
+    let mut rows: Vec<u64> = (0..=intervals)
+        .map(|part| last * part / intervals)
+        .collect();
+    rows.dedup();
+    rows
+}
+
+/// The axis of the rows.
+struct RowScale<'a> {
+    axis: &'a MapAxis,
+    /// `None` if the rows have names.
+    scale: Option<Scale>,
+}
+
+impl RowScale<'_> {
+    /// The part of the way from one row to another at which a row between them is.
+    fn part(&self, row: u64, between: (u64, u64)) -> f64 {
+        let at = |row: u64| {
+            let number = self.axis.number(row).unwrap_or(row as f64);
+            self.scale.map_or(number, |scale| scale.at(number))
+        };
+        let (first, second) = (at(between.0), at(between.1));
+        (at(row) - first) / (second - first)
+    }
+}
+
+impl Job {
+    fn scan(variant: usize, row: u64) -> Self {
+        Self {
+            variant,
+            row,
+            expected: [None; CLASSES],
+            scan: true,
+        }
+    }
+
+    fn run(&self, row: &mut Row<'_>) -> Result<Found, RefineError> {
+        let mut found = [None; CLASSES];
+        if self.scan {
+            row.scan()?;
+        }
+        for (class, severity) in SEVERITIES.into_iter().enumerate() {
+            found[class] = match self.expected[class] {
+                Some(expected) => Some(row.expected(severity, expected)?),
+                None if self.scan => Some((row.scanned(severity)?, false)),
+                None => None,
+            };
+        }
+        Ok(found)
+    }
+}
+
+impl Trace {
+    fn new() -> Self {
+        Self {
+            known: Default::default(),
+            open: Default::default(),
+        }
+    }
+
+    /// Enters the boundaries of a row. The intervals beside it are open, unless the boundary was where it was expected, and the
+    /// interval that this row has halved was not wider than `always_halved`.
+    fn take(&mut self, job: &Job, found: Found, always_halved: u64) {
+        for (class, found) in found.into_iter().enumerate() {
+            let Some((boundary, is_expected)) = found else {
+                continue;
+            };
+            let known = &mut self.known[class];
+            let place = known.partition_point(|(row, _)| *row < job.row);
+            known.insert(place, (job.row, boundary));
+            if job.scan {
+                continue;
+            }
+            let (before, after) = (known[place - 1].0, known[place + 1].0);
+            if !is_expected || after - before > always_halved {
+                self.open[class].extend([(before, job.row), (job.row, after)]);
+            }
+        }
+    }
+
+    /// Opens every interval between the rows that are known.
+    fn open_all(&mut self) {
+        for (open, known) in self.open.iter_mut().zip(&self.known) {
+            *open = known
+                .windows(2)
+                .map(|pair| (pair[0].0, pair[1].0))
+                .collect();
+        }
+    }
+
+    /// The middle rows of the open intervals, which are then no longer open; of intervals without a row between them there is none.
+    fn jobs(&mut self, variant: usize, rows: &RowScale<'_>, scale: &Scale) -> Vec<Job> {
+        let mut jobs: Vec<Job> = Vec::new();
+        for (class, open) in std::mem::take(&mut self.open).into_iter().enumerate() {
+            for (before, after) in open {
+                let row = before + (after - before) / 2;
+                if row == before {
+                    continue;
+                }
+                let boundary = |row: u64| {
+                    let known = &self.known[class];
+                    known
+                        .iter()
+                        .find(|(of, _)| *of == row)
+                        .map(|(_, boundary)| *boundary)
+                };
+                let (Some(first), Some(second)) = (boundary(before), boundary(after)) else {
+                    continue;
+                };
+                let part = rows.part(row, (before, after));
+                let job = match jobs.iter().position(|job| job.row == row) {
+                    Some(index) => index,
+                    None => {
+                        jobs.push(Job {
+                            variant,
+                            row,
+                            expected: [None; CLASSES],
+                            scan: false,
+                        });
+                        jobs.len() - 1
+                    }
+                };
+                jobs[job].expected[class] = Some(expectation(first, second, part, scale));
+            }
+        }
+        jobs
+    }
+}
+
+/// What two rows let expect of a row at this part of the way between them.
+fn expectation(first: RowBoundary, second: RowBoundary, part: f64, scale: &Scale) -> Expected {
+    let place = |boundary: RowBoundary| match boundary {
+        RowBoundary::Between { below, at, rising } => {
+            Some((0.5 * (scale.at(below) + scale.at(at)), rising))
+        }
+        RowBoundary::Always | RowBoundary::Never => None,
+    };
+    match (place(first), place(second)) {
+        (Some((one, rising)), Some((other, also))) if rising == also => Expected::At {
+            centre: one + part * (other - one),
+            rising,
+        },
+        (Some((centre, rising)), _) | (None, Some((centre, rising))) => {
+            Expected::Near { centre, rising }
+        }
+        (None, None) if first == second => Expected::Unchanged(first == RowBoundary::Always),
+        (None, None) => Expected::Near {
+            centre: 0.5 * (scale.ends[0] + scale.ends[1]),
+            rising: true,
+        },
+    }
+}

@@ -1,0 +1,206 @@
+//! Critical velocities of the column at rest: how hard it may be hit next.
+
+use std::sync::Arc;
+
+use column_twin::assessment::Severity;
+use column_twin::column::{ImpactSpecification, Model};
+use column_twin::parameters::vehicle_catalogue;
+use column_twin::study::{LIMIT_VELOCITIES, StudyColumn, VehicleLimits, vehicle_limits};
+use column_twin::twin::{Accepted, Checkpoint, Command, Output, Status, Twin};
+
+use super::{Bench, MS, event, light};
+
+fn hit(bench: &mut Bench, velocity: f64) {
+    let mut event = event("a", bench.now);
+    event.impact.velocity = velocity;
+    bench.hit(event);
+}
+
+type Limits = Arc<[VehicleLimits]>;
+
+fn compute(bench: &Bench) -> Limits {
+    let task = bench.twin.critical_velocity_task().expect("awaited");
+    task.compute(&mut || true).expect("not abandoned")
+}
+
+fn give(bench: &mut Bench, vehicles: &Limits) -> Result<Accepted, column_twin::twin::Refusal> {
+    bench.handle(Command::CriticalVelocities {
+        vehicles: Arc::clone(vehicles),
+    })
+}
+
+fn status(bench: &Bench) -> Status {
+    bench.twin.status(bench.now)
+}
+
+fn known(bench: &Bench) -> Option<Limits> {
+    status(bench).critical_velocities
+}
+
+/// By the library alone, from what a recording has of the column at rest.
+fn of_checkpoint(checkpoint: &Checkpoint, at_rest: Severity) -> Vec<VehicleLimits> {
+    let mut properties = checkpoint.parameters.column_properties();
+    properties.length_below = checkpoint.length_below;
+    properties.length_above = checkpoint.length_above;
+    let model = Model::new(&properties).expect("a column");
+    let column = StudyColumn::at_rest(&checkpoint.parameters, model, checkpoint.state);
+    vehicle_limits(&column.expect("stands"), at_rest, &mut || true).expect("computed")
+}
+
+#[test]
+fn the_status_contains_those_of_the_damaged_column_and_after_a_reset_those_of_the_virgin_one() {
+    let mut bench = Bench::new(&[]);
+    assert_eq!(known(&bench), None);
+    let virgin = compute(&bench);
+    assert_eq!(virgin.len(), 1 + vehicle_catalogue().len());
+    assert_eq!(give(&mut bench, &virgin), Ok(Accepted::Applied));
+    assert_eq!(known(&bench).as_ref(), Some(&virgin));
+    assert!(bench.twin.critical_velocity_task().is_none());
+
+    hit(&mut bench, 5.0);
+    assert_eq!(known(&bench), None, "the column moves");
+    assert!(bench.twin.critical_velocity_task().is_none());
+    bench.go_on(3_000 * MS);
+    assert!(!bench.twin.is_responding());
+    assert_eq!(known(&bench), None, "they were those of the virgin column");
+
+    let damaged = compute(&bench);
+    assert_eq!(give(&mut bench, &damaged), Ok(Accepted::Applied));
+    bench.go_on(MS);
+    let last = bench.out.iter().rev().find_map(|it| match it {
+        Output::Status(status) => status.critical_velocities.clone(),
+        _ => None,
+    });
+    assert_eq!(last.as_ref(), Some(&damaged));
+    let severity = status(&bench)
+        .assessed
+        .expect("assessed")
+        .assessment
+        .severity;
+    let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
+    assert_eq!(*damaged, *of_checkpoint(&checkpoint, severity));
+    assert_ne!(damaged, virgin);
+
+    // A twin that continues from the checkpoint knows the same.
+    let continued = Twin::from_checkpoint(&checkpoint, Box::new(|| 0)).expect("a column");
+    let its = continued.status(bench.now).critical_velocities;
+    assert_eq!(its.as_ref(), Some(&damaged));
+
+    let reset = Command::Reset {
+        source: "test".into(),
+    };
+    bench.handle(reset).expect("accepted");
+    assert_eq!(known(&bench), None);
+    assert_eq!(compute(&bench), virgin);
+}
+
+/// Every value against the prediction of the twin, which shares neither the search nor the screening: below the critical velocity the
+/// severity is lower, 1 % above it is reached.
+#[test]
+fn the_prediction_of_an_impact_confirms_them() {
+    let mut bench = Bench::new(&[]);
+    hit(&mut bench, 4.0);
+    bench.go_on(3_000 * MS);
+    let at_rest = status(&bench)
+        .assessed
+        .expect("assessed")
+        .assessment
+        .severity;
+    let predicted = |limits: &VehicleLimits, velocity: f64| {
+        let impact = ImpactSpecification {
+            mass: limits.mass,
+            velocity,
+            gap: Some(0.0),
+            restitution: None,
+            height: None,
+        };
+        let snapshot = bench.twin.snapshot();
+        let prediction = snapshot.predict("", &limits.vehicle, &impact, &|| 0);
+        let assessed = prediction.expect("computed").assessed;
+        assessed.map_or(Severity::Evacuate, |it| it.assessment.severity)
+    };
+    let mut checked = 0;
+    for limits in compute(&bench).iter().skip(1) {
+        for (severity, velocity) in [
+            (Severity::Restrict, limits.restrict),
+            (Severity::Evacuate, limits.evacuate),
+        ] {
+            match velocity {
+                None => assert!(predicted(limits, LIMIT_VELOCITIES[1]) < severity),
+                Some(0.0) if severity <= at_rest => {}
+                Some(0.0) => assert!(predicted(limits, LIMIT_VELOCITIES[0]) >= severity),
+                Some(velocity) => {
+                    assert!(predicted(limits, velocity) < severity, "{limits:?}");
+                    assert!(predicted(limits, 1.01 * velocity) >= severity, "{limits:?}");
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked >= 5, "{checked}");
+}
+
+#[test]
+fn values_that_come_during_a_response_change_nothing() {
+    let run = |background: bool| {
+        let mut bench = Bench::new(&[]);
+        let late = compute(&bench);
+        hit(&mut bench, 5.0);
+        bench.go_on(10 * MS);
+        if background {
+            assert_eq!(give(&mut bench, &late), Ok(Accepted::Unchanged));
+        }
+        bench.go_on(3_000 * MS);
+        assert_eq!(known(&bench), None);
+        let outputs = bench.out.into_iter().filter_map(|it| match it {
+            Output::State(it) => Some(format!("{it:?}")),
+            Output::Forecast(it) | Output::Report(it) => Some(format!("{it:?}")),
+            _ => None,
+        });
+        outputs.collect::<Vec<_>>()
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn an_impact_that_leaves_no_trace_keeps_them_and_a_parameter_does_not() {
+    let mut bench = Bench::new(&[]);
+    let virgin = compute(&bench);
+    give(&mut bench, &virgin).expect("accepted");
+    bench.hit(light("a", bench.now));
+    bench.go_on(3_000 * MS);
+    assert_eq!(known(&bench), Some(virgin));
+    let change = Command::SetParameters {
+        changes: vec![("top.load".to_owned(), 1e5.into())],
+        source: "test".into(),
+    };
+    bench.handle(change).expect("accepted");
+    assert_eq!(known(&bench), None);
+    assert!(bench.twin.critical_velocity_task().is_some());
+}
+
+#[test]
+fn on_a_collapsed_column_no_velocity_is_admissible_and_nothing_is_computed() {
+    let mut bench = Bench::new(&[]);
+    hit(&mut bench, 30.0);
+    bench.go_on(5_000 * MS);
+    let task = bench.twin.critical_velocity_task().expect("assessed");
+    let limits = task.compute(&mut || false).expect("without a response");
+    assert!(!limits.is_empty());
+    for it in limits.iter() {
+        assert_eq!((it.restrict, it.evacuate), (Some(0.0), Some(0.0)));
+    }
+}
+
+#[test]
+fn a_computation_can_be_abandoned() {
+    let bench = Bench::new(&[]);
+    let task = bench.twin.critical_velocity_task().expect("awaited");
+    let mut responses = 0;
+    let go_on = &mut || {
+        responses += 1;
+        responses <= 3
+    };
+    assert_eq!(task.compute(go_on), None);
+    assert_eq!(responses, 4);
+}
