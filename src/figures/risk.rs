@@ -91,10 +91,15 @@ fn percent(result: &RiskResult) -> String {
 
 /// Fragility curves of the whole traffic with the bands of their points.
 fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
+    // A severity that no sample reached has no curve; the figure of the probabilities shows its bound.
+    let seen = |curve: &FragilityCurve| {
+        let mut shares = curve.points.iter().filter_map(|point| point.probability);
+        shares.any(|share| share.value > 0.0)
+    };
     let curves: Vec<&FragilityCurve> = result
         .fragility
         .iter()
-        .filter(|it| it.vehicle.is_none())
+        .filter(|it| it.vehicle.is_none() && seen(it))
         .collect();
     let ends = curves
         .iter()
@@ -102,7 +107,13 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
         .filter(|it| it.samples >= FEWEST_SAMPLES);
     let fastest = ends.map(|point| point.speed[1]).fold(1e-3, f64::max);
     let x = PlotAxis::between(0.0, fastest, 10);
-    let y = PlotAxis::between(0.0, 1.0, 5);
+    let drawn_points = curves.iter().flat_map(|curve| &curve.points);
+    let shares = drawn_points
+        .filter(|point| point.samples >= FEWEST_SAMPLES)
+        .filter_map(|point| point.probability);
+    let greatest = shares.map(|share| share.high).fold(0.01, f64::max);
+    let highest = if greatest > 0.5 { 1.0 } else { 1.2 * greatest };
+    let y = PlotAxis::between(0.0, highest, 5);
     let legend: Vec<_> = curves
         .iter()
         .map(|curve| {
@@ -131,8 +142,9 @@ fn fragility(title: &str, result: &RiskResult) -> Drawn<String> {
             &y,
             ["speed at the column [m/s]", "probability given an impact"],
         )?;
-        let place =
-            |speed: f64, p: f64| plot.backend_coord(&(speed.clamp(0.0, x.to), p.clamp(0.0, 1.0)));
+        let place = |speed: f64, p: f64| {
+            plot.backend_coord(&(speed.clamp(0.0, x.to), p.clamp(0.0, highest)))
+        };
         for curve in &curves {
             let tone = line_colour(curve.severity);
             let points: Vec<(f64, Estimate)> = curve
@@ -339,11 +351,7 @@ fn contributions(page: &Area<'_>, result: &RiskResult, top: i32) -> Drawn<()> {
 
 /// The most severe event that was seen, in the lowest and in the highest tenth of every input.
 fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
-    let seen = result
-        .severities
-        .iter()
-        .rposition(|risk| risk.given_impact.value > 0.0);
-    let index = seen.unwrap_or(0);
+    let index = result.telling_severity().unwrap_or(0);
     let sensitivity: &SeveritySensitivity = &result.sensitivity[index];
     let mean = result.severities[index].given_departure.value;
     let ends = sensitivity
@@ -366,7 +374,7 @@ fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
             "all vehicles".to_owned(),
         ),
     ];
-    let lines = "of a vehicle that leaves the road on a course to the column; of the class of vehicles: the least and the most dangerous one";
+    let lines = "per vehicle on a course to the column, with intervals; of the classes: the least and the most dangerous one";
     let heading = format!(
         "Which input matters: probability of {} or worse",
         sensitivity.severity
@@ -397,20 +405,18 @@ fn sensitivity(title: &str, result: &RiskResult) -> Drawn<String> {
                 page.draw(&PathElement::new(whisker, tone.stroke_width(10)))?;
                 page::dot(page, (x, y), tone)?;
             }
-            let explained = sensitivity
-                .variance
-                .iter()
-                .find(|it| it.input == effect.input);
-            let text = match (effect.classes, explained) {
-                (Some([low, high]), _) => format!("{low}, {high}"),
-                (None, _) if low == high => "no effect".to_owned(),
-                (None, _) if effect.low.value > 0.0 => {
+            let text = match effect.classes {
+                Some([low, high]) => format!("{low}, {high}"),
+                None if effect.low.value + effect.high.value == 0.0 => {
+                    "none seen at either end".to_owned()
+                }
+                None if effect.low.value > 0.0 && effect.high.value > 0.0 => {
                     format!(
                         "times {}",
                         significant(effect.high.value / effect.low.value, 2)
                     )
                 }
-                (None, _) => String::new(),
+                None => String::new(),
             };
             let style = page::text_style(SMALL, colour::INK, HPos::Left, VPos::Center);
             page.draw_text(&text, &style, (ROW_END + 60, y))?;

@@ -22,6 +22,7 @@ use column_twin::study::risk::{
 };
 use column_twin::study::{Batch, BatchEnd};
 use column_twin::whole_file;
+
 use tables::SampleWriter;
 
 /// Most samples of a study.

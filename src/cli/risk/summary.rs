@@ -234,9 +234,13 @@ impl Summary<'_> {
             match curve.fit {
                 Some(fit) => writeln!(
                     f,
-                    "  {:<22}median {} m/s (standard error {} %), dispersion {}",
+                    "  {:<22}median {} m/s{} (standard error {} %), dispersion {}",
                     curve.severity.to_string(),
                     significant(fit.median, 3),
+                    match curve.points.last() {
+                        Some(last) if fit.median > last.speed[1] => ", beyond all samples",
+                        _ => "",
+                    },
                     significant(100.0 * fit.median_error, 2),
                     significant(fit.dispersion, 3),
                 )?,
@@ -251,12 +255,7 @@ impl Summary<'_> {
     }
 
     fn sensitivity(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The most severe one that was seen.
-        let seen = self
-            .result
-            .severities
-            .iter()
-            .rposition(|risk| risk.given_impact.value > 0.0);
+        let seen = self.result.telling_severity();
         let Some(sensitivity) = seen.map(|index| &self.result.sensitivity[index]) else {
             return Ok(());
         };

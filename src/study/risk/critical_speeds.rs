@@ -6,14 +6,14 @@
 use rayon::ThreadPoolBuildError;
 
 use super::departure::{Departure, DepartureSampler, LEAST_SPEED};
-use super::evaluation::{LimitState, SEVERITIES};
+use super::evaluation::LimitState;
 use super::normal;
 use super::random::Purpose;
 use super::scenario::Scenario;
 use super::study::batch;
 use super::tally::LEVELS;
 use crate::assessment::Severity;
-use crate::study::{Batch, BatchEnd};
+use crate::study::{Batch, BatchEnd, SEVERITIES};
 
 /// Inputs on which a critical speed depends: mass, force factor, yield strength, load.
 const COORDINATES: usize = 4;

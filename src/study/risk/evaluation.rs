@@ -7,14 +7,6 @@ use crate::column::{Impact, VehicleError};
 use crate::parameters::{ParameterFaults, Parameters, Value};
 use crate::study::{Screening, StudyColumn, StudyError};
 
-/// Severities that may be reached or exceeded, least severe first.
-pub const SEVERITIES: [Severity; 4] = [
-    Severity::Inspect,
-    Severity::Restrict,
-    Severity::Prop,
-    Severity::Evacuate,
-];
-
 /// What decides how severe a vehicle's impact is. A study asks it for every sample that it does not skip.
 pub trait LimitState: Sync {
     /// The severity of this vehicle's impact; `None` if it cannot be computed.

@@ -50,7 +50,7 @@ pub use critical_speeds::CriticalSpeedSurface;
 pub use departure::{Departure, DepartureSampler, INPUT_NAMES, INPUTS, LEAST_SPEED};
 pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
-pub use evaluation::{LimitState, RiskColumn, RiskError, SEVERITIES, SeverityAtSpeed};
+pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
 pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
 pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{

@@ -3,13 +3,13 @@
 use serde::Serialize;
 
 use super::estimate::{Estimate, deviations, wilson};
-use super::evaluation::SEVERITIES;
 use super::fragility::{FragilityCurve, curve};
 use super::scenario::Scenario;
 use super::sensitivity::SeveritySensitivity;
 use super::tally::Tally;
 use super::traffic::Exposure;
 use crate::assessment::Severity;
+use crate::study::SEVERITIES;
 
 /// The result of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -85,7 +85,22 @@ pub struct Counts {
     pub undetermined: u64,
 }
 
+/// Fewest events from which a sensitivity is worth showing.
+const ENOUGH_EVENTS: f64 = 30.0;
+
 impl RiskResult {
+    /// Index of the severity whose sensitivities say most: the most severe one with enough events, otherwise the one with most
+    /// of them; `None` where there is no event.
+    #[must_use]
+    pub fn telling_severity(&self) -> Option<usize> {
+        let events = |risk: &SeverityRisk| risk.given_impact.value * self.counts.impacts as f64;
+        let enough = self
+            .severities
+            .iter()
+            .rposition(|risk| events(risk) >= ENOUGH_EVENTS);
+        enough.or_else(|| self.severities.iter().position(|risk| events(risk) > 0.0))
+    }
+
     /// Evaluates the counts of a study; `confidence` is that of every interval, such as 0.95.
     #[must_use]
     pub fn new(scenario: &Scenario, tally: &Tally, exposure: Exposure, confidence: f64) -> Self {
