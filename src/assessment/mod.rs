@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 use criteria::{DEFINITIONS, Definition, Relation};
 pub use evaluation::{HARDENING_BAND, HardeningBand, ImpactEvaluation, respond_and_rest};
 pub use input::{AssessedImpact, AssessmentInput};
-pub use prepared::{PreparedAssessment, Verdict};
+pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
 };
