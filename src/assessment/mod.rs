@@ -35,7 +35,7 @@ pub use evaluation::{
     HARDENING_BAND, HardeningBand, ImpactEvaluation, observe_and_rest, respond_and_rest,
 };
 pub use input::{AssessedImpact, AssessmentInput};
-pub use prepared::{PreparedAssessment, Verdict};
+pub use prepared::{AssessedResponse, PreparedAssessment, Verdict};
 pub use remaining::{
     RemainingCapacity, buckling_curve, buckling_resistances, imperfection, section_dimensions,
 };

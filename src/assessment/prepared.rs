@@ -5,7 +5,7 @@ use super::criteria::{DEFINITIONS, Definition};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
 use super::{AssessedImpact, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
-    BucklingResistance, Capacity, CapacityEnd, CapacityError, Impact, Model, Outcome, Report,
+    BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact, Model, Outcome,
     State, capacity, carried_load, plastic_plateau,
 };
 use crate::parameters::Parameters;
@@ -28,6 +28,19 @@ pub struct Verdict {
     pub severity: Severity,
     /// Name of the criterion that decides.
     pub deciding_criterion: &'static str,
+    /// Smallest distance of a criterion that decides to its limit, relative to that, on either side.
+    pub least_margin: f64,
+}
+
+/// What the criteria need of a response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AssessedResponse {
+    /// Whether the column yields, collapses or tears.
+    pub outcome: Outcome,
+    /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
+    pub plastic_rotation: [f64; HINGES],
+    /// Largest `v1` \[m\].
+    pub max_v1: f64,
 }
 
 impl PreparedAssessment {
@@ -90,14 +103,14 @@ impl PreparedAssessment {
         &self,
         model: &Model,
         impact: &Impact,
-        report: &Report,
+        response: &AssessedResponse,
         remaining: RemainingCapacity,
     ) -> Verdict {
         let input = AssessmentInput {
-            collapsed: report.outcome == Outcome::Collapsed,
-            severed: report.outcome == Outcome::Severed,
-            plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
-            max_v1: report.max_v1.abs(),
+            collapsed: response.outcome == Outcome::Collapsed,
+            severed: response.outcome == Outcome::Severed,
+            plastic_rotation: response.plastic_rotation,
+            max_v1: response.max_v1.abs(),
             impact: Some(AssessedImpact::from(impact)),
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
@@ -105,15 +118,20 @@ impl PreparedAssessment {
             ..self.virgin.clone()
         };
         let mut choice = Choice::default();
+        let mut least_margin = f64::INFINITY;
         for &index in &self.deciding {
             if let Ok(measured) = measured(&DEFINITIONS[index], &input) {
                 choice.consider(index, &measured);
+                if measured.limit != 0.0 {
+                    least_margin = least_margin.min(measured.margin.abs());
+                }
             }
         }
         let Definition { name, .. } = DEFINITIONS[choice.deciding()];
         Verdict {
             severity: choice.severity(),
             deciding_criterion: name,
+            least_margin,
         }
     }
 }

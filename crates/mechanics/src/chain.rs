@@ -83,6 +83,27 @@ impl Chain {
             .sum()
     }
 
+    /// Gives the masses the impulses of the spring forces over `secs` \[s\].
+    pub(crate) fn kick(&mut self, vehicle: &Vehicle, secs: f64) {
+        let mut behind = 0.0;
+        let links = vehicle.masses().iter().zip(vehicle.springs()).enumerate();
+        for (index, (mass, spring)) in links.rev() {
+            let own = self.springs[index].force(spring);
+            self.velocity[index] += secs * (behind - own) / mass;
+            behind = own;
+        }
+    }
+
+    /// Moves the masses with their velocities over `secs` \[s\], while the column moves by `v1_increment` \[m\].
+    pub(crate) fn drift(&mut self, vehicle: &Vehicle, secs: f64, v1_increment: f64) {
+        let mut before = v1_increment;
+        for (index, spring) in vehicle.springs().iter().enumerate() {
+            let moved = secs * self.velocity[index];
+            (self.springs[index], _) = self.springs[index].crushed_by(spring, moved - before);
+            before = moved;
+        }
+    }
+
     /// Moves the vehicle to the end of a part of a step of `secs` seconds that has been solved.
     pub(crate) fn follow(&mut self, vehicle: &Vehicle, secs: f64, point: &ChainPoint) -> Crushed {
         let start = self.springs[0];

@@ -165,8 +165,7 @@ impl NonlinearSystem for Conserving<'_> {
     }
 
     fn tolerance(&self) -> f64 {
-        // The energy balance is as exact as the solution of the equations.
-        1e-13
+        self.model.tolerance
     }
 }
 

@@ -125,6 +125,27 @@ impl Impactor {
         crushed
     }
 
+    /// Takes the state in which long elastic steps have left it at the beginning of step `step`, where the column is at `v1`
+    /// \[m\]: `chain` of a compliant vehicle, the free flight of a rigid mass.
+    pub(crate) fn arrive(&mut self, model: &Model, step: u64, v1: f64, chain: Option<Chain>) {
+        let (Some(vehicle), Some(chain)) = (&self.impact.vehicle, chain) else {
+            self.position = self.position_in_flight(model, step, 0.0);
+            return;
+        };
+        self.velocity = chain.mean_velocity(vehicle);
+        self.position = v1 - chain.gap();
+        let closed = chain.contact_force(vehicle) > 0.0;
+        let now = model.time_of_step(step);
+        if chain.springs[0].largest > 0.0 {
+            self.touched_at.get_or_insert(now);
+        }
+        if self.closed && !closed {
+            self.released_at = Some(now);
+        }
+        self.closed = closed;
+        self.chain = Some(chain);
+    }
+
     /// Distance to a column at `v1` \[m\].
     pub(crate) fn gap(&self, v1: f64) -> f64 {
         match &self.chain {

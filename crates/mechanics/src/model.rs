@@ -38,7 +38,12 @@ pub struct Model {
     pub(crate) strength: Option<StrengthLaw>,
     /// Length of a step \[s\].
     pub step_secs: f64,
+    /// Relative residual to which the conserving scheme solves its equations.
+    pub(crate) tolerance: f64,
 }
+
+/// Relative residual to which the conserving scheme solves its equations: its energy balance is as exact as their solution.
+const TOLERANCE: f64 = 1e-13;
 
 /// Static equilibrium of the virgin column: `v1 = beta1 = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,6 +141,7 @@ impl Model {
                 .then(|| modes::modal_damping(&frame, &masses, stiffness, p.damping_ratio)),
             strength: StrengthLaw::new(&p, step_secs),
             step_secs,
+            tolerance: TOLERANCE,
         })
     }
 

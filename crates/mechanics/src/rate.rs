@@ -226,6 +226,11 @@ impl StrengthLaw {
                 hinges[k].flow_rate = per_sec * rotation;
             }
         }
+        self.follow(strengths, turns, secs);
+    }
+
+    /// Advances the filter alone.
+    pub fn follow(&self, strengths: &mut Strengths, turns: &PerBar<f64>, secs: f64) {
         let Some(rate) = &self.rate else { return };
         let followed = rate.followed(secs, Collocation::End);
         let rates = rate.rates(turns, secs);
@@ -236,6 +241,23 @@ impl StrengthLaw {
         follow(&mut strengths.above[0], rates.joint);
         follow(&mut strengths.below[1], rates.base);
         follow(&mut strengths.above[1], rates.top);
+    }
+
+    /// The factors of hinges that do not flow, with the strain rate to which the filter has come.
+    pub fn refresh(&self, strengths: &mut Strengths) {
+        for (bar, hinges) in [
+            (self.hardening.below, &mut strengths.below),
+            (self.hardening.above, &mut strengths.above),
+        ] {
+            for hinge in hinges {
+                let rate = self.rate.as_ref();
+                hinge.flow_rate = 0.0;
+                hinge.factors = HingeFactors {
+                    dynamic: rate.map_or(1.0, |rate| rate.factor(hinge.strain_rate)),
+                    hardening: hardening_factor(bar, hinge.accumulated_rotation),
+                };
+            }
+        }
     }
 
     /// The factors of hinges at rest that have rotated by these accumulated plastic rotations \[rad\].
@@ -343,6 +365,11 @@ impl RateLaw {
 }
 
 impl Prediction {
+    /// The factors of the hinges of both bars.
+    pub fn factors(&self) -> PerBar<[HingeFactors; 2]> {
+        self.factors
+    }
+
     /// The strengths of both bars.
     pub fn strengths(&self) -> PerBar<Option<BarStrength>> {
         let strength = |factors: &[HingeFactors; 2], slopes: &[f64; 2]| {

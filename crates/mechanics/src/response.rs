@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
+use super::elastic_motion::Glimpse;
 use super::frame::Frame;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
@@ -147,14 +148,29 @@ impl Response {
             self.counted_from = model.time_of_step(state.step);
             return Ok(Progress::Running);
         }
+        self.stride(model, state, 1)
+    }
+
+    /// Advances the state by `steps` steps that are made as one.
+    ///
+    /// # Errors
+    /// As [`Response::advance`].
+    #[inline]
+    pub(crate) fn stride(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        steps: u32,
+    ) -> Result<Progress, StepError> {
         let before = StepStart {
             step: state.step,
+            secs: f64::from(steps) * model.step_secs,
             v1: state.displacement.v1,
             v1_rate: state.velocity.v1,
             forces: state.forces,
             plastic: state.plastic,
         };
-        let made = stepping::step(model, state);
+        let made = stepping::stride(model, state, steps);
         self.record(model, &before, state);
         match made {
             Ok(()) if is_severed(model, state) => Ok(Progress::Over(End::Severed)),
@@ -248,7 +264,7 @@ impl Response {
             return;
         }
         let share = rate / (rate - next_rate);
-        let secs = share * model.step_secs;
+        let secs = share * before.secs;
         let peak = before.v1 + 0.5 * rate * secs;
         if peak > self.max_v1 {
             self.max_v1 = peak;
@@ -299,9 +315,55 @@ impl Response {
         };
         let shares = [below(0), above(0), above(1), below(1)];
         for (first, share) in self.first_yield.iter_mut().zip(shares) {
-            let instant = |share: f64| model.time_of_step(before.step) + share * model.step_secs;
+            let instant = |share: f64| model.time_of_step(before.step) + share * before.secs;
             *first = first.or(share.map(instant));
         }
+    }
+
+    /// Takes what an observer sees of a long elastic step.
+    pub(crate) fn take(&mut self, model: &Model, seen: &Glimpse<'_>) {
+        let now = model.time_of_step(seen.step);
+        if seen.peak_v1 > self.max_v1 {
+            self.max_v1 = seen.peak_v1;
+            self.max_v1_time = now;
+        }
+        self.max_u2 = self.max_u2.max(seen.displacement.u2);
+        if seen.contact_force > 0.0 {
+            self.last_contact = now;
+            if seen.contact_force > self.peak_force {
+                self.peak_force = seen.contact_force;
+                self.peak_force_time = Some(now);
+            }
+        }
+    }
+
+    /// Whether the response is over where the state is.
+    pub(crate) fn progress_at(&mut self, model: &Model, state: &State) -> Progress {
+        self.progress(model, state)
+    }
+
+    /// Instant at which it is over at the latest, and the earliest one at which the column may have settled \[s\].
+    pub(crate) fn deadlines(&self, model: &Model) -> [f64; 2] {
+        let last = self.last_flow.max(self.last_contact);
+        [
+            self.counted_from + self.max_duration,
+            last + QUIET_PERIODS * self.residual_period.unwrap_or(model.slowest_period),
+        ]
+    }
+
+    /// Largest `v1` so far \[m\].
+    pub(crate) fn max_v1(&self) -> f64 {
+        self.max_v1
+    }
+
+    /// Largest contact force so far \[N\].
+    pub(crate) fn peak_force(&self) -> f64 {
+        self.peak_force
+    }
+
+    /// Whether a hinge has flowed.
+    pub(crate) fn has_yielded(&self) -> bool {
+        self.first_yield.iter().any(Option::is_some)
     }
 
     /// The summary of a response that is over, or of what has happened so far.
@@ -402,6 +464,7 @@ fn vehicle_report(state: &State) -> VehicleReport {
 /// What is kept of the state before a step.
 struct StepStart {
     step: u64,
+    secs: f64,
     v1: f64,
     v1_rate: f64,
     forces: PerBar<BarForces>,

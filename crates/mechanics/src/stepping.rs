@@ -38,27 +38,37 @@ pub fn begin_impact(model: &Model, state: &mut State, impact: Impact) -> Result<
 /// # Errors
 /// Collapse or a part that does not converge; the state is then where its last accepted part ended.
 pub fn step(model: &Model, state: &mut State) -> Result<(), StepError> {
+    stride(model, state, 1)
+}
+
+/// As [`step`], with the length of `steps` steps.
+///
+/// # Errors
+/// As [`step`].
+#[inline]
+pub(crate) fn stride(model: &Model, state: &mut State, steps: u32) -> Result<(), StepError> {
     match model.scheme() {
-        Scheme::Midpoint => in_parts(model, state, |state, offset, secs| {
+        Scheme::Midpoint => in_parts(model, state, steps, |state, offset, secs| {
             midpoint::part(model, state, offset, secs).map(|()| secs)
         }),
         Scheme::ConservingMidpoint => {
             let mut events = conserving_midpoint::Events::default();
-            in_parts(model, state, |state, offset, secs| {
+            in_parts(model, state, steps, |state, offset, secs| {
                 conserving_midpoint::part(model, state, offset, secs, &mut events)
             })
         }
     }
 }
 
-/// Makes a step of parts; `part` advances the state by at most a given time and returns how long the part became, since
+/// Makes a step, or `steps` of them as one, of parts; `part` advances the state by at most a given time and returns how long the part became, since
 /// an event ends it early.
 fn in_parts(
     model: &Model,
     state: &mut State,
+    steps: u32,
     mut part: impl FnMut(&mut State, f64, f64) -> Result<f64, Rejected>,
 ) -> Result<(), StepError> {
-    let whole = model.step_secs;
+    let whole = f64::from(steps) * model.step_secs;
     let min_secs = whole / f64::from(1_u32 << MAX_HALVINGS);
     state.percussion = 0.0;
     state.flowing = PerBar::default();
@@ -77,7 +87,7 @@ fn in_parts(
                 // shows whether it really goes there.
                 secs *= 0.5;
                 if secs < min_secs {
-                    return Err(failure(state, collapse, 2.0 * secs));
+                    return Err(failure(state, steps, collapse, 2.0 * secs));
                 }
                 continue;
             }
@@ -86,7 +96,7 @@ fn in_parts(
         offset += made;
         let left = whole - offset;
         if left <= NEGLIGIBLE_PART * whole {
-            state.step += 1;
+            state.step += u64::from(steps);
             if made < whole {
                 state.predictor.forget();
             }
@@ -105,10 +115,10 @@ fn in_parts(
 }
 
 /// Why a step failed whose smallest part, of `part_secs`, was rejected; a collapse completes the step.
-fn failure(state: &mut State, collapse: Option<Collapse>, part_secs: f64) -> StepError {
+fn failure(state: &mut State, steps: u32, collapse: Option<Collapse>, part_secs: f64) -> StepError {
     match collapse {
         Some(collapse) => {
-            state.step += 1;
+            state.step += u64::from(steps);
             StepError::Collapsed(collapse)
         }
         None => StepError::NotConverged {

@@ -1,0 +1,333 @@
+//! One impact, followed only as closely as a study needs it.
+//!
+//! A study compares thousands of impacts by a few numbers. It does not need the energy balance of every step, and it may end
+//! a response as soon as nothing can change any more. Compared with [`Response`](super::Response):
+//!
+//! - While hinges flow, or a rigid impactor presses on the column, several steps are made as one (a *stride*).
+//! - While the column is elastic, before a compliant vehicle or without contact, it moves in long explicit steps
+//!   (`elastic_motion.rs`).
+//! - Without contact the response ends once the energy that is left can neither reach a yield surface nor the impactor
+//!   (`elastic_reach.rs`).
+//! - A collapse or a tear is followed again with the steps of the model, from the beginning of the stride in which it lies,
+//!   because the largest `v1` of a column that is torn is where that step ends.
+
+use super::bar::PerBar;
+use super::elastic_motion::{ElasticMotion, Interruption};
+use super::elastic_reach::{self, Polygon};
+use super::impact::Impact;
+use super::model::{Model, ModelError};
+use super::modes;
+use super::motion::StepError;
+use super::properties::{ColumnProperties, Scheme};
+use super::report::{End, Outcome};
+use super::response::{Progress, Response, SimulationError};
+use super::sample::HINGES;
+use super::state::State;
+use super::statics;
+
+/// Strides per slowest period.
+const STRIDES_PER_PERIOD: f64 = 50.0;
+
+/// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
+const TOLERANCE: f64 = 1e-9;
+
+/// A column prepared for the responses of a study.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyModel {
+    model: Model,
+    /// Steps that are made as one.
+    stride: u32,
+    motion: Option<ElasticMotion>,
+    polygons: PerBar<Polygon>,
+}
+
+/// What a study needs of a response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyResponse {
+    /// Whether the column yields, collapses or tears.
+    pub outcome: Outcome,
+    /// Why the response ended.
+    pub end: End,
+    /// Whether it ended because nothing could change any more, before it was quiet.
+    pub ended_early: bool,
+    /// Largest displacement of the impact point \[m\].
+    pub max_v1: f64,
+    /// Largest contact force \[N\].
+    pub peak_contact_force: f64,
+    /// Plastic rotations of the hinges 1a, 1b, 2, 3 \[rad\].
+    pub plastic_rotation: [f64; HINGES],
+    /// The equilibrium in which the column comes to rest; `None` if there is none.
+    pub rest: Option<State>,
+    /// The state at the end.
+    pub last: State,
+    /// How close an elastic column came to yielding: largest `|M/M^p|^alpha + |N/N^p|^beta`, if it is worth a look.
+    pub utilisation_sum: f64,
+    /// Length of a stride \[s\].
+    pub stride_secs: f64,
+    /// Rate of `v1` at the end \[m/s\].
+    pub end_rate: f64,
+    /// Share of the last step of the model after which a hinge was torn, if one was.
+    pub torn_after: Option<f64>,
+    /// Strides and steps of the model.
+    pub strides: u32,
+    /// Long elastic steps.
+    pub elastic_steps: u32,
+}
+
+impl StudyModel {
+    /// Prepares a column. With `fineness` 1 the steps are those of a study; they are shorter by a larger one.
+    ///
+    /// # Errors
+    /// Properties that make no column.
+    pub fn new(properties: &ColumnProperties, fineness: f64) -> Result<Self, ModelError> {
+        let mut model = Model::new(properties)?;
+        let plain = Self {
+            polygons: elastic_reach::polygons(&model.frame),
+            model,
+            stride: 1,
+            motion: None,
+        };
+        if model.scheme() == Scheme::Midpoint {
+            // The penetration that a step of the paper's scheme leaves behind is part of its result.
+            return Ok(plain);
+        }
+        model.tolerance = TOLERANCE;
+        let longest = model.slowest_period / (STRIDES_PER_PERIOD * fineness);
+        let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
+        let stride = (longest / model.step_secs).clamp(1.0, 1e6) as u32;
+        Ok(Self {
+            model,
+            stride,
+            motion: ElasticMotion::new(&model, stiffness, fineness),
+            ..plain
+        })
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Follows one impact on the column `rest`, at most `max_duration` \[s\] after first contact.
+    ///
+    /// # Errors
+    /// An impact that is out of range, or a step that does not converge.
+    pub fn respond(
+        &self,
+        rest: &State,
+        impact: &Impact,
+        max_duration: f64,
+    ) -> Result<StudyResponse, SimulationError> {
+        let mut state = *rest;
+        let response = Response::begin(&self.model, &mut state, *impact, max_duration)?;
+        let mut course = Course {
+            study: self,
+            state,
+            response,
+            reach: Reach::Unknown,
+            utilisation_sum: 0.0,
+            strides: 0,
+            elastic_steps: 0,
+            torn_after: 0.0,
+        };
+        let end = course.follow()?;
+        Ok(course.result(end))
+    }
+}
+
+/// A response under way.
+struct Course<'a> {
+    study: &'a StudyModel,
+    state: State,
+    response: Response,
+    reach: Reach,
+    utilisation_sum: f64,
+    strides: u32,
+    elastic_steps: u32,
+    /// Share of the last step of the model after which a hinge was torn.
+    torn_after: f64,
+}
+
+/// What is known of a column without contact since its last flow.
+enum Reach {
+    Unknown,
+    /// It may yield again.
+    Unbounded,
+    /// Between which `v1` it stays \[m\].
+    Bounded([f64; 2]),
+}
+
+/// Largest plastic rotation of a hinge \[rad\].
+fn largest_rotation(state: &State) -> f64 {
+    let PerBar { below, above } = &state.plastic;
+    let rotations = below.rotation.iter().chain(&above.rotation);
+    rotations.fold(0.0, |largest, rotation| rotation.abs().max(largest))
+}
+
+impl Course<'_> {
+    fn follow(&mut self) -> Result<End, StepError> {
+        let model = &self.study.model;
+        loop {
+            if self.state.steps_to_contact(model).is_some_and(|it| it > 0) {
+                self.response.advance(model, &mut self.state, u64::MAX)?;
+                continue;
+            }
+            if !self.state.is_flowing() {
+                if self.cannot_change() {
+                    return Ok(End::AtRest);
+                }
+                if let Some(end) = self.glide() {
+                    return Ok(end);
+                }
+            }
+            if let Some(end) = self.stride()? {
+                return Ok(end);
+            }
+        }
+    }
+
+    /// Long elastic steps for as long as they are possible; the end of the response if it is over.
+    fn glide(&mut self) -> Option<End> {
+        let model = &self.study.model;
+        let motion = self.study.motion.as_ref()?;
+        loop {
+            if !ElasticMotion::applies_to(&self.state) {
+                return None;
+            }
+            let [duration, mut quiet] = self.response.deadlines(model);
+            let start = self.state.step;
+            // A look at the residual period may have shown that it is not over yet.
+            let soonest = model.time_of_step(start) + model.slowest_period;
+            let bounds = match &self.reach {
+                Reach::Bounded(v1) => Some(*v1),
+                _ => None,
+            };
+            let mut touched = self.state.contact_force > 0.0;
+            let response = &mut self.response;
+            let (elastic_steps, sum) = (&mut self.elastic_steps, &mut self.utilisation_sum);
+            let interruption = motion.advance(model, &mut self.state, |seen| {
+                *elastic_steps += 1;
+                *sum = sum.max(seen.utilisation_sum);
+                response.take(model, seen);
+                let now = model.time_of_step(seen.step);
+                let touches = seen.contact_force > 0.0;
+                if touches {
+                    touched = true;
+                    quiet = f64::INFINITY;
+                }
+                let released = touched && !touches;
+                let out_of_reach = bounds.is_some_and(|[least, most]| {
+                    !touches && seen.impactor_position <= least && most <= response.max_v1()
+                });
+                !(released || out_of_reach || now >= duration || now >= quiet.max(soonest))
+            });
+            if touched {
+                self.reach = Reach::Unknown;
+            }
+            if interruption == Interruption::Yield {
+                return None;
+            }
+            if self.cannot_change() {
+                return Some(End::AtRest);
+            }
+            if let Progress::Over(end) = self.response.progress_at(model, &self.state) {
+                return Some(end);
+            }
+        }
+    }
+
+    /// Whether the impactor has left for good and the energy that is left in the column can change nothing.
+    fn cannot_change(&mut self) -> bool {
+        let Some(impactor) = self.state.impactor.as_ref() else {
+            return false;
+        };
+        if impactor.touched_at.is_none() || impactor.closed || !impactor.recedes_for_good() {
+            return false;
+        }
+        if matches!(self.reach, Reach::Unknown) {
+            let StudyModel {
+                model, polygons, ..
+            } = self.study;
+            self.reach = elastic_reach::elastic_reach(model, &self.state, polygons)
+                .map_or(Reach::Unbounded, Reach::Bounded);
+        }
+        match &self.reach {
+            Reach::Bounded([least, most]) => {
+                impactor.position <= *least && *most <= self.response.max_v1()
+            }
+            _ => false,
+        }
+    }
+
+    /// One stride; the end of the response if it is over.
+    fn stride(&mut self) -> Result<Option<End>, StepError> {
+        let StudyModel { model, stride, .. } = self.study;
+        let before = (self.state, self.response);
+        self.strides += 1;
+        let made = self.response.stride(model, &mut self.state, *stride);
+        match made {
+            Ok(Progress::Over(end @ (End::AtRest | End::DurationReached))) => return Ok(Some(end)),
+            Ok(Progress::Running) => {}
+            _ if *stride == 1 => match made? {
+                Progress::Over(end) => return Ok(Some(end)),
+                Progress::Running => {}
+            },
+            _ => {
+                (self.state, self.response) = before;
+                for _ in 0..*stride {
+                    self.strides += 1;
+                    let before = largest_rotation(&self.state);
+                    let made = self.response.stride(model, &mut self.state, 1)?;
+                    if let Progress::Over(end) = made {
+                        let after = largest_rotation(&self.state);
+                        let ultimate = model.properties.ultimate_rotation;
+                        self.torn_after = (ultimate - before) / (after - before);
+                        return Ok(Some(end));
+                    }
+                }
+            }
+        }
+        if self.state.is_flowing() || self.state.contact_force > 0.0 || self.state.percussion > 0.0
+        {
+            self.reach = Reach::Unknown;
+        }
+        Ok(None)
+    }
+
+    fn result(&self, end: End) -> StudyResponse {
+        let model = &self.study.model;
+        let stands = !matches!(end, End::Collapsed | End::Severed);
+        let outcome = match end {
+            End::Collapsed => Outcome::Collapsed,
+            End::Severed => Outcome::Severed,
+            _ if self.response.has_yielded() => Outcome::Plastic,
+            _ => Outcome::Elastic,
+        };
+        let rest = stands
+            .then(|| statics::residual_state(model, &self.state))
+            .flatten();
+        let PerBar { below, above } = &self.state.plastic;
+        StudyResponse {
+            outcome,
+            end,
+            ended_early: matches!(self.reach, Reach::Bounded(_)),
+            max_v1: self.response.max_v1(),
+            peak_contact_force: self.response.peak_force(),
+            plastic_rotation: [
+                below.rotation[0],
+                above.rotation[0],
+                above.rotation[1],
+                below.rotation[1],
+            ],
+            rest,
+            last: self.state,
+            utilisation_sum: self.utilisation_sum,
+            stride_secs: f64::from(self.study.stride) * model.step_secs,
+            end_rate: self.state.velocity.v1,
+            torn_after: (end == End::Severed).then_some(self.torn_after),
+            strides: self.strides,
+            elastic_steps: self.elastic_steps,
+        }
+    }
+}
