@@ -220,8 +220,9 @@ impl Channel {
     fn departure(&self, noise: f64) -> f64 {
         let limit = QUIET * noise * (self.averaging as f64).sqrt();
         let samples: Vec<_> = self.previous.iter().chain(&self.group).collect();
-        let is_quiet = |sample: &&(f64, f64)| (sample.1 - self.zero).abs() <= limit;
-        let quiet = samples.iter().rposition(|sample| is_quiet(sample));
+        let quiet = samples
+            .iter()
+            .rposition(|(_, value)| (value - self.zero).abs() <= limit);
         match quiet.map(|index| (samples[index], samples.get(index + 1))) {
             Some((before, Some(after))) => 0.5 * (before.0 + after.0),
             Some((before, None)) => before.0,

@@ -29,14 +29,14 @@ const JCSS_STIFFNESS: [f64; 2] = [300e3, 0.2];
 const ANY_STIFFNESS: [f64; 2] = [600e3, 1.0];
 
 /// What the front of a vehicle does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Front {
     /// It is rigid.
     Rigid,
     /// It is one elastic spring, whose stiffness is the factor of the front \[N/m\].
     Elastic,
     /// It is that of a given vehicle, with its forces times the factor of the front.
-    Vehicle(Vehicle),
+    Vehicle(Box<Vehicle>),
 }
 
 /// A kind of vehicle that may have struck.
@@ -94,7 +94,7 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
             let mass = [vehicle.total_mass(), 0.3];
             all.push(make(
                 &entry.name,
-                Front::Vehicle(vehicle),
+                Front::Vehicle(Box::new(vehicle)),
                 weight,
                 mass,
                 [1.0, scatter],
@@ -107,7 +107,7 @@ pub fn hypotheses(parameters: &Parameters) -> Vec<Hypothesis> {
         let mass = [vehicle.total_mass(), 0.5];
         all.push(make(
             "configured",
-            Front::Vehicle(vehicle),
+            Front::Vehicle(Box::new(vehicle)),
             5.0,
             mass,
             [1.0, 0.2],

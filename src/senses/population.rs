@@ -14,6 +14,7 @@ use super::random::Random;
 use super::sensor::{Quantity, Sensor};
 use crate::assessment::Severity;
 use crate::column::{ColumnProperties, Impact};
+use crate::study::cholesky::cholesky;
 
 /// Instants of contact that are considered, about the detected one.
 const SHIFTS: usize = 13;
@@ -469,20 +470,4 @@ fn log_sum(logs: impl Iterator<Item = f64>) -> f64 {
             large + libm::log1p(libm::exp(small - large))
         }
     })
-}
-
-/// Lower triangular factor of a positive definite matrix.
-fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
-    let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
-    for i in 0..UNKNOWNS {
-        for j in 0..=i {
-            let known: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
-            factor[i][j] = if i == j {
-                (matrix[i][i] - known).max(f64::MIN_POSITIVE).sqrt()
-            } else {
-                (matrix[i][j] - known) / factor[j][j]
-            };
-        }
-    }
-    factor
 }

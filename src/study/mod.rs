@@ -22,6 +22,8 @@
 mod axis;
 #[cfg(feature = "study")]
 mod batch;
+#[cfg(feature = "study")]
+pub(crate) mod cholesky;
 mod critical;
 #[cfg(feature = "study")]
 mod map;

@@ -14,7 +14,7 @@ use super::plant::{Condition, Plant, Struck, condition_after};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
 use super::saved_state::SavedState;
-use super::status::{Status, StatusClock, TwinPhase};
+use super::status::{Judgement, Status, StatusClock, TwinPhase};
 use super::timeline::{Advanced, History, LookAhead, Timeline};
 use super::what_if::ColumnSnapshot;
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
@@ -279,8 +279,10 @@ impl Twin {
             self.phase(),
             &self.registry,
             &self.at_rest,
-            self.assessed.as_ref(),
-            self.critical_velocities(),
+            &Judgement {
+                assessed: self.assessed.as_ref(),
+                critical: self.critical_velocities(),
+            },
             struck,
             self.journal.responses,
         )

@@ -112,16 +112,24 @@ pub struct RestingColumn {
     pub is_unseen: bool,
 }
 
+/// What is known about the column at rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Judgement<'a> {
+    /// Its assessment.
+    pub assessed: Option<&'a Arc<Assessed>>,
+    /// Its critical velocities.
+    pub critical: Option<&'a Arc<[VehicleLimits]>>,
+}
+
 impl Status {
-    /// The status at `now`; `assessed` is the assessment of the column at rest, `critical` its critical velocities, `struck` the column where it is responding to
-    /// an impact, `responses` those that have begun since the start of the program.
+    /// The status at `now`; `struck` is the column where it is responding to an impact, `responses` those that have begun since
+    /// the start of the program.
     pub(super) fn new(
         now: Nanos,
         phase: TwinPhase,
         registry: &Registry,
         at_rest: &Plant,
-        assessed: Option<&Arc<Assessed>>,
-        critical: Option<&Arc<[VehicleLimits]>>,
+        judgement: &Judgement<'_>,
         struck: Option<&Struck>,
         responses: u64,
     ) -> Self {
@@ -156,8 +164,8 @@ impl Status {
             plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,
             plastic_rotation: hinges.map(|hinge| hinge.plastic_rotation),
             plastic_elongation: hinges.map(|hinge| hinge.plastic_elongation),
-            assessed: assessed.map(Arc::clone),
-            critical_velocities: critical.map(Arc::clone),
+            assessed: judgement.assessed.map(Arc::clone),
+            critical_velocities: judgement.critical.map(Arc::clone),
             vehicle: last.map_or_else(VehicleReport::default, |it| it.vehicle),
             error_estimate: last.and_then(|it| it.error_estimate),
             at_rest: struck.is_none().then(|| RestingColumn {

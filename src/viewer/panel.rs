@@ -338,13 +338,13 @@ mod tests {
             evacuate,
         };
         let vehicles = [
-            limits("", Some(0.0), Some(3.14)),
+            limits("", Some(0.0), Some(3.5)),
             limits("mid_car", Some(2.0), None),
         ];
         let text = with_critical_velocities("## Result\n", &vehicles);
         assert_eq!(heading(&text), "## Result");
         assert!(
-            text.contains("| by numbers, 1500 kg | 0.0 / 3.1 |"),
+            text.contains("| by numbers, 1500 kg | 0.0 / 3.5 |"),
             "{text}"
         );
         assert!(text.contains("| mid\\_car, 1500 kg | 2.0 / - |"), "{text}");

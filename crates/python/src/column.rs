@@ -89,7 +89,7 @@ impl Column {
     /// Name, value, unit and meaning of every parameter.
     fn describe<'py>(&self, py: Python<'py>) -> PyResult<Vec<Described<'py>>> {
         let rows = self.parameters().iter();
-        rows.map(|(it, value)| Ok((it.name, object(py, value)?, it.unit, it.meaning)))
+        rows.map(|(it, value)| Ok((it.name.to_owned(), object(py, value)?, it.row.unit, it.row.meaning)))
             .collect()
     }
 

@@ -3,6 +3,7 @@
 //! The predictions decide only how often a response has to be computed. They do not bias the result: a random share of them
 //! is computed, too, and corrects the estimate and widens its interval (`src/study/risk/estimate.rs`).
 
+use crate::study::cholesky::cholesky;
 use rayon::ThreadPoolBuildError;
 
 use super::departure::{Departure, DepartureSampler, LEAST_SPEED};
@@ -413,20 +414,7 @@ impl NormalEquations {
         for (i, row) in matrix.iter_mut().enumerate() {
             row[i] += 1e-9 * weight;
         }
-        let mut factor = [[0.0_f64; UNKNOWNS]; UNKNOWNS];
-        for i in 0..UNKNOWNS {
-            for j in 0..=i {
-                let mut sum = matrix[i][j];
-                for k in 0..j {
-                    sum -= factor[i][k] * factor[j][k];
-                }
-                factor[i][j] = if i == j {
-                    sum.max(1e-300).sqrt()
-                } else {
-                    sum / factor[j][j]
-                };
-            }
-        }
+        let factor = cholesky(&matrix);
         Self { factor, weight }
     }
 

@@ -197,8 +197,10 @@ mod tests {
     /// of them.
     #[test]
     fn controls_correct_predictions() {
-        let mut cell = Cell::default();
-        cell.predicted = [9000, 0, 0, 0, 1000];
+        let mut cell = Cell {
+            predicted: [9000, 0, 0, 0, 1000],
+            ..Cell::default()
+        };
         let z = deviations(0.95);
         let unchecked = cell.at_least(Severity::Evacuate, z);
         assert_eq!((unchecked.value, unchecked.high), (0.1, 1.0));

@@ -47,6 +47,7 @@ fn ratio(r: f64, [numerator, denominator]: &Coefficients) -> f64 {
     polynomial(numerator) / polynomial(denominator)
 }
 
+#[expect(clippy::excessive_precision, reason = "as published")]
 const CENTRE: Coefficients = [
     [
         3.387_132_872_796_366_608,
@@ -70,6 +71,7 @@ const CENTRE: Coefficients = [
     ],
 ];
 
+#[expect(clippy::excessive_precision, reason = "as published")]
 const MIDDLE: Coefficients = [
     [
         1.423_437_110_749_683_577_34,
@@ -93,6 +95,7 @@ const MIDDLE: Coefficients = [
     ],
 ];
 
+#[expect(clippy::excessive_precision, reason = "as published")]
 const FAR: Coefficients = [
     [
         6.657_904_643_501_103_777_2,
