@@ -74,6 +74,8 @@ impl Twin {
         };
         self.keep_critical_velocities(task, vehicles);
         self.status.set_changed();
+        // A recording that begins at rest begins with the last checkpoint, and needs no command before it.
+        self.journal.set_checkpoint_due();
         Accepted::Applied
     }
 
