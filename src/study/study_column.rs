@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::assessment::{AssessedResponse, PreparedAssessment, Severity};
 use crate::column::{
-    CapacityError, End, HINGES, Impact, ImpactSpecification, Model, Outcome, Progress, Response,
-    SimulationError, State, StudyModel, StudyResponse, residual_state,
+    CapacityError, End, HINGES, Impact, ImpactSpecification, Model, Outcome, PerBar, Progress,
+    Response, SimulationError, State, StudyModel, StudyResponse, residual_state,
 };
 use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
@@ -155,12 +155,14 @@ impl StudyColumn {
     /// displacement agrees with it within 1e-3, the largest contact force within 3e-3. The remaining capacity is that of the
     /// residual state found; it agrees within 1e-2 where more than a tenth of the capacity is lost. Above that the push-down
     /// itself jumps, by up to 4 per cent for a micrometre of residual displacement. Where the quick response cannot promise
-    /// the severity, the plain one is computed.
+    /// the severity, and for a column that is damaged before the impact, the plain one is computed.
     ///
     /// # Errors
     /// An impact that is out of range, or a step that does not converge. A collapse is a result.
     pub fn screen(&self, impact: &Impact) -> Result<Screening, StudyError> {
-        if let Ok(quick) = self.respond_quickly(impact)
+        // The rules of the quick response were validated on virgin columns.
+        if self.rest.plastic == PerBar::default()
+            && let Ok(quick) = self.respond_quickly(impact)
             && let Some(screening) = self.certain(impact, quick)?
         {
             return Ok(screening);

@@ -81,7 +81,7 @@ pub use output::{
     ForecastEnd, Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput,
     StateOutput, StrikingVehicle, WithdrawnForecast, WithdrawnImpact,
 };
-#[cfg(test)]
+#[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};

@@ -33,7 +33,7 @@ type Changes<'py> = Vec<(String, Bound<'py, PyAny>)>;
 type Screened = ([f64; NUMBERS], [u8; 3]);
 
 /// Name, value, unit and meaning of a parameter.
-type Described<'py> = (&'static str, Bound<'py, PyAny>, &'static str, &'static str);
+type Described<'py> = (String, Bound<'py, PyAny>, &'static str, &'static str);
 
 /// Shortening, force and v1 of a push-down.
 type Curve<'py> = [Bound<'py, PyByteArray>; 3];
@@ -89,8 +89,15 @@ impl Column {
     /// Name, value, unit and meaning of every parameter.
     fn describe<'py>(&self, py: Python<'py>) -> PyResult<Vec<Described<'py>>> {
         let rows = self.parameters().iter();
-        rows.map(|(it, value)| Ok((it.name.to_owned(), object(py, value)?, it.row.unit, it.row.meaning)))
-            .collect()
+        rows.map(|(it, value)| {
+            Ok((
+                it.name.to_owned(),
+                object(py, value)?,
+                it.row.unit,
+                it.row.meaning,
+            ))
+        })
+        .collect()
     }
 
     /// The value of one parameter; `None` if there is none of this name.
