@@ -81,12 +81,16 @@ pub fn risk_svg(title: &str, result: &RiskResult) -> Result<Vec<(String, String)
 }
 
 fn percent(result: &RiskResult) -> String {
-    format!(
-        "{} %",
-        significant(100.0 * result.confidence, 3)
-            .trim_end_matches('0')
-            .trim_end_matches('.')
-    )
+    format!("{} %", plain(100.0 * result.confidence))
+}
+
+/// A number without trailing zeros behind its decimal point.
+fn plain(value: f64) -> String {
+    let text = significant(value, 5);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 /// Fragility curves of the whole traffic with the bands of their points.
@@ -238,21 +242,14 @@ fn probabilities(title: &str, result: &RiskResult) -> Drawn<String> {
     }));
     let values = rows.iter().flat_map(|(.., it)| [it.value, it.high, it.low]);
     let scale = DecadeScale::of(values.collect::<Vec<_>>().into_iter());
-    let years = significant(result.exposure.years, 3);
-    let years = if years.contains('.') {
-        years.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &years
-    };
-    let period = match years {
+    let years = plain(result.exposure.years);
+    let period = match years.as_str() {
         "1" => "a year".to_owned(),
         years => format!("{years} years"),
     };
     let lines = format!(
         "{} vehicles per day; dots: estimate, bars: {} interval of the simulation; below: which vehicles contribute",
-        significant(result.exposure.vehicles_per_day, 5)
-            .trim_end_matches('0')
-            .trim_end_matches('.'),
+        plain(result.exposure.vehicles_per_day),
         percent(result)
     );
     let legend: Vec<_> = result

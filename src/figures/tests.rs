@@ -328,7 +328,7 @@ fn the_figures_of_a_risk_study() {
     let study = RiskStudy::new(&sampler, &Speed);
     let done = |_: &_| Ok::<_, StudyRunError>(());
     let (tally, _) = study.run(&Batch::default(), 0..5000, done).unwrap();
-    for (vehicles, years) in [(1.0, 1.0), (54321.0, 50.0)] {
+    for (vehicles, years) in [(1.0, 1.0), (20_000.0, 50.0)] {
         let exposure = Exposure::new(&scenario, vehicles, years);
         let result = RiskResult::new(&scenario, &tally, exposure, 0.95);
         let figures = risk_svg("HEB 220, 4 m high: column beside a motorway", &result).unwrap();
@@ -353,6 +353,8 @@ fn the_figures_of_a_risk_study() {
                 }
             }
         }
+        let traffic = format!("{vehicles} vehicles per day");
+        assert!(svg(&figures, "risk_probability").contains(&traffic));
         // No sample reached the most severe one, and the figure does not show a probability of 0.
         assert!(svg(&figures, "risk_probability").contains("none seen; below"));
     }

@@ -26,6 +26,8 @@ pub const INPUTS: usize = INPUT_NAMES.len();
 /// an articulated lorry of 40 t has 2 J.
 pub const LEAST_SPEED: f64 = 0.01;
 
+/// Samples of which one has to reach the column.
+const FIRST_SAMPLES: u64 = 10;
 /// Samples for a first look at the speeds at the column.
 const PILOT_SAMPLES: u64 = 2000;
 
@@ -81,6 +83,11 @@ impl DepartureSampler {
             reach: Reach::new(scenario).into(),
             greatest_speed: 0.0,
         };
+        if !(0..FIRST_SAMPLES).any(|index| sampler.departure(index).reaches_column()) {
+            let mut out_of_reach = Reach::clone(&sampler.reach);
+            out_of_reach.out_of_reach = true;
+            sampler.reach = out_of_reach.into();
+        }
         // The same for every seed, so that results of several seeds have the same intervals of speed.
         let mut speeds: Vec<f64> = (0..PILOT_SAMPLES)
             .map(|index| sampler.departure(index).velocity)

@@ -139,6 +139,17 @@ impl Distribution {
         })
     }
 
+    /// The same law, cut at these limits, too. They must leave at least a millionth of it.
+    pub(super) fn within(self, limits: [f64; 2]) -> Result<Self, DistributionFault> {
+        match self.family {
+            Family::Fixed(_) => Ok(self),
+            family => {
+                let [lower, upper] = self.limits;
+                Self::cut(family, [lower.max(limits[0]), upper.min(limits[1])])
+            }
+        }
+    }
+
     /// Whether every draw has the same value.
     #[must_use]
     pub fn is_fixed(&self) -> bool {
@@ -302,7 +313,13 @@ impl fmt::Display for Distribution {
             Family::Uniform { .. } => write!(f, "uniform")?,
         }
         let [lower, upper] = self.limits;
-        match (lower.is_finite(), upper.is_finite()) {
+        // A limit that cuts off less than one draw in a billion is not worth a word.
+        let uniform = matches!(self.family, Family::Uniform { .. });
+        let cut = [
+            uniform || self.between[0] > 1e-9,
+            uniform || self.between[1] < 1.0 - 1e-9,
+        ];
+        match (cut[0], cut[1]) {
             (true, true) => write!(f, ", from {} to {}", number(lower), number(upper)),
             (true, false) => write!(f, ", at least {}", number(lower)),
             (false, true) => write!(f, ", at most {}", number(upper)),
@@ -426,8 +443,8 @@ mod tests {
 
     #[test]
     fn laws_in_words() {
-        let law = Distribution::lognormal(10.0, 5.0, [f64::NEG_INFINITY, 216.0]).unwrap();
-        assert_eq!(law.to_string(), "lognormal, mean 10, sd 5, at most 216");
+        let law = Distribution::lognormal(10.0, 5.0, [f64::NEG_INFINITY, 60.0]).unwrap();
+        assert_eq!(law.to_string(), "lognormal, mean 10, sd 5, at most 60");
         assert_eq!(Distribution::fixed(3.0).unwrap().to_string(), "3");
     }
 }

@@ -24,6 +24,8 @@ const TAIL: f64 = 7.5;
 pub(super) struct Reach {
     /// Bounds of the levels, for each of the three.
     edges: [Vec<f64>; 3],
+    /// Set where a long search found no vehicle that reaches the column: only the bound is known then.
+    pub out_of_reach: bool,
     /// Sums of the probabilities of the cells, each times its bound, distance fastest.
     sums: Vec<f64>,
 }
@@ -62,7 +64,11 @@ impl Reach {
                 }
             }
         }
-        Self { edges, sums }
+        Self {
+            edges,
+            out_of_reach: false,
+            sums,
+        }
     }
 
     /// The sum of the bounds: at least the probability of reaching the column.
@@ -76,7 +82,7 @@ impl Reach {
         scenario: &Scenario,
         numbers: &mut Numbers,
     ) -> (Option<Course>, u64) {
-        if self.bound() <= 0.0 {
+        if self.bound() <= 0.0 || self.out_of_reach {
             return (None, 1);
         }
         for points in 1..=MAX_POINTS {

@@ -195,7 +195,8 @@ impl RiskResult {
 fn reach(tally: &Tally, z: f64) -> Estimate {
     let impacts = tally.total().impacts();
     match tally.points {
-        0 => Estimate {
+        // Without a vehicle that reaches the column only the bound is known.
+        _ if impacts == 0 => Estimate {
             value: 0.0,
             low: 0.0,
             high: tally.reach_bound,

@@ -569,7 +569,7 @@ impl Definition {
             )
         })?;
         let [lowest, highest] = self.range;
-        // Beyond these levels there is one draw in a billion, which would count as one that cannot be computed.
+        // A law that leaves the range only with one draw in a billion is cut there; another one is a mistake.
         let [lower, upper] = [1e-9, 1.0 - 1e-9].map(|level| distribution.quantile(level));
         if lower < lowest || upper > highest {
             let found = format!("{distribution}");
@@ -583,6 +583,10 @@ impl Definition {
                 format!("values {range}; cut the law with min and max"),
             ));
         }
+        let unlimited = distribution.to_string();
+        let distribution = distribution
+            .within(self.range)
+            .map_err(|fault| (self.name.to_owned(), unlimited, fault.expected))?;
         if self.constant && !distribution.is_fixed() {
             return Err((
                 self.name.to_owned(),
