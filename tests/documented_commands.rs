@@ -124,6 +124,13 @@ const COMMANDS: &[(&str, How)] = &[
     ("ros2 param", Cannot(NEEDS_ROS)),
     ("ros2 node", Cannot(NEEDS_ROS)),
     ("rviz2", Cannot(NEEDS_ROS)),
+    (
+        "pip install ./",
+        Elsewhere(
+            "crates/python/tests/wheels.sh",
+            "`pip install` as a user does it",
+        ),
+    ),
     ("pip install rerun-sdk", Cannot(NEEDS_SCREEN)),
     ("ssh -L", Cannot("needs another machine")),
     ("cpupower", Cannot("needs a tool of the kernel, and root")),
@@ -139,6 +146,7 @@ const COMMANDS: &[(&str, How)] = &[
     ("column-twin simulate", Ends),
     ("column-twin risk", Ends),
     ("column-twin map", Ends),
+    ("column-twin estimate", Ends),
     ("cargo run --release -- simulate", Ends),
     ("column-twin replay BAG --clock", Ends),
     ("column-twin replay", Ends),

@@ -85,6 +85,8 @@ struct Channel {
     candidate: Option<Candidate>,
     /// Last onset, confirmed or not.
     onset: Option<Onset>,
+    /// When the last candidate ended \[s\].
+    ended_at: f64,
     /// The samples that were averaged last.
     previous: Vec<(f64, f64)>,
 }
@@ -154,6 +156,7 @@ impl Channel {
             group: Vec::with_capacity(averaging),
             candidate: None,
             onset: None,
+            ended_at: f64::NEG_INFINITY,
             previous: Vec::with_capacity(averaging),
         }
     }
@@ -195,14 +198,17 @@ impl Channel {
             return self.follow(time, reading);
         }
         if self.samples >= LEAST_SAMPLES && reading.abs() > OPENING * noise {
-            self.onset = Some(Onset {
+            // What follows a candidate closely is the same motion.
+            let is_new = time - self.ended_at > SHAKING_WINDOW;
+            let onset = Onset {
                 time: self.departure(noise),
                 deviation: if self.is_level {
                     2.0 * LEAST_DEVIATION
                 } else {
                     LEAST_DEVIATION
                 },
-            });
+            };
+            self.onset = self.onset.filter(|_| !is_new).or(Some(onset));
             self.candidate = Some(Candidate {
                 opened_at: time,
                 parts: [[0.0; 2]; 2],
@@ -269,6 +275,7 @@ impl Channel {
         let least = KEEPING * candidate.noise;
         let kept = first > least && second > least && second > KEEPING_SHARE * first;
         self.candidate = None;
+        self.ended_at = time;
         kept
     }
 
