@@ -9,7 +9,7 @@ pub fn severity_colour(severity: Severity) -> [u8; 3] {
     match severity {
         Severity::None => [223, 240, 233],
         Severity::Inspect => [158, 206, 236],
-        Severity::Restrict => [244, 190, 92],
+        Severity::Restrict => [236, 176, 72],
         Severity::Prop => [217, 102, 44],
         Severity::Evacuate => [122, 28, 40],
     }

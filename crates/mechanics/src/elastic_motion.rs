@@ -73,7 +73,7 @@ pub(crate) struct Glimpse<'a> {
 }
 
 /// A column in motion at one instant.
-struct Instant {
+struct MotionState {
     settled: Settled,
     chain: Option<Chain>,
     /// True acceleration of `v1, u1, u2` \[m/s²\].
@@ -169,7 +169,7 @@ struct Run<'a> {
     model: &'a Model,
     state: &'a mut State,
     vehicle: Option<Vehicle>,
-    now: Instant,
+    now: MotionState,
     velocity: Vector3<f64>,
     /// Largest sum of the yield function at `now`.
     sum: f64,
@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
         let mut run = Self {
             model,
             vehicle,
-            now: Instant {
+            now: MotionState {
                 settled,
                 chain,
                 acceleration: Vector3::zeros(),
@@ -255,7 +255,7 @@ impl<'a> Run<'a> {
     }
 
     /// The first step of `secs`, or a single one: by Taylor's series, with the acceleration at its end for the next term.
-    fn taylor_step(&self, secs: f64) -> Option<(Vector3<f64>, Instant)> {
+    fn taylor_step(&self, secs: f64) -> Option<(Vector3<f64>, MotionState)> {
         let from = &self.now;
         let mut chain = from.chain;
         if let (Some(vehicle), Some(chain)) = (&self.vehicle, &mut chain) {
@@ -273,7 +273,7 @@ impl<'a> Run<'a> {
         let acceleration = self
             .forces(&settled, chain.as_ref())
             .component_mul(&self.per_mass());
-        let next = Instant {
+        let next = MotionState {
             settled,
             chain,
             acceleration,
@@ -334,7 +334,7 @@ impl<'a> Run<'a> {
             let acceleration = self
                 .forces(&settled, chain.as_ref())
                 .component_mul(&motion.per_mass);
-            next = Instant {
+            next = MotionState {
                 settled,
                 chain,
                 acceleration,
@@ -396,7 +396,7 @@ impl<'a> Run<'a> {
     }
 
     /// If a step to `next` must not be made this way: the share of it after which it yields, or 0.
-    fn rejected(&mut self, next: &Instant, steps: u32) -> Option<f64> {
+    fn rejected(&mut self, next: &MotionState, steps: u32) -> Option<f64> {
         let model = self.model;
         let displacement = &next.settled.displacement;
         if collapse_of(model, displacement).is_some() {
@@ -425,7 +425,7 @@ impl<'a> Run<'a> {
     }
 
     /// The share of a step of `secs` to `next` after which a hinge yields, if one does; otherwise its sum is noted.
-    fn yield_share(&mut self, next: &Instant, secs: f64) -> Option<f64> {
+    fn yield_share(&mut self, next: &MotionState, secs: f64) -> Option<f64> {
         let sum = self.largest_sum(next, secs, CLEARLY_ELASTIC);
         if sum <= 1.0 {
             self.sum = sum;
@@ -442,7 +442,7 @@ impl<'a> Run<'a> {
 
     /// Largest sum of the yield function, against resistances that grow with the strain rate and have hardened; `floor` if it
     /// is below that.
-    fn largest_sum(&self, next: &Instant, secs: f64, floor: f64) -> f64 {
+    fn largest_sum(&self, next: &MotionState, secs: f64, floor: f64) -> f64 {
         let model = self.model;
         let frame = &model.frame;
         let forces = &next.settled.forces;
