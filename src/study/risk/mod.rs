@@ -34,11 +34,14 @@ mod distribution;
 mod estimate;
 mod evaluation;
 mod fragility;
+mod law;
 mod normal;
 mod random;
 mod reach;
 mod result;
 mod scenario;
+#[cfg(test)]
+mod scenario_tests;
 mod sensitivity;
 mod study;
 mod tally;
@@ -52,9 +55,10 @@ pub use distribution::{Distribution, DistributionFault};
 pub use estimate::Estimate;
 pub use evaluation::{LimitState, RiskColumn, RiskError, SeverityAtSpeed};
 pub use fragility::{FragilityCurve, FragilityPoint, LognormalFit};
+pub use law::Input;
 pub use result::{ClassRisk, Counts, RiskResult, SeverityRisk};
 pub use scenario::{
-    Input, MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
+    MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
 };
 pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
 pub use study::{CONTROL_SHARE, RiskStudy, StudyRunError};

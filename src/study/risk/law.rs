@@ -1,0 +1,255 @@
+//! Laws as files and command lines give them, checked against what each input may be.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+use super::distribution::{Distribution, DistributionFault};
+use crate::parameters::Provenance;
+
+/// A law with its provenance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// The law.
+    pub distribution: Distribution,
+    /// Where its numbers come from; `None` for those of a user who gives none.
+    pub tag: Option<Provenance>,
+    /// The source, or the reason.
+    pub source: String,
+}
+
+/// What an entry with a law may be; the rest is cut away by its definition.
+pub(super) struct Definition {
+    pub name: &'static str,
+    /// Smallest and largest value that the law may give.
+    pub range: [f64; 2],
+    unit: &'static str,
+    /// Whether it may have only one value.
+    constant: bool,
+}
+
+/// Every law of a scenario, in the order of the fields.
+pub(super) const LAWS: [Definition; 8] = [
+    law("speed_km_h", [0.0, MAX_SPEED_KM_H], "km/h"),
+    law("angle_deg", [0.0, 90.0], "degrees"),
+    law("deceleration_m_s2", [0.0, f64::INFINITY], "m/s2"),
+    law("distance_m", [0.0, f64::INFINITY], "m"),
+    constant("accident_rate_per_m", [0.0, 1.0], "1/m"),
+    constant("hit_width_m", [0.0, 100.0], "m"),
+    law("yield_strength_factor", [1e-3, 100.0], "-"),
+    law("top_load_factor", [0.0, 100.0], "-"),
+];
+
+/// The largest speed that a vehicle may have \[km/h\]: that of the parameter `impact.velocity`.
+const MAX_SPEED_KM_H: f64 = 216.0;
+
+pub(super) const MASS: Definition = law("mass_kg", [1e-3, 1e6], "kg");
+pub(super) const FORCE_FACTOR: Definition = law("force_factor", [1e-3, 100.0], "-");
+
+const fn law(name: &'static str, range: [f64; 2], unit: &'static str) -> Definition {
+    Definition {
+        name,
+        range,
+        unit,
+        constant: false,
+    }
+}
+
+const fn constant(name: &'static str, range: [f64; 2], unit: &'static str) -> Definition {
+    Definition {
+        name,
+        range,
+        unit,
+        constant: true,
+    }
+}
+
+/// A law as files have it.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LawRow {
+    law: String,
+    value: Option<f64>,
+    mean: Option<f64>,
+    sd: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+    tag: Option<Provenance>,
+    #[serde(default)]
+    source: String,
+}
+
+/// Entry, what was found, what is expected.
+pub(super) type Wrong = (String, String, String);
+
+impl LawRow {
+    /// The notation of a command line; the error is what is expected.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut parts = text.split(':');
+        let law = parts.next().unwrap_or_default().trim().to_owned();
+        let numbers: Result<Vec<f64>, _> = parts.map(|part| part.trim().parse::<f64>()).collect();
+        let numbers =
+            numbers.map_err(|_| "numbers after the law, separated by colons".to_owned())?;
+        let mut row = Self {
+            law,
+            source: "given on the command line".to_owned(),
+            ..Self::default()
+        };
+        let (places, form): (&mut [&mut Option<f64>], _) = match row.law.as_str() {
+            "fixed" => (&mut [&mut row.value], "fixed:VALUE"),
+            "normal" | "lognormal" => (
+                &mut [&mut row.mean, &mut row.sd, &mut row.min, &mut row.max],
+                "normal:MEAN:SD or lognormal:MEAN:SD, with :MIN:MAX where it is cut",
+            ),
+            "rayleigh" => (
+                &mut [&mut row.mean, &mut row.min, &mut row.max],
+                "rayleigh:MEAN, with :MIN:MAX where it is cut",
+            ),
+            "uniform" => (&mut [&mut row.min, &mut row.max], "uniform:MIN:MAX"),
+            _ => return Err("a law: fixed, normal, lognormal, rayleigh or uniform".to_owned()),
+        };
+        let required = match places.len() {
+            4 => 2,
+            3 => 1,
+            all => all,
+        };
+        if numbers.len() != required && numbers.len() != places.len() {
+            return Err(form.to_owned());
+        }
+        for (place, number) in places.iter_mut().zip(numbers) {
+            **place = Some(number);
+        }
+        Ok(row)
+    }
+
+    fn distribution(&self) -> Result<Distribution, DistributionFault> {
+        let wrong = |number, found: &str, expected: &str| DistributionFault {
+            number,
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        };
+        let given = |number: &'static str, value: Option<f64>| {
+            value.ok_or_else(|| {
+                wrong(
+                    number,
+                    "nothing",
+                    &format!("a number, as the law {} needs it", self.law),
+                )
+            })
+        };
+        let absent = |numbers: &[(&'static str, Option<f64>)]| match numbers
+            .iter()
+            .find(|it| it.1.is_some())
+        {
+            Some((number, Some(value))) => Err(wrong(
+                number,
+                &value.to_string(),
+                &format!("nothing: the law {} has no such number", self.law),
+            )),
+            _ => Ok(()),
+        };
+        let limits = [
+            self.min.unwrap_or(f64::NEG_INFINITY),
+            self.max.unwrap_or(f64::INFINITY),
+        ];
+        let (value, mean, sd) = (("value", self.value), ("mean", self.mean), ("sd", self.sd));
+        match self.law.as_str() {
+            "fixed" => {
+                absent(&[mean, sd, ("min", self.min), ("max", self.max)])?;
+                Distribution::fixed(given("value", self.value)?)
+            }
+            "normal" => {
+                absent(&[value])?;
+                Distribution::normal(given("mean", self.mean)?, given("sd", self.sd)?, limits)
+            }
+            "lognormal" => {
+                absent(&[value])?;
+                Distribution::lognormal(given("mean", self.mean)?, given("sd", self.sd)?, limits)
+            }
+            "rayleigh" => {
+                absent(&[value, sd])?;
+                Distribution::rayleigh(given("mean", self.mean)?, limits)
+            }
+            "uniform" => {
+                absent(&[value, mean, sd])?;
+                Distribution::uniform([given("min", self.min)?, given("max", self.max)?])
+            }
+            other => Err(wrong(
+                "law",
+                other,
+                "fixed, normal, lognormal, rayleigh or uniform",
+            )),
+        }
+    }
+}
+
+impl Definition {
+    pub fn input(&self, json: &Json) -> Result<Input, Wrong> {
+        let row: LawRow = serde_json::from_value(json.clone()).map_err(|wrong| {
+            (
+                self.name.to_owned(),
+                wrong.to_string(),
+                "a law as in config/risk.json".to_owned(),
+            )
+        })?;
+        self.check(&row)
+    }
+
+    pub fn check(&self, row: &LawRow) -> Result<Input, Wrong> {
+        let distribution = row.distribution().map_err(|fault| {
+            (
+                format!("{}.{}", self.name, fault.number),
+                fault.found,
+                fault.expected,
+            )
+        })?;
+        let [lowest, highest] = self.range;
+        // A law that leaves the range only with one draw in a billion is cut there; another one is a mistake.
+        let [lower, upper] = [1e-9, 1.0 - 1e-9].map(|level| distribution.quantile(level));
+        if lower < lowest || upper > highest {
+            let found = format!("{distribution}");
+            let range = match highest.is_finite() {
+                true => format!("from {lowest} to {highest} {}", self.unit),
+                false => format!("not below {lowest} {}", self.unit),
+            };
+            return Err((
+                self.name.to_owned(),
+                found,
+                format!("values {range}; cut the law with min and max"),
+            ));
+        }
+        let unlimited = distribution.to_string();
+        let distribution = distribution
+            .within(self.range)
+            .map_err(|fault| (self.name.to_owned(), unlimited, fault.expected))?;
+        if self.constant && !distribution.is_fixed() {
+            return Err((
+                self.name.to_owned(),
+                format!("{distribution}"),
+                "one value: law fixed".to_owned(),
+            ));
+        }
+        Ok(Input {
+            distribution,
+            tag: row.tag,
+            source: row.source.clone(),
+        })
+    }
+}
+
+/// A law and its provenance, for programs.
+impl Serialize for Input {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Row<'a> {
+            law: String,
+            tag: Option<Provenance>,
+            source: &'a str,
+        }
+        Row {
+            law: self.distribution.to_string(),
+            tag: self.tag,
+            source: &self.source,
+        }
+        .serialize(serializer)
+    }
+}
