@@ -5,10 +5,10 @@ use std::io::{Read, Write};
 use super::sensor::Sensor;
 
 /// Most rows of a table: ten minutes at 10 kHz.
-pub const MAX_ROWS: usize = 6_000_000;
+const MAX_ROWS: usize = 6_000_000;
 
 /// Largest file that is read \[byte\].
-pub const MAX_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// Readings of some sensors: rows in the order of time, each with the values of all sensors, NaN where one is missing.
 #[derive(Debug, Clone, PartialEq, Default)]

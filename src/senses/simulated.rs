@@ -7,13 +7,13 @@ use super::sensor::{Quantity, Sensor};
 use crate::column::{ColumnProperties, Impact, Model, Progress, Response, SimulationError, State};
 
 /// Time before the event during which the sensors read the column at rest \[s\].
-pub const LEAD: f64 = 0.1;
+const LEAD: f64 = 0.1;
 
 /// Time after the end of the response during which they read it again \[s\].
 const TAIL: f64 = 0.05;
 
 /// What the sensors read during an impact on the virgin column that is followed for at most `max_duration` \[s\], from
-/// [`LEAD`] before the event, which is at time 0. Gain errors and biases are drawn once for each sensor, noise for each
+/// 0.1 s before the event, which is at time 0. Gain errors and biases are drawn once for each sensor, noise for each
 /// sample; the same seed gives the same readings.
 ///
 /// Each reading passes, in this order: the sign, the filter against aliasing (Butterworth, second order), gain error and

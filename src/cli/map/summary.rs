@@ -229,7 +229,7 @@ impl<'a> MapSummary<'a> {
     }
 
     /// The table of the rows with their critical values; empty where the axis of the columns has names.
-    fn criticals(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn critical_velocities(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (rows, columns) = (self.map.rows().quantity(), self.map.columns());
         if columns.quantity().is_named() {
             return Ok(());
@@ -337,7 +337,7 @@ impl Display for MapSummary<'_> {
                     severity_name(severity)
                 )?;
             }
-            self.criticals(f)?;
+            self.critical_velocities(f)?;
             writeln!(f)?;
         }
         for ((name, _, unit, _), extreme) in EXTREMES.iter().zip(&self.extremes) {
