@@ -11,7 +11,9 @@ use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
 use super::units::Unit;
 use crate::assessment::Severity;
 use crate::shape::severity_colour;
-use crate::study::{DamageMap, MapAxis, MapGrid, Quantity, RefinedMap, SEVERITIES, severity_name};
+use crate::study::{
+    DamageMap, MapAxis, MapGrid, MapQuantity, RefinedMap, SEVERITIES, severity_name,
+};
 
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
@@ -162,7 +164,7 @@ impl MapFigures<'_> {
         let mut key = Vec::new();
         if self.refined.is_some() {
             key.push(match columns.axis.quantity() {
-                Quantity::Velocity => "black lines: critical velocity of each class, to 1 %",
+                MapQuantity::Velocity => "black lines: critical velocity of each class, to 1 %",
                 _ => "black lines: boundaries of the classes, to 1 %",
             });
         }
@@ -419,7 +421,7 @@ impl MapFigures<'_> {
         let title = format!(
             "{} at which each severity begins",
             match columns.axis.quantity() {
-                Quantity::Velocity => "Critical velocity".to_owned(),
+                MapQuantity::Velocity => "Critical velocity".to_owned(),
                 quantity => format!("Value of {}", quantity.name()),
             }
         );

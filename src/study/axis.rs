@@ -42,7 +42,7 @@ const OF_THE_SECTION: [&str; 10] = [
 
 /// What varies along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Quantity {
+pub enum MapQuantity {
     /// Total mass of the vehicle \[kg\]; `impact.mass`.
     Mass,
     /// Speed of the vehicle \[m/s\]; `impact.velocity`.
@@ -78,7 +78,7 @@ pub enum AxisValues {
 /// One axis of a map: a quantity and its values, which are checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapAxis {
-    quantity: Quantity,
+    quantity: MapQuantity,
     values: AxisValues,
 }
 
@@ -217,7 +217,7 @@ fn did_you_mean(nearest: &[String]) -> String {
     }
 }
 
-impl Quantity {
+impl MapQuantity {
     /// The quantity of this name: `mass`, `velocity`, `height`, `section`, `vehicle`, or a parameter by its name.
     ///
     /// # Errors
@@ -358,7 +358,7 @@ impl MapAxis {
     /// ```
     pub fn parse(text: &str) -> Result<Self, AxisError> {
         let parsed = match text.split_once('=') {
-            Some((name, values)) if !name.trim().is_empty() => Quantity::named(name.trim())
+            Some((name, values)) if !name.trim().is_empty() => MapQuantity::named(name.trim())
                 .and_then(|quantity| Ok((quantity, parsed_values(quantity, values)?))),
             _ => Err(AxisProblem::NoName),
         };
@@ -374,7 +374,7 @@ impl MapAxis {
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
-    pub fn range(quantity: Quantity, from: f64, to: f64, count: u64) -> Result<Self, AxisError> {
+    pub fn range(quantity: MapQuantity, from: f64, to: f64, count: u64) -> Result<Self, AxisError> {
         Self::of(quantity, AxisValues::Range { from, to, count })
     }
 
@@ -382,14 +382,14 @@ impl MapAxis {
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
-    pub fn of(quantity: Quantity, values: AxisValues) -> Result<Self, AxisError> {
+    pub fn of(quantity: MapQuantity, values: AxisValues) -> Result<Self, AxisError> {
         Self::checked(quantity, values).map_err(|problem| AxisError {
             axis: quantity.name().to_owned(),
             problem,
         })
     }
 
-    fn checked(quantity: Quantity, mut values: AxisValues) -> Result<Self, AxisProblem> {
+    fn checked(quantity: MapQuantity, mut values: AxisValues) -> Result<Self, AxisProblem> {
         let finite = |value: f64| {
             let problem = || AxisProblem::NotANumber {
                 found: value.to_string(),
@@ -443,7 +443,7 @@ impl MapAxis {
 
     /// What varies.
     #[must_use]
-    pub fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> MapQuantity {
         self.quantity
     }
 
@@ -532,7 +532,7 @@ fn in_short(faults: &ParameterFaults) -> String {
 
 /// The changes of the parameters that give a quantity this value.
 pub(super) fn changes(
-    quantity: Quantity,
+    quantity: MapQuantity,
     base: &Parameters,
     value: AxisValue<'_>,
 ) -> Vec<(&'static str, Value)> {
@@ -541,9 +541,9 @@ pub(super) fn changes(
         AxisValue::Name(name) => Value::from(name),
     };
     match (quantity, value) {
-        (Quantity::Mass, value) => vec![("impact.mass", value_of(value))],
-        (Quantity::Velocity, value) => vec![("impact.velocity", value_of(value))],
-        (Quantity::Height, AxisValue::Number(height)) => {
+        (MapQuantity::Mass, value) => vec![("impact.mass", value_of(value))],
+        (MapQuantity::Velocity, value) => vec![("impact.velocity", value_of(value))],
+        (MapQuantity::Height, AxisValue::Number(height)) => {
             let geometry = &base.settings().geometry;
             let total = geometry.length_below + geometry.length_above;
             vec![
@@ -551,21 +551,21 @@ pub(super) fn changes(
                 ("geometry.length_above", Value::Double(total - height)),
             ]
         }
-        (Quantity::Height, name) => vec![("geometry.length_below", value_of(name))],
-        (Quantity::Section, value) => {
+        (MapQuantity::Height, name) => vec![("geometry.length_below", value_of(name))],
+        (MapQuantity::Section, value) => {
             let mut changes = vec![("section.name", value_of(value))];
             changes.extend(OF_THE_SECTION.map(|name| (name, Value::Double(0.0))));
             changes
         }
         // A vehicle that is named has its own mass, except for the rigid one, which has none.
-        (Quantity::Vehicle, value) => {
+        (MapQuantity::Vehicle, value) => {
             let mut changes = vec![("vehicle.name", value_of(value))];
             if value != AxisValue::Name(RIGID) {
                 changes.push(("impact.mass", Value::Double(0.0)));
             }
             changes
         }
-        (Quantity::Parameter(parameter), value) => vec![(parameter.name, value_of(value))],
+        (MapQuantity::Parameter(parameter), value) => vec![(parameter.name, value_of(value))],
     }
 }
 
@@ -579,15 +579,15 @@ impl fmt::Display for AxisValue<'_> {
     }
 }
 
-fn expected(quantity: Quantity) -> &'static str {
+fn expected(quantity: MapQuantity) -> &'static str {
     match quantity {
-        Quantity::Section => SECTIONS,
-        Quantity::Vehicle => VEHICLES,
+        MapQuantity::Section => SECTIONS,
+        MapQuantity::Vehicle => VEHICLES,
         _ => RANGE,
     }
 }
 
-fn unit_in_words(quantity: Quantity) -> &'static str {
+fn unit_in_words(quantity: MapQuantity) -> &'static str {
     match quantity.unit() {
         "" => "none",
         unit => unit,
@@ -608,10 +608,10 @@ fn check_count(count: u64) -> Result<(), AxisProblem> {
 }
 
 /// The number 0 of some parameters means that something else determines them.
-fn check_zero(quantity: Quantity, first: f64) -> Result<(), AxisProblem> {
+fn check_zero(quantity: MapQuantity, first: f64) -> Result<(), AxisProblem> {
     let name = match quantity {
-        Quantity::Parameter(parameter) => parameter.name,
-        Quantity::Mass => "impact.mass",
+        MapQuantity::Parameter(parameter) => parameter.name,
+        MapQuantity::Mass => "impact.mass",
         _ => return Ok(()),
     };
     let admissible = Parameter::named(name).map(|it| it.admissible);
@@ -626,9 +626,9 @@ fn check_zero(quantity: Quantity, first: f64) -> Result<(), AxisProblem> {
 }
 
 /// The name as the catalogue spells it.
-fn catalogue_name(quantity: Quantity, name: &str) -> Result<String, AxisProblem> {
+fn catalogue_name(quantity: MapQuantity, name: &str) -> Result<String, AxisProblem> {
     let found: String = name.trim().chars().take(60).collect();
-    if quantity == Quantity::Section {
+    if quantity == MapQuantity::Section {
         let section = CatalogueSection::named(&found);
         return section.map(|section| section.name.clone()).ok_or_else(|| {
             let nearest = CatalogueSection::nearest(&found);
@@ -644,7 +644,7 @@ fn catalogue_name(quantity: Quantity, name: &str) -> Result<String, AxisProblem>
     Ok(RIGID.to_owned())
 }
 
-fn parsed_values(quantity: Quantity, text: &str) -> Result<AxisValues, AxisProblem> {
+fn parsed_values(quantity: MapQuantity, text: &str) -> Result<AxisValues, AxisProblem> {
     let text = text.trim();
     if text.is_empty() {
         return Err(AxisProblem::Empty {
@@ -813,7 +813,7 @@ mod tests {
     fn every_number_of_a_column_can_vary() {
         let can_vary = PARAMETERS
             .iter()
-            .filter(|it| Quantity::named(it.name).is_ok());
+            .filter(|it| MapQuantity::named(it.name).is_ok());
         assert!(can_vary.count() > 30);
         for name in OF_THE_SECTION {
             assert!(Parameter::named(name).is_some(), "{name}");
@@ -822,7 +822,7 @@ mod tests {
 
     #[test]
     fn both_ends_of_a_range_are_exact() {
-        let axis = MapAxis::range(Quantity::Velocity, 0.1, 0.7, 8).expect("an axis");
+        let axis = MapAxis::range(MapQuantity::Velocity, 0.1, 0.7, 8).expect("an axis");
         assert_eq!(axis.ends(), Some([0.1, 0.7]));
         let numbers: Vec<_> = (0..8).filter_map(|index| axis.number(index)).collect();
         assert!(numbers.is_sorted());
@@ -869,7 +869,7 @@ mod tests {
             ("support.base_stiffness", "support_base_stiffness_n_m_rad"),
             ("yield_surface.alpha", "yield_surface_alpha"),
         ] {
-            assert_eq!(Quantity::named(name).expect(name).column_name(), column);
+            assert_eq!(MapQuantity::named(name).expect(name).column_name(), column);
         }
     }
 }

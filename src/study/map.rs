@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, Quantity};
+use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
 use super::study_column::{Screening, StudyColumn, StudyError};
 use crate::column::Impact;
@@ -324,9 +324,9 @@ impl DamageMap {
         let (mut vehicle, mut mass, mut velocity) = (None, None, settings.impact.velocity);
         for (axis, value) in [&self.rows, &self.columns].into_iter().zip(values) {
             match (axis.quantity(), value) {
-                (Quantity::Mass, AxisValue::Number(number)) => mass = Some(number),
-                (Quantity::Velocity, AxisValue::Number(number)) => velocity = number,
-                (Quantity::Vehicle, AxisValue::Name(name)) => vehicle = Some(name),
+                (MapQuantity::Mass, AxisValue::Number(number)) => mass = Some(number),
+                (MapQuantity::Velocity, AxisValue::Number(number)) => velocity = number,
+                (MapQuantity::Vehicle, AxisValue::Name(name)) => vehicle = Some(name),
                 _ => {}
             }
         }
@@ -421,11 +421,11 @@ impl MapTable {
 }
 
 /// What makes the rows: the smaller one.
-fn precedence(quantity: Quantity) -> u8 {
+fn precedence(quantity: MapQuantity) -> u8 {
     match quantity {
-        Quantity::Velocity => 3,
-        Quantity::Mass => 2,
-        Quantity::Vehicle => 1,
+        MapQuantity::Velocity => 3,
+        MapQuantity::Mass => 2,
+        MapQuantity::Vehicle => 1,
         _ => 0,
     }
 }
@@ -438,7 +438,7 @@ fn with_vehicle(
     let Some(name) = vehicle else {
         return Ok(parameters.clone());
     };
-    let changes = axis::changes(Quantity::Vehicle, parameters, AxisValue::Name(name));
+    let changes = axis::changes(MapQuantity::Vehicle, parameters, AxisValue::Name(name));
     parameters.with_changes(changes)
 }
 

@@ -41,7 +41,7 @@ mod study_column;
 mod vehicle_limits;
 
 #[cfg(feature = "study")]
-pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, Quantity};
+pub use axis::{AxisError, AxisProblem, AxisValue, AxisValues, MAX_CELLS, MapAxis, MapQuantity};
 #[cfg(feature = "study")]
 pub use batch::{Batch, BatchEnd};
 pub use critical::{

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use column_twin::parameters::Parameters;
 use column_twin::study::{
-    AxisValue, AxisValues, Batch, CriticalVelocity, DamageMap, MapAxis, MapError, Quantity,
+    AxisValue, AxisValues, Batch, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -28,7 +28,7 @@ pub enum GivenAxis {
 impl GivenAxis {
     pub fn axis(self) -> PyResult<MapAxis> {
         let quantity = |name: &str| {
-            Quantity::named(name).map_err(|problem| fault::input(format!("{name}: {problem}")))
+            MapQuantity::named(name).map_err(|problem| fault::input(format!("{name}: {problem}")))
         };
         let axis = match self {
             Self::Text(text) => MapAxis::parse(&text),
