@@ -306,8 +306,8 @@ fn short(value: f64) -> String {
     match size {
         _ if !size.is_finite() => "unknown".into(),
         _ if size >= 1000.0 => format!("{:.0}", (value / 10.0).round() * 10.0),
-        _ if size >= 100.0 => format!("{value:.0}"),
-        _ if size >= 10.0 => format!("{value:.1}"),
+        _ if size >= 99.95 => format!("{value:.0}"),
+        _ if size >= 9.995 => format!("{value:.1}"),
         _ if size < 0.005 => "0".into(),
         _ => format!("{value:.2}"),
     }

@@ -57,7 +57,7 @@ pub struct RiskArgs {
     #[arg(long, value_name = "YEARS", default_value_t = 1.0)]
     years: f64,
     /// Number of impacts that are drawn, such as 1e6
-    #[arg(long, value_name = "N", default_value = "100000", value_parser = count)]
+    #[arg(long, value_name = "N", default_value = "10000", value_parser = count)]
     samples: u64,
     /// Seed of the random numbers; the same seed gives the same result on any number of threads
     #[arg(long, value_name = "N", default_value_t = 1)]

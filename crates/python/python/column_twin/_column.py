@@ -310,7 +310,7 @@ class Column:
         distance: float | None = None,
         laws: Sequence[str] = (),
         scenarios: str | os.PathLike[str] | None = None,
-        samples: int = 100_000,
+        samples: int = 10_000,
         seed: int = 1,
         confidence: float = 0.95,
         exact: bool = False,
