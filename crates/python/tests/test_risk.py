@@ -56,6 +56,6 @@ def test_studies_that_are_not_accepted(steel: Column, tmp_path: Path) -> None:
         steel.risk("urban", 100, samples=10, laws=["speed_km_h=normal:50:-5"])
     for wrong in ({"years": 0.0}, {"confidence": 1.0}, {"samples": 0}, {"threads": 0}):
         with pytest.raises(ParameterError, match=next(iter(wrong))):
-            steel.risk("urban", 100, **wrong)  # type: ignore[arg-type]
+            steel.risk("urban", 100, **wrong)
     with pytest.raises(ParameterError, match="No such file"):
         steel.risk("mine", 100, scenarios=tmp_path / "missing.json")

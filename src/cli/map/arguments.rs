@@ -116,9 +116,10 @@ impl MapArgs {
             match number_or_axis(name, text, example)? {
                 NumberOrAxis::Number(number) => numbers[place] = Some(number),
                 NumberOrAxis::Axis(axis) => {
-                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own.
+                    // The impact of the parameters has to be admissible, too: a rigid mass has none of its own, and a vehicle
+                    // weighs more than its front masses.
                     if place < 4 {
-                        numbers[place] = axis.number(0);
+                        numbers[place] = axis.number(axis.len() - 1);
                     }
                     axes.push(axis);
                 }

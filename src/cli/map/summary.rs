@@ -52,6 +52,8 @@ enum RowValue {
 enum Critical {
     /// No cell of the row has it, as far as the row was computed.
     NotReached,
+    /// Not known: a cell of the row could not be computed, and those before it do not have it.
+    NotComputed,
     /// The lowest value of the row has it already.
     AtMost(f64),
     /// Between two values.
@@ -124,6 +126,15 @@ impl<'a> MapSummary<'a> {
                 self.faults += 1;
                 self.first_fault
                     .get_or_insert_with(|| (place, fault.clone()));
+                // Whether the severity would have been reached here is not known.
+                let rows = self.rows.iter_mut();
+                for row in rows.filter(|row| row.place == (place.variant, place.row)) {
+                    for critical in &mut row.critical {
+                        if *critical == Critical::NotReached {
+                            *critical = Critical::NotComputed;
+                        }
+                    }
+                }
                 return;
             }
         };
@@ -261,6 +272,7 @@ impl<'a> MapSummary<'a> {
             for critical in &row.critical {
                 let text = match critical {
                     Critical::NotReached => format!("> {}", short(highest)),
+                    Critical::NotComputed => "-".to_owned(),
                     Critical::AtMost(value) => format!("<= {}", short(*value)),
                     Critical::Between(_, at) => significant(*at, 4),
                 };
