@@ -103,7 +103,8 @@ def test_types() -> None:
     for command in (
         ["mypy", "--strict", "-p", "column_twin"],
         ["mypy", "--strict", *(str(path) for path in [tests / "conftest.py", *sorted(tests.glob("test_*.py"))])],
-        ["mypy.stubtest", "column_twin"],
+        # The other modules are typed in place and have no stubs.
+        ["mypy.stubtest", "column_twin._native", "--allowlist", str(tests / "stubtest_allowlist.txt")],
     ):
         ran = subprocess.run(
             [sys.executable, "-m", *command], cwd=os.path.dirname(sys.executable), env=environment, capture_output=True, text=True
