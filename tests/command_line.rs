@@ -1,13 +1,15 @@
 //! The program as a shell and its user meet it: signals, pipes, links and devices.
 #![cfg(all(feature = "cli", target_os = "linux"))]
 
+mod program;
+
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::fs::symlink;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::Stdio;
 
-use rustix::process::{Pid, Signal, kill_process};
+use program::{interrupt, program, run};
 
 /// A heavy and slow vehicle: contact lasts a third of a second, and its history takes many seconds to write.
 const LONG: [&str; 8] = [
@@ -20,23 +22,6 @@ const LONG: [&str; 8] = [
     "--csv",
     "history.csv",
 ];
-
-fn program(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    program(folder, arguments)
-        .output()
-        .expect("the program that was built with this test")
-}
-
-fn interrupt(child: &Child) {
-    let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-    kill_process(id.expect("a process id"), Signal::INT).expect("a running process");
-}
 
 fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> = fs::read_dir(folder)

@@ -1,10 +1,13 @@
 //! `column-twin map` as a user meets it: bad input, files in every format, parts, Ctrl-C; and its numbers against `simulate`.
 #![cfg(all(feature = "cli", target_os = "linux"))]
 
+mod program;
+
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 use arrow_array::{Array, Float64Array, RecordBatch, StringArray, UInt64Array};
 use arrow_ipc::reader::FileReader;
@@ -13,7 +16,7 @@ use column_twin::parameters::{Parameters, Value as ParameterValue};
 use column_twin::study::{Batch, DamageMap, MapAxis, RowBoundary, SEVERITIES, StudyColumn};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
-use rustix::process::{Pid, Signal, kill_process};
+use program::{interrupt, program, run};
 use serde_json::Value;
 
 /// A map of the paper's column that reaches every class.
@@ -26,18 +29,6 @@ const SMALL: [&str; 7] = [
     "--velocity",
     "0.5:15:7",
 ];
-
-fn program(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    program(folder, arguments)
-        .output()
-        .expect("the program that was built with this test")
-}
 
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let ended = run(folder, arguments);
@@ -498,11 +489,12 @@ fn ctrl_c_leaves_what_is_finished() {
         let line = counts.lines().find_map(|line| line.strip_prefix("wchar: "));
         line.and_then(|count| count.parse().ok()).unwrap_or(0_u64)
     };
+    let deadline = Instant::now() + Duration::from_secs(60);
     while written() < 300_000 {
+        assert!(Instant::now() < deadline, "{} bytes written", written());
         std::thread::yield_now();
     }
-    let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-    kill_process(id.expect("a process id"), Signal::INT).expect("a running process");
+    interrupt(&child);
     let ended = child.wait_with_output().expect("a child");
     let errors = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(3), "{errors}");

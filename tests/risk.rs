@@ -1,12 +1,13 @@
 //! `column-twin risk` as a user meets it: results, files, wrong input, Ctrl-C.
 #![cfg(all(feature = "cli", target_os = "linux"))]
 
+mod program;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 use std::time::Duration;
 
-use rustix::process::{Pid, Signal, kill_process};
+use program::{interrupt, program, run};
 use serde_json::Value as Json;
 
 /// A column beside a street, with few samples.
@@ -20,16 +21,9 @@ const STREET: [&str; 7] = [
     "7",
 ];
 
-fn program(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    command.current_dir(folder).args(STREET).args(arguments);
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    program(folder, arguments)
-        .output()
-        .expect("the program that was built with this test")
+/// A study of the street with further arguments.
+fn street<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
+    STREET.iter().chain(arguments).copied().collect()
 }
 
 fn json(output: &Output) -> Json {
@@ -56,7 +50,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             "--samples-csv",
             &samples,
         ];
-        let found = json(&run(folder.path(), &arguments));
+        let found = json(&run(folder.path(), &street(&arguments)));
         let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("written");
         outputs.push((found.to_string(), read(&csv), read(&samples)));
     }
@@ -81,7 +75,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     // Other inputs have another result.
     let other = json(&run(
         folder.path(),
-        &["--samples", "60", "--json", "--law", "speed_km_h=fixed:40"],
+        &street(&["--samples", "60", "--json", "--law", "speed_km_h=fixed:40"]),
     ));
     assert_ne!(other["classes"], found["classes"]);
 }
@@ -91,7 +85,7 @@ fn the_summary_and_the_figures_of_a_column_that_is_not_hit_are_no_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = run(
         folder.path(),
-        &["--samples", "10", "--distance", "1e6", "--plots", "plots"],
+        &street(&["--samples", "10", "--distance", "1e6", "--plots", "plots"]),
     );
     assert!(
         output.status.success(),
@@ -144,7 +138,7 @@ fn wrong_input_is_rejected_with_what_is_expected() {
             "the vehicle lorry_8t strikes 1.25 m above the base; expected less than 1.1 m",
         ),
     ] {
-        let output = run(folder.path(), arguments);
+        let output = run(folder.path(), &street(arguments));
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{errors}");
         assert!(errors.contains(expected), "{errors}");
@@ -177,7 +171,7 @@ fn wrong_input_is_rejected_with_what_is_expected() {
 fn ctrl_c_leaves_the_result_of_what_is_finished() {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["--samples", "1e9", "--exact", "--threads", "1", "--json"];
-    let mut command = program(folder.path(), &arguments);
+    let mut command = program(folder.path(), &street(&arguments));
     let child = command
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -185,8 +179,7 @@ fn ctrl_c_leaves_the_result_of_what_is_finished() {
         .expect("runs");
     // Whenever the signal comes, the result is whole; after this time it is likely to have samples.
     std::thread::sleep(Duration::from_secs(2));
-    let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-    kill_process(id.expect("a process id"), Signal::INT).expect("a running process");
+    interrupt(&child);
     let output = child.wait_with_output().expect("ends");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{errors}");
@@ -203,7 +196,7 @@ fn ctrl_c_leaves_the_result_of_what_is_finished() {
     let samples = done.to_string();
     let again = json(&run(
         folder.path(),
-        &["--samples", &samples, "--exact", "--json"],
+        &street(&["--samples", &samples, "--exact", "--json"]),
     ));
     for part in [
         "severities",

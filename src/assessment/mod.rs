@@ -344,14 +344,31 @@ fn axes(input: &AssessmentInput) -> String {
     text
 }
 
-impl Display for Severity {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Severity {
+    /// Every severity, the least severe first.
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Inspect,
+        Self::Restrict,
+        Self::Prop,
+        Self::Evacuate,
+    ];
+
+    /// Its name, as messages and files write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
             Self::None => "none",
             Self::Inspect => "inspect",
             Self::Restrict => "restrict",
             Self::Prop => "prop",
             Self::Evacuate => "evacuate",
-        })
+        }
+    }
+}
+
+impl Display for Severity {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
 use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
+use column_twin::assessment::Severity;
 use column_twin::senses::{
     CredibleInterval, EstimatorError, ImpactEstimate, Readings, ReadingsError, RecordedImpact,
     estimate_recorded,
@@ -162,7 +162,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
     let named = |pairs: &mut dyn Iterator<Item = (String, f64)>| -> Json {
         Json::Object(pairs.map(|(name, value)| (name, value.into())).collect())
     };
-    let severity = |(severity, probability): &(_, f64)| (name_of(severity), *probability);
+    let severity = |(severity, probability): &(Severity, f64)| (severity.to_string(), *probability);
     let fields = json!({
         "data_until_s": estimate.data_until,
         "contact_time_s": estimate.contact_time.mean,
@@ -183,14 +183,6 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
     match fields {
         Json::Object(fields) => fields,
         _ => Map::new(),
-    }
-}
-
-/// The name of a severity in parameters and messages.
-fn name_of(severity: &impl Serialize) -> String {
-    match serde_json::to_value(severity) {
-        Ok(Json::String(name)) => name,
-        _ => String::new(),
     }
 }
 

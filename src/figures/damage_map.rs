@@ -11,9 +11,7 @@ use super::page::{self, Area, CANVAS, Drawn, LegendKey, SMALL, Stroke, colour};
 use super::units::Unit;
 use crate::assessment::Severity;
 use crate::shape::severity_colour;
-use crate::study::{
-    DamageMap, MapAxis, MapGrid, MapQuantity, RefinedMap, SEVERITIES, severity_name,
-};
+use crate::study::{DamageMap, MapAxis, MapGrid, MapQuantity, RefinedMap, SEVERITIES};
 
 /// Places along the axis of the rows at which a boundary is drawn.
 const BOUNDARY_POINTS: usize = 240;
@@ -196,12 +194,7 @@ impl MapFigures<'_> {
 
     fn legend(&self, variant: usize) -> Vec<(LegendKey, String)> {
         let severities = [Severity::None].into_iter().chain(SEVERITIES);
-        let fill = |severity| {
-            (
-                LegendKey::Fill(rgb(severity)),
-                severity_name(severity).to_owned(),
-            )
-        };
+        let fill = |severity| (LegendKey::Fill(rgb(severity)), severity.name().to_owned());
         let mut legend: Vec<_> = severities.map(fill).collect();
         let is_missing = |grid: &MapGrid| {
             let columns = 0..grid.columns().len();
@@ -459,7 +452,7 @@ impl MapFigures<'_> {
                 for variant in 0..variants.len() {
                     self.boundary(&picture, variant, severity, stroke(variant))?;
                 }
-                picture.name(severity_name(severity))?;
+                picture.name(severity.name())?;
             }
             Ok(())
         })

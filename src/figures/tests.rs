@@ -64,28 +64,33 @@ fn texts(tree: &Tree) -> Vec<(String, resvg::tiny_skia::Rect)> {
     texts
 }
 
+/// More than `least` texts are on the page, and none overlaps another.
+fn assert_texts_are_apart(name: &str, svg: &str, least: usize) {
+    let tree = tree(svg);
+    let (width, height) = (tree.size().width(), tree.size().height());
+    let texts = texts(&tree);
+    assert!(texts.len() > least, "{name} has only {} texts", texts.len());
+    for (number, (text, place)) in texts.iter().enumerate() {
+        let inside = place.left() >= 0.0
+            && place.top() >= 0.0
+            && place.right() <= width
+            && place.bottom() <= height;
+        assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
+        for (other, other_place) in &texts[number + 1..] {
+            let apart = place.right() <= other_place.left()
+                || other_place.right() <= place.left()
+                || place.bottom() <= other_place.top()
+                || other_place.bottom() <= place.top();
+            assert!(apart, "{name}: {text:?} overlaps {other:?}");
+        }
+    }
+}
+
 #[test]
 fn every_text_is_on_the_page_and_none_overlaps_another() {
     for reference in [Reference::ellipse(), Reference::duan_chen()] {
         for (name, svg) in draw_svg(&reference.response()).unwrap() {
-            let tree = tree(&svg);
-            let (width, height) = (tree.size().width(), tree.size().height());
-            let texts = texts(&tree);
-            assert!(texts.len() > 10, "{name} has only {} texts", texts.len());
-            for (number, (text, place)) in texts.iter().enumerate() {
-                let inside = place.left() >= 0.0
-                    && place.top() >= 0.0
-                    && place.right() <= width
-                    && place.bottom() <= height;
-                assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
-                for (other, other_place) in &texts[number + 1..] {
-                    let apart = place.right() <= other_place.left()
-                        || other_place.right() <= place.left()
-                        || place.bottom() <= other_place.top()
-                        || other_place.bottom() <= place.top();
-                    assert!(apart, "{name}: {text:?} overlaps {other:?}");
-                }
-            }
+            assert_texts_are_apart(&name, &svg, 10);
         }
     }
 }
@@ -334,24 +339,7 @@ fn the_figures_of_a_risk_study() {
         let figures = risk_svg("HEB 220, 4 m high: column beside a motorway", &result).unwrap();
         assert_eq!(figures.len(), 3);
         for (name, svg) in &figures {
-            let tree = tree(svg);
-            let (width, height) = (tree.size().width(), tree.size().height());
-            let texts = texts(&tree);
-            assert!(texts.len() > 15, "{name} has only {} texts", texts.len());
-            for (number, (text, place)) in texts.iter().enumerate() {
-                let inside = place.left() >= 0.0
-                    && place.top() >= 0.0
-                    && place.right() <= width
-                    && place.bottom() <= height;
-                assert!(inside, "{name}: {text:?} leaves the page: {place:?}");
-                for (other, other_place) in &texts[number + 1..] {
-                    let apart = place.right() <= other_place.left()
-                        || other_place.right() <= place.left()
-                        || place.bottom() <= other_place.top()
-                        || other_place.bottom() <= place.top();
-                    assert!(apart, "{name}: {text:?} overlaps {other:?}");
-                }
-            }
+            assert_texts_are_apart(name, svg, 15);
         }
         let traffic = format!("{vehicles} vehicles per day");
         assert!(svg(&figures, "risk_probability").contains(&traffic));

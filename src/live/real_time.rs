@@ -123,8 +123,8 @@ pub fn request_for_publisher(wanted: &RealTime) {
     }
 }
 
-/// Gives the calling thread the lowest priority, and these processors. `false` if it has a real-time priority all the same, so
-/// that it would be in the way of others.
+/// Gives the calling thread the lowest priority, and these processors. `false` if it still has a
+/// real-time priority, with which it would delay other threads.
 pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
     const LEAST_NICE: i32 = 19;
     if let Some(processors) = processors {

@@ -48,7 +48,7 @@ impl Parameter {
     }
 }
 
-/// Where the parameter of a name stands in the table, whether or not its sensor is declared.
+/// The row of the table that describes a parameter, whether or not its sensor is declared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Entry<'a> {
     /// Index in [`PARAMETERS`].

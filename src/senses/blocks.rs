@@ -22,7 +22,7 @@ const NEAR_YIELD: f64 = 0.5;
 
 /// A span of time after contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Block {
+pub(super) struct Block {
     /// Its beginning \[s\]; negative before contact.
     pub start: f64,
     /// \[s\]
@@ -31,7 +31,7 @@ pub struct Block {
 
 /// What a sensor has read over a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BlockMean {
+pub(super) struct BlockMean {
     /// Its mean, relative to the column at rest.
     pub mean: f64,
     /// Variance of the mean by noise and by the learned zero.
@@ -44,7 +44,7 @@ pub struct BlockMean {
 
 /// The readings of all sensors, by block.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Blocks {
+pub(super) struct Blocks {
     contact: f64,
     yield_strain: f64,
     layout: Vec<Block>,
@@ -67,7 +67,6 @@ struct Channel {
 impl Blocks {
     /// For a contact at `contact` \[s\], on a column that yields at `yield_strain`, until `horizon` after it \[s\]. `zeros` are
     /// the readings at rest with their standard deviations, sensor by sensor.
-    #[must_use]
     pub fn new(
         contact: f64,
         horizon: f64,
@@ -105,13 +104,11 @@ impl Blocks {
     }
 
     /// The instant of contact to which the blocks refer \[s\].
-    #[must_use]
     pub fn contact(&self) -> f64 {
         self.contact
     }
 
     /// The blocks.
-    #[must_use]
     pub fn layout(&self) -> &[Block] {
         &self.layout
     }
@@ -137,7 +134,6 @@ impl Blocks {
     }
 
     /// How many blocks are complete with data until `until` \[s\].
-    #[must_use]
     pub fn complete(&self, until: f64) -> usize {
         let until = until - self.contact;
         // Half a nanosecond for the round-off of times.
@@ -146,7 +142,6 @@ impl Blocks {
     }
 
     /// What a sensor has read over a block; `None` where it has no samples, or no longer reads the elastic bar.
-    #[must_use]
     pub fn mean(&self, sensor: usize, index: usize) -> Option<BlockMean> {
         let channel = &self.channels[sensor];
         if index >= channel.lost_from {
@@ -156,7 +151,6 @@ impl Blocks {
         let means = (0..=index).filter_map(|index| channel.mean(index));
         let largest = means.fold(0.0, |largest: f64, mean| largest.max(mean.abs()));
         let count = f64::from(channel.counts[index]);
-        // The least noise is that of one digit, so that a noiseless sensor does not decide alone.
         let yielded = self.channels.iter().any(|other| {
             other.is_strain()
                 && (other.lost_from <= index

@@ -42,15 +42,6 @@ const ASSESSED: usize = 24;
 /// Standard deviations to either end of a 90 % interval of a normal distribution.
 const TAIL_DEVIATIONS: f64 = 1.645;
 
-/// Every severity, the least severe first.
-const SEVERITIES: [Severity; 5] = [
-    Severity::None,
-    Severity::Inspect,
-    Severity::Restrict,
-    Severity::Prop,
-    Severity::Evacuate,
-];
-
 /// Why sensors cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
@@ -161,12 +152,7 @@ impl Estimator {
     /// The number of responses that it rests on if all counted alike.
     #[must_use]
     pub fn effective_responses(&self) -> f64 {
-        1.0 / self
-            .population
-            .weights()
-            .iter()
-            .map(|weight| weight * weight)
-            .sum::<f64>()
+        effective(&self.population.weights())
     }
 
     /// Number of responses computed.
@@ -228,8 +214,10 @@ impl Estimator {
         let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
             CredibleInterval::of(members().flat_map(|(member, weight)| {
                 let [scale, deviation] = member.scale;
-                let (scaled, error) =
-                    (deviation * value(member), error * member.prediction.peak_v1);
+                let (scaled, error) = (
+                    deviation * value(member),
+                    error * member.prediction.report.max_v1,
+                );
                 let deviation = (scaled * scaled + error * error).sqrt();
                 SPREAD.map(|z| (scale * value(member) + deviation * z, weight))
             }))
@@ -268,19 +256,27 @@ impl Estimator {
                 members()
                     .map(|(member, weight)| ([member.unknowns[0], member.unknowns[1]], weight)),
             ),
-            peak_v1: spread(&|member| member.prediction.peak_v1, PEAK_ERROR),
+            peak_v1: spread(&|member| member.prediction.report.max_v1, PEAK_ERROR),
             residual_v1: spread(
-                &|member| member.prediction.residual_v1.unwrap_or(f64::NAN),
+                &|member| {
+                    let rest = member.prediction.rest.as_ref();
+                    rest.map_or(f64::NAN, |rest| rest.displacement.v1)
+                },
                 RESIDUAL_ERROR,
             ),
-            yielded: share(&|member| member.prediction.outcome != Outcome::Elastic),
-            collapsed: share(&|member| collapses(member.prediction.outcome)),
+            yielded: share(&|member| member.prediction.report.outcome != Outcome::Elastic),
+            collapsed: share(&|member| collapses(member.prediction.report.outcome)),
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
-            severity: SEVERITIES.map(with_severity).to_vec(),
+            severity: Severity::ALL.map(with_severity).to_vec(),
             vehicle_probabilities: vehicles,
-            effective_responses: 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>(),
+            effective_responses: effective(&weights),
         }
     }
+}
+
+/// Kish's effective number of weighted responses, whose weights add up to 1.
+fn effective(weights: &[f64]) -> f64 {
+    1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>()
 }
 
 fn correlation(pairs: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> f64 {

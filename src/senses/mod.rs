@@ -37,8 +37,6 @@ mod sensor;
 mod simulated;
 
 #[cfg(feature = "study")]
-pub use blocks::{Block, BlockMean, Blocks};
-#[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
 #[cfg(feature = "study")]
 pub use estimate::{CredibleInterval, ImpactEstimate};

@@ -1,9 +1,9 @@
 //! What one conceivable impact would have let the sensors read, and how it would have ended.
 
-use super::probe::Probe;
-use super::sensor::{Quantity, Sensor};
+use super::probe::SteppedProbe;
+use super::sensor::Sensor;
 use crate::column::{
-    ColumnProperties, End, Impact, Model, Outcome, Progress, Response, State, residual_state,
+    ColumnProperties, End, Impact, Model, Progress, Report, Response, State, residual_state,
 };
 
 /// Time after contact that a prediction covers \[s\].
@@ -77,14 +77,9 @@ pub(super) struct Prediction {
     integrals: Vec<Vec<f64>>,
     /// Reading of each sensor after the last edge.
     at_end: Vec<f64>,
-    /// Largest `v1` \[m\].
-    pub peak_v1: f64,
-    /// `v1` of the residual equilibrium \[m\]; `None` if there is none.
-    pub residual_v1: Option<f64>,
-    pub outcome: Outcome,
-    /// The column at rest afterwards, and its model; `None` if it does not stand.
+    /// The column at rest afterwards; `None` if it does not stand, or has no equilibrium.
     pub rest: Option<Box<State>>,
-    pub report: crate::column::Report,
+    pub report: Report,
 }
 
 impl Prediction {
@@ -108,12 +103,11 @@ impl Prediction {
         let model = Model::new(&properties).ok()?;
         let secs = 1e-9 * properties.step_nanos as f64;
         let mut state = State::at_rest(&model);
-        let probes: Vec<_> = sensors
+        let mut probes: Vec<_> = sensors
             .iter()
-            .map(|sensor| Probe::new(&model, sensor))
+            .map(|sensor| SteppedProbe::new(&model, &state, sensor))
             .collect();
-        let at_rest: Vec<f64> = probes.iter().map(|probe| probe.read(&state)).collect();
-        let mut readers: Vec<_> = sensors.iter().map(Reader::new).collect();
+        let mut last = vec![0.0; sensors.len()];
         let mut response = Response::begin(&model, &mut state, *impact, 2.0 * HORIZON).ok()?;
         let mut integrals: Vec<Vec<f64>> = sensors.iter().map(|_| vec![0.0]).collect();
         let mut end = None;
@@ -127,9 +121,9 @@ impl Prediction {
                 {
                     end = Some(over);
                 }
-                for (k, reader) in readers.iter_mut().enumerate() {
-                    let reading = probes[k].read(&state) - at_rest[k];
-                    sums[k] += secs * reader.read(reading, secs, end.is_some());
+                for (k, (probe, sensor)) in probes.iter_mut().zip(sensors).enumerate() {
+                    last[k] = sensor.clipped(probe.read(&state, secs, end.is_some()));
+                    sums[k] += secs * last[k];
                 }
             }
             last_nanos = edge;
@@ -153,11 +147,8 @@ impl Prediction {
         let stands = !matches!(end, End::Collapsed | End::Severed);
         let rest = stands.then(|| residual_state(&model, &state)).flatten();
         Some(Self {
-            at_end: readers.iter().map(|reader| reader.last).collect(),
+            at_end: last,
             integrals,
-            peak_v1: report.max_v1,
-            residual_v1: rest.as_ref().map(|rest| rest.displacement.v1),
-            outcome: report.outcome,
             rest: rest.map(Box::new),
             report,
         })
@@ -172,45 +163,5 @@ impl Prediction {
         let integrals = &self.integrals[sensor];
         let (a, b) = (integrals[place.index], integrals[place.index + 1]);
         a + place.share * (b - a) + place.beyond * self.at_end[sensor]
-    }
-}
-
-/// Turns the displacement at an accelerometer into its reading, and clips.
-struct Reader {
-    is_acceleration: bool,
-    range: f64,
-    displacement: f64,
-    velocity: f64,
-    last: f64,
-}
-
-impl Reader {
-    fn new(sensor: &Sensor) -> Self {
-        Self {
-            is_acceleration: sensor.quantity == Quantity::Acceleration,
-            range: if sensor.range > 0.0 {
-                sensor.range
-            } else {
-                f64::INFINITY
-            },
-            displacement: 0.0,
-            velocity: 0.0,
-            last: 0.0,
-        }
-    }
-
-    fn read(&mut self, reading: f64, secs: f64, is_over: bool) -> f64 {
-        let reading = if !self.is_acceleration {
-            reading
-        } else if is_over {
-            0.0
-        } else {
-            let velocity = (reading - self.displacement) / secs;
-            let acceleration = (velocity - self.velocity) / secs;
-            (self.displacement, self.velocity) = (reading, velocity);
-            acceleration
-        };
-        self.last = reading.clamp(-self.range, self.range);
-        self.last
     }
 }

@@ -89,3 +89,42 @@ impl Probe {
         self.sign * reading
     }
 }
+
+/// Reads one sensor step by step, relative to the column at rest.
+#[derive(Debug, Clone)]
+pub(super) struct SteppedProbe {
+    probe: Probe,
+    at_rest: f64,
+    is_acceleration: bool,
+    displacement: f64,
+    velocity: f64,
+}
+
+impl SteppedProbe {
+    /// A sensor on this column at rest.
+    pub fn new(model: &Model, at_rest: &State, sensor: &Sensor) -> Self {
+        let probe = Probe::new(model, sensor);
+        Self {
+            at_rest: probe.read(at_rest),
+            probe,
+            is_acceleration: sensor.quantity == Quantity::Acceleration,
+            displacement: 0.0,
+            velocity: 0.0,
+        }
+    }
+
+    /// The reading after a step of `secs` seconds. A response that is over has no acceleration.
+    pub fn read(&mut self, state: &State, secs: f64, is_over: bool) -> f64 {
+        let reading = self.probe.read(state) - self.at_rest;
+        if !self.is_acceleration {
+            reading
+        } else if is_over {
+            0.0
+        } else {
+            let velocity = (reading - self.displacement) / secs;
+            let acceleration = (velocity - self.velocity) / secs;
+            (self.displacement, self.velocity) = (reading, velocity);
+            acceleration
+        }
+    }
+}

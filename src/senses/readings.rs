@@ -75,6 +75,9 @@ pub enum ReadingsError {
     /// Too many rows.
     #[error("the table has more than {MAX_ROWS} rows; cut it to the time of the impact")]
     TooLong,
+    /// Too many bytes.
+    #[error("the table has more than {MAX_BYTES} bytes; cut it to the time of the impact")]
+    TooLarge,
     /// No rows.
     #[error("the table has no rows")]
     Empty,
@@ -94,7 +97,7 @@ impl Readings {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
-            .from_reader(text.take(MAX_BYTES));
+            .from_reader(text.take(MAX_BYTES + 1));
         let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
         let known: Vec<String> = sensors.iter().map(|sensor| sensor.name.clone()).collect();
         let no_column = |name: &str| ReadingsError::NoColumn {
@@ -165,6 +168,9 @@ impl Readings {
             for &(column, sensor) in &columns {
                 readings.values[first + sensor] = number(column)?;
             }
+        }
+        if reader.position().byte() > MAX_BYTES {
+            return Err(ReadingsError::TooLarge);
         }
         if readings.times.is_empty() {
             return Err(ReadingsError::Empty);

@@ -60,6 +60,17 @@ pub struct Sensor {
     pub fibre: f64,
 }
 
+impl Sensor {
+    /// A reading as far as it lies within the range.
+    #[must_use]
+    pub fn clipped(&self, reading: f64) -> f64 {
+        match self.range > 0.0 {
+            true => reading.clamp(-self.range, self.range),
+            false => reading,
+        }
+    }
+}
+
 /// The word is not that of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("is not a quantity; known: {}", Quantity::WORDS.join(", "))]

@@ -1,9 +1,9 @@
 //! What sensors read in a simulated impact, with their errors.
 
-use super::probe::Probe;
+use super::probe::SteppedProbe;
 use super::random::Random;
 use super::readings::Readings;
-use super::sensor::{Quantity, Sensor};
+use super::sensor::Sensor;
 use crate::column::{ColumnProperties, Impact, Model, Progress, Response, SimulationError, State};
 
 /// Time before the event during which the sensors read the column at rest \[s\].
@@ -94,10 +94,7 @@ fn table(mut samples: Vec<Sampled>, sensors: usize) -> Readings {
 
 struct Channel<'a> {
     sensor: &'a Sensor,
-    probe: Probe,
-    at_rest: f64,
-    displacement: f64,
-    velocity: f64,
+    probe: SteppedProbe,
     filter: LowPass,
     /// Filtered reading at the last step and at the one before.
     filtered: [f64; 2],
@@ -115,14 +112,9 @@ impl<'a> Channel<'a> {
         secs: f64,
         random: &mut Random,
     ) -> Self {
-        let probe = Probe::new(model, sensor);
-        let at_rest = probe.read(state);
         Self {
             sensor,
-            probe,
-            at_rest,
-            displacement: 0.0,
-            velocity: 0.0,
+            probe: SteppedProbe::new(model, state, sensor),
             filter: LowPass::new(sensor.bandwidth, secs),
             filtered: [0.0; 2],
             gain: 1.0 + sensor.gain_error * random.normal(),
@@ -137,17 +129,7 @@ impl<'a> Channel<'a> {
 
     /// Reads the column after a step.
     fn advance(&mut self, state: &State, secs: f64, is_over: bool) {
-        let reading = self.probe.read(state) - self.at_rest;
-        let reading = if self.sensor.quantity != Quantity::Acceleration {
-            reading
-        } else if is_over {
-            0.0
-        } else {
-            let velocity = (reading - self.displacement) / secs;
-            let acceleration = (velocity - self.velocity) / secs;
-            (self.displacement, self.velocity) = (reading, velocity);
-            acceleration
-        };
+        let reading = self.probe.read(state, secs, is_over);
         self.filtered = [self.filter.next(reading), self.filtered[0]];
     }
 
@@ -166,15 +148,10 @@ impl<'a> Channel<'a> {
     ) {
         let declared = self.sensor;
         let value = self.gain * filtered + self.bias + declared.noise * random.normal();
-        let range = if declared.range > 0.0 {
-            declared.range
-        } else {
-            f64::INFINITY
-        };
         samples.push(Sampled {
             time: self.next_time(),
             sensor,
-            value: value.clamp(-range, range),
+            value: declared.clipped(value),
         });
         self.next += 1;
     }

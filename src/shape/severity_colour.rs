@@ -22,14 +22,7 @@ mod tests {
     /// A print in grey shows the order.
     #[test]
     fn the_more_severe_the_darker() {
-        let severities = [
-            Severity::None,
-            Severity::Inspect,
-            Severity::Restrict,
-            Severity::Prop,
-            Severity::Evacuate,
-        ];
-        let luminance = severities.map(|severity| {
+        let luminance = Severity::ALL.map(|severity| {
             let [red, green, blue] = severity_colour(severity).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
         });

@@ -42,9 +42,9 @@ pub enum CriticalVelocity {
 
 /// The search for the critical velocities of one vehicle, one response at a time, so that it can be done in the background.
 ///
-/// Severity need not grow with the velocity: just above the velocity at which a column first yields, for example, vibrations make
-/// bands of velocities that yield and of others that do not. The critical velocity
-/// of a severity is therefore defined by the search. First, a scan goes up from the lowest velocity in equal
+/// Severity need not grow with the velocity: just above the velocity at which a column first yields, for example, it vibrates
+/// so that some ranges of velocity make it yield and others in between do not. The critical velocity of a severity is
+/// therefore defined by the search. First, a scan goes up from the lowest velocity in equal
 /// ratios of at most 1.1, until the highest severity is found or the highest velocity is reached. Then, the interval in
 /// front of the first velocity that has at least the severity is halved until it is 1 % wide. Narrower ranges of velocities
 /// with a higher severity that lie between two velocities of the scan are not found.

@@ -57,7 +57,7 @@ const RESULTS: [ResultColumn; 11] = [
         ColumnKind::Text,
         "",
         "what has to be done: none, inspect, restrict, prop or evacuate",
-        |it| TableValue::Text(Some(severity_name(it.severity))),
+        |it| TableValue::Text(Some(Severity::name(it.severity))),
     ),
     (
         "severity_level",
@@ -130,18 +130,6 @@ const RESULTS: [ResultColumn; 11] = [
         |it| TableValue::Number(Some(it.max_plastic_rotation)),
     ),
 ];
-
-/// The name of a severity, as messages and files write it.
-#[must_use]
-pub fn severity_name(severity: Severity) -> &'static str {
-    match severity {
-        Severity::None => "none",
-        Severity::Inspect => "inspect",
-        Severity::Restrict => "restrict",
-        Severity::Prop => "prop",
-        Severity::Evacuate => "evacuate",
-    }
-}
 
 fn outcome_name(outcome: Outcome) -> &'static str {
     match outcome {

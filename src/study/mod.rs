@@ -50,7 +50,7 @@ pub use critical::{
 #[cfg(feature = "study")]
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
 #[cfg(feature = "study")]
-pub use map_columns::{ColumnKind, TableColumn, TableValue, severity_name};
+pub use map_columns::{ColumnKind, TableColumn, TableValue};
 #[cfg(feature = "study")]
 pub use map_grid::{GridCell, MapGrid};
 #[cfg(feature = "study")]

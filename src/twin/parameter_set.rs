@@ -132,7 +132,7 @@ fn changed(from: &Parameters, changes: &[(String, Value)]) -> Result<Parameters,
     if read_only.is_empty() {
         return Ok(changed);
     }
-    // A sensor that is added brings parameters that nobody has given.
+    // An added sensor also adds parameters with default values, which the sender did not set.
     read_only.retain(|it| changes.iter().any(|(name, _)| name == it.name));
     let reason = format!(
         "{} cannot be changed while the node runs; restart it with the new value",

@@ -16,7 +16,7 @@ use super::file::{WRITE_TIMEOUT, unfinished};
 use super::rerun_types::color;
 use crate::assessment::Severity;
 use crate::shape::{round_number, severity_colour};
-use crate::study::{DamageMap, MapAxis, MapGrid, RefinedMap, SEVERITIES, severity_name};
+use crate::study::{DamageMap, MapAxis, MapGrid, RefinedMap, SEVERITIES};
 
 /// Name of this application in the viewer; the layout of the column does not apply to it.
 const APPLICATION: &str = "column_twin_map";
@@ -162,7 +162,7 @@ impl Plane {
             let lines = LineStrips2D::new(lines)
                 .with_colors(colours)
                 .with_radii([Radius::new_ui_points(1.5)]);
-            let entity = format!("{root}/boundary_{}", severity_name(severity));
+            let entity = format!("{root}/boundary_{}", severity.name());
             stream.log_static(entity, &lines)?;
         }
         Ok(())
@@ -240,7 +240,7 @@ fn legend(map: &DamageMap, label: &str) -> String {
         let [red, green, blue] = severity_colour(severity);
         text.push_str(&format!(
             "- {}: colour #{red:02x}{green:02x}{blue:02x}\n",
-            severity_name(severity)
+            severity.name()
         ));
     }
     text.push_str("\nLines are the boundaries of the classes, to 1 %.\n");

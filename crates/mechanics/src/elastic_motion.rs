@@ -298,33 +298,18 @@ impl<'a> Run<'a> {
             if let Some(share) = self.rejected(&next, motion.steps) {
                 return Ended::Yield(share);
             }
-            let before = self.now.acceleration;
-            let v1_before = self.now.settled.displacement.v1;
             massless.u2 = if self.model.top_is_massless() {
                 next.settled.displacement.u2 - self.now.settled.displacement.u2
             } else {
                 0.0
             };
-            let rate_before = self.velocity[0];
-            self.velocity =
-                increment * (1.0 / secs) + (next.acceleration * 2.0 + before) * (secs / 6.0);
-            let peak_v1 = peak(
-                v1_before,
-                rate_before,
-                next.settled.displacement.v1,
-                self.velocity[0],
-                secs,
-            );
-            self.now = next;
-            if let (Some(vehicle), Some(chain)) = (&self.vehicle, &mut self.now.chain) {
-                // To the end of the step for the observer, and on to the middle of the next one.
-                chain.kick(vehicle, 0.5 * secs);
-            }
+            let peak_v1 = self.arrive(next, increment, secs);
             if !self.accept(motion.steps, peak_v1, observe) {
                 return Ended::Observer;
             }
             let mut chain = self.now.chain;
             if let (Some(vehicle), Some(chain)) = (&self.vehicle, &mut chain) {
+                // On to the middle of the next step.
                 chain.kick(vehicle, 0.5 * secs);
             }
             increment += self.now.acceleration.component_mul(&ratio) * (secs * secs);
@@ -376,6 +361,13 @@ impl<'a> Run<'a> {
         if self.rejected(&next, steps).is_some() {
             return false;
         }
+        let peak_v1 = self.arrive(next, increment, secs);
+        self.accept(steps, peak_v1, observe)
+    }
+
+    /// Takes the end of a step of `secs` seconds with this increment of `v1, u1, u2`; the vehicle, too, is then at its end.
+    /// Returns the largest `v1` of the step.
+    fn arrive(&mut self, next: MotionState, increment: Vector3<f64>, secs: f64) -> f64 {
         let before = self.now.acceleration;
         let v1_before = self.now.settled.displacement.v1;
         let rate_before = self.velocity[0];
@@ -392,7 +384,7 @@ impl<'a> Run<'a> {
         if let (Some(vehicle), Some(chain)) = (&self.vehicle, &mut self.now.chain) {
             chain.kick(vehicle, 0.5 * secs);
         }
-        self.accept(steps, peak_v1, observe)
+        peak_v1
     }
 
     /// If a step to `next` must not be made this way: the share of it after which it yields, or 0.

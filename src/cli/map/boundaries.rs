@@ -6,7 +6,6 @@ use column_twin::figures::units::significant;
 use column_twin::report::short;
 use column_twin::study::{
     AxisValue, ColumnKind, DamageMap, RefinedMap, RowBoundary, SEVERITIES, TableColumn, TableValue,
-    severity_name,
 };
 
 /// Most rows that people are shown, per variant.
@@ -81,7 +80,7 @@ pub(super) fn boundary_rows<E>(
             };
             write(&[
                 TableValue::Text(Some(&map.variants()[boundary.variant].label)),
-                TableValue::Text(Some(severity_name(boundary.severity))),
+                TableValue::Text(Some(boundary.severity.name())),
                 match map.rows().value(point.row) {
                     AxisValue::Number(number) => TableValue::Number(Some(number)),
                     AxisValue::Name(name) => TableValue::Text(Some(name)),
@@ -110,7 +109,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
     let head = format!("{}{}", rows.name(), unit(rows.unit()));
     let _ = write!(text, "  {head:<24}");
     for severity in SEVERITIES {
-        let _ = write!(text, "{:>14}", severity_name(severity));
+        let _ = write!(text, "{:>14}", severity.name());
     }
     text.push('\n');
     for (variant, it) in map.variants().iter().enumerate() {

@@ -9,7 +9,7 @@ use column_twin::figures::units::{Unit, significant};
 use column_twin::report::short;
 use column_twin::study::{
     AxisValue, CellPlace, DamageMap, MapAxis, MapCell, RefinedMap, RowBoundary, SEVERITIES,
-    Screening, severity_name,
+    Screening,
 };
 
 /// Rows of which the summary shows the critical values.
@@ -259,7 +259,7 @@ impl<'a> MapSummary<'a> {
         };
         write!(f, "{}", lead("", &head))?;
         for severity in SEVERITIES {
-            write!(f, "{:>14}", severity_name(severity))?;
+            write!(f, "{:>14}", severity.name())?;
         }
         writeln!(f)?;
         let highest = columns.number(columns.len() - 1).unwrap_or(f64::NAN);
@@ -295,14 +295,14 @@ impl<'a> MapSummary<'a> {
         serde_json::to_string(&Fields {
             computed: self.computed(),
             faults: self.faults,
-            classes: classes().map(severity_name).zip(self.classes).collect(),
+            classes: Severity::ALL
+                .into_iter()
+                .map(Severity::name)
+                .zip(self.classes)
+                .collect(),
             critical: &self.rows,
         })
     }
-}
-
-fn classes() -> impl Iterator<Item = Severity> {
-    [Severity::None].into_iter().chain(SEVERITIES)
 }
 
 fn with_unit(unit: &str) -> String {
@@ -341,13 +341,9 @@ impl Display for MapSummary<'_> {
         let computed = self.computed();
         if computed > 0 {
             writeln!(f, "{:<15}{:>9}   share", "Severity", "impacts")?;
-            for (severity, count) in classes().zip(self.classes) {
+            for (severity, count) in Severity::ALL.into_iter().zip(self.classes) {
                 let share = 100.0 * count as f64 / computed as f64;
-                writeln!(
-                    f,
-                    "  {:<13}{count:>9}{share:>7.1} %",
-                    severity_name(severity)
-                )?;
+                writeln!(f, "  {:<13}{count:>9}{share:>7.1} %", severity.name())?;
             }
             self.critical_velocities(f)?;
             writeln!(f)?;

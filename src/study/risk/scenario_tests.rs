@@ -41,7 +41,7 @@ fn every_shipped_scenario_is_complete_and_has_its_sources() {
 }
 
 /// The shares of the classes are those of the laws of the masses of cars and of lorries, so that all classes together have
-/// the law as it stands in the source, cut at the outermost limits.
+/// the law of the source, truncated at the outermost limits.
 #[test]
 fn the_classes_together_have_the_law_of_the_source() {
     let no_limits = [f64::NEG_INFINITY, f64::INFINITY];
