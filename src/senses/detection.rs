@@ -4,6 +4,8 @@
 //! which is confirmed if the column is still displaced, strained or shaken some milliseconds later: a short pulse, as of a
 //! door that slams, leaves nothing behind.
 
+use serde::{Deserialize, Serialize};
+
 use super::sensor::{Quantity, Sensor};
 
 /// Standard deviations of the noise beyond which a reading opens a candidate.
@@ -44,7 +46,8 @@ const LEAST_DEVIATION: f64 = 0.2e-3;
 const QUIET: f64 = 3.0;
 
 /// When a sensor first felt the impact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Onset {
     /// Instant of contact by this sensor \[s\].
     pub time: f64,
@@ -53,7 +56,8 @@ pub struct Onset {
 }
 
 /// A detected impact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Detection {
     /// Instant of contact.
     pub contact: Onset,

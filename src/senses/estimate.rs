@@ -1,11 +1,11 @@
 //! An estimate: what struck the column and how it ends, with its uncertainty.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::assessment::Severity;
 
 /// A quantity with its uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CredibleInterval {
     /// Its mean.
     pub mean: f64,
@@ -47,7 +47,7 @@ impl CredibleInterval {
 }
 
 /// What struck the column and how it ends, by the data up to an instant.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactEstimate {
     /// Data up to this instant are used \[s\].
     pub data_until: f64,

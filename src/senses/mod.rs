@@ -8,12 +8,15 @@
 //! The modules read no clock and no file, and the same readings give the same bits. Without the feature `study` there are only
 //! the sensors.
 
+mod batch;
 #[cfg(feature = "study")]
 mod blocks;
 #[cfg(feature = "study")]
 mod detection;
 #[cfg(feature = "study")]
 mod estimate;
+#[cfg(feature = "study")]
+mod estimate_record;
 #[cfg(feature = "study")]
 mod estimator;
 #[cfg(feature = "study")]
@@ -36,10 +39,13 @@ mod sensor;
 #[cfg(feature = "study")]
 mod simulated;
 
+pub use batch::Batch;
 #[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
 #[cfg(feature = "study")]
 pub use estimate::{CredibleInterval, ImpactEstimate};
+#[cfg(feature = "study")]
+pub use estimate_record::EstimateRecord;
 #[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 #[cfg(feature = "study")]

@@ -1,0 +1,39 @@
+//! An estimate together with what made it so.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::detection::Detection;
+use super::estimate::ImpactEstimate;
+use crate::column::Impact;
+
+/// One estimate of an impact, with what is needed to compute it again from recorded measurements, bit for bit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EstimateRecord {
+    /// The twin's own identifier of the impact.
+    pub event_id: Arc<str>,
+    /// Number of this estimate among those of the impact, from 0.
+    pub update: u32,
+    /// No estimate of this impact follows.
+    pub is_final: bool,
+    /// How the impact was detected. Its times are seconds after `origin`.
+    pub detection: Detection,
+    /// The instant from which the times of the estimate count, by the clock of the twin \[ns\].
+    pub origin: i64,
+    /// Batches of measurements that it rests on, counted from the first one of the program.
+    pub batches: u64,
+    /// Batches lost before they reached the estimator, counted from the first one of the program; with any among those
+    /// it rests on, it cannot be computed again.
+    pub lost_batches: u64,
+    /// Hypotheses whose responses were prepared when the impact was detected.
+    pub prepared: u32,
+    /// Rounds of refinement since the estimate before this one.
+    pub rounds: u32,
+    /// What the data say.
+    pub estimate: ImpactEstimate,
+    /// The single impact that explains the data best on the column as the parameters describe it, with its vehicle: what
+    /// the twin follows once the estimate is accepted.
+    pub best: Impact,
+}
