@@ -153,12 +153,7 @@ fn wrong_input_is_rejected_with_what_is_expected() {
         "--vehicles-per-day",
         "10",
     ];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
-    let output = command
-        .current_dir(folder.path())
-        .args(arguments)
-        .output()
-        .expect("runs");
+    let output = run(folder.path(), &arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{errors}");
     let expected =

@@ -11,15 +11,12 @@ use std::thread;
 use rustix::thread::{CpuSet, sched_getaffinity};
 
 use super::notifier::Notifier;
-use super::real_time::lower_priority;
+use super::real_time::{THREAD_STACK, lower_priority};
 use crate::study::VehicleLimits;
 use crate::twin::{Command, CriticalVelocityTask, Twin};
 
 /// The thread's name.
 pub const BACKGROUND_THREAD: &str = "column_twin/critical"; // the system shows the first 15 characters
-
-/// The stack of the thread \[B\]: a response needs a few kilobytes, and the memory may be locked.
-const STACK: usize = 512 << 10;
 
 /// The computation of critical velocities in the background.
 #[derive(Debug)]
@@ -85,7 +82,7 @@ impl Background {
         // Without a thread the values stay unknown until something changes.
         let _ = thread::Builder::new()
             .name(BACKGROUND_THREAD.to_owned())
-            .stack_size(STACK)
+            .stack_size(THREAD_STACK)
             .spawn(move || {
                 // A thread inherits the priority of the solver. With that it must not compute.
                 if !lower_priority(processors.as_ref()) {

@@ -30,8 +30,8 @@ pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
-pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, WhenFull};
-pub use real_time::{Grant, RealTime, RealTimeGrants, request_for_publisher};
+pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
+pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
 pub use state_writer::STATE_WRITER_THREAD;
 
@@ -163,6 +163,7 @@ impl Live {
         handle.solver = Some(
             thread::Builder::new()
                 .name(SOLVER_THREAD.to_owned())
+                .stack_size(THREAD_STACK)
                 .spawn(move || {
                     let _ = sender.try_send(real_time::request(&real_time)); // there is room for one
                     solver.run();

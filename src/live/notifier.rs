@@ -8,9 +8,6 @@ use std::time::Duration;
 /// Polling period of further threads.
 const POLL_PERIOD: Duration = Duration::from_millis(1);
 
-/// Maximum sleep, because a notification during the very first wait may be lost.
-const MAX_SLEEP: Duration = Duration::from_millis(100);
-
 /// Wakes the thread that waits for it, without a lock or an allocation. Notifications before a wait count as one.
 #[derive(Debug, Default)]
 pub struct Notifier {
@@ -21,7 +18,8 @@ pub struct Notifier {
 impl Notifier {
     /// Wakes the waiting thread, or lets its next wait return immediately.
     pub fn notify(&self) {
-        self.notified.store(true, Ordering::SeqCst);
+        // A swap, not a store: if it follows the swap of the first wait, it reads that one's value and so sees the sleeper.
+        self.notified.swap(true, Ordering::SeqCst);
         if let Some(sleeper) = self.sleeper.get() {
             sleeper.unpark();
         }
@@ -33,8 +31,12 @@ impl Notifier {
         let me = thread::current();
         let known = self.sleeper.get_or_init(|| me.clone()).id() == me.id();
         if !self.notified.swap(false, Ordering::SeqCst) {
-            thread::park_timeout(timeout.min(if known { MAX_SLEEP } else { POLL_PERIOD }));
-            self.notified.store(false, Ordering::SeqCst);
+            thread::park_timeout(if known {
+                timeout
+            } else {
+                timeout.min(POLL_PERIOD)
+            });
+            self.notified.swap(false, Ordering::SeqCst);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Bounded queues between the threads, each with a name, a policy for overflow, and counters.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
@@ -143,6 +143,8 @@ pub(super) struct OutputQueues {
     channels: [Queue<Numbered>; CHANNELS],
     next_number: AtomicU64,
     notifier: Notifier,
+    /// The reader is to return from its wait without an output.
+    woken: AtomicBool,
 }
 
 #[derive(Debug)]
@@ -171,6 +173,7 @@ impl OutputQueues {
             ],
             next_number: AtomicU64::new(0),
             notifier: Notifier::default(),
+            woken: AtomicBool::new(false),
         }
     }
 
@@ -195,6 +198,11 @@ impl OutputQueues {
         self.notifier.notify();
     }
 
+    fn wake(&self) {
+        self.woken.store(true, Ordering::SeqCst);
+        self.notify();
+    }
+
     pub fn stats(&self) -> [QueueStats; CHANNELS] {
         self.channels.each_ref().map(Queue::stats)
     }
@@ -202,8 +210,26 @@ impl OutputQueues {
 
 /// A source of outputs, in their order.
 pub trait OutputSource: Send + 'static {
-    /// Waits at most `timeout` for the next output.
+    /// Waits at most `timeout` for the next output, or until it is [woken](Waker::wake).
     fn receive(&mut self, timeout: Duration) -> Option<Output>;
+
+    /// Ends a wait before its time.
+    fn waker(&self) -> Waker {
+        Waker::default()
+    }
+}
+
+/// Ends a wait of [`OutputSource::receive`] in another thread. The default is that of a source which cannot be woken.
+#[derive(Debug, Clone, Default)]
+pub struct Waker(Option<Arc<OutputQueues>>);
+
+impl Waker {
+    /// Ends the present wait, or the next one.
+    pub fn wake(&self) {
+        if let Some(queues) = &self.0 {
+            queues.wake();
+        }
+    }
 }
 
 impl OutputSource for Receiver {
@@ -214,11 +240,15 @@ impl OutputSource for Receiver {
                 return Some(output);
             }
             let rest = deadline.saturating_duration_since(Instant::now());
-            if rest.is_zero() {
+            if rest.is_zero() || self.queues.woken.swap(false, Ordering::SeqCst) {
                 return None;
             }
             self.wait(rest);
         }
+    }
+
+    fn waker(&self) -> Waker {
+        Waker(Some(Arc::clone(&self.queues)))
     }
 }
 
@@ -352,19 +382,30 @@ mod tests {
         });
     }
 
+    /// However the two threads meet, also in the very first wait.
     #[test]
-    fn no_wait_is_endless() {
+    fn no_notification_is_lost() {
+        for _ in 0..2_000 {
+            let notifier = Notifier::default();
+            std::thread::scope(|scope| {
+                scope.spawn(|| notifier.wait(Duration::MAX));
+                notifier.notify();
+            });
+        }
+    }
+
+    #[test]
+    fn a_source_that_is_woken_returns_nothing_once() {
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let mut receiver = Receiver::new(Arc::clone(&queues));
-        receiver.wait(Duration::MAX);
-        assert!(receiver.try_next().is_none());
+        receiver.waker().wake();
+        assert!(receiver.receive(Duration::from_secs(3600)).is_none());
         let text: Arc<str> = "text".into();
         queues.push(Output::Notice(Notice {
             stamp: 0,
             level: NoticeLevel::Info,
             text,
         }));
-        receiver.wait(Duration::MAX);
-        assert!(receiver.try_next().is_some());
+        assert!(receiver.receive(Duration::from_secs(3600)).is_some());
     }
 }

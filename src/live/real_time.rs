@@ -10,6 +10,10 @@ use thread_priority::{
 
 use crate::parameters::{Parameters, processors};
 
+/// The stack of each thread of a twin and its node \[B\]: a response needs a few kilobytes, messages and their text some tens. Where
+/// the memory is locked, the whole stack takes room.
+pub const THREAD_STACK: usize = 512 << 10;
+
 /// The real-time properties to request from the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealTime {

@@ -9,13 +9,11 @@ use std::time::Duration;
 use super::clock::Clock;
 use super::notifier::Notifier;
 use super::queue::{OutputQueues, Queue, QueueStats, WhenFull};
+use super::real_time::THREAD_STACK;
 use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
 
 /// The thread's name.
 pub const STATE_WRITER_THREAD: &str = "column_twin/state_file"; // the system shows the first 15 characters
-
-/// Maximum sleep between two checks of the stop flag.
-const MAX_SLEEP: Duration = Duration::from_secs(1);
 
 /// The state to be written: only the newest matters.
 #[derive(Debug)]
@@ -41,6 +39,7 @@ impl StateWriter {
         let shared = Arc::clone(&state_writer);
         let thread = thread::Builder::new()
             .name(STATE_WRITER_THREAD.to_owned())
+            .stack_size(THREAD_STACK)
             .spawn(move || shared.run(&path, &outputs, &*clock))?;
         Ok((state_writer, thread))
     }
@@ -77,7 +76,7 @@ impl StateWriter {
                 if stop {
                     return;
                 }
-                self.notifier.wait(MAX_SLEEP);
+                self.notifier.wait(Duration::MAX);
                 continue;
             };
             let result = state_file::store(path, &saved);

@@ -35,9 +35,6 @@ const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 /// States that are published later than this are logged at the level `debug` \[ns\].
 const LATE: i64 = 2_000_000;
 
-/// Maximum wait for an output before the thread checks the stop flag.
-const MAX_WAIT: Duration = Duration::from_millis(100);
-
 /// Maximum wait for a first reader of `/parameter_events` before the parameters are announced without one. Discovery between ROS 2
 /// programs takes up to 3.5 s.
 const MAX_WAIT_FOR_READER: Duration = Duration::from_secs(5);
@@ -120,7 +117,8 @@ impl Publishing {
         })
     }
 
-    /// Publishes until `stop` is set and no outputs are queued. The twin must be stopped before, so that its queues bound the
+    /// Publishes until `stop` is set and no outputs are queued. A stop takes effect when the source of the outputs is woken. The
+    /// twin must be stopped before, so that its queues bound the
     /// remaining outputs.
     pub fn run(mut self, mut outputs: impl OutputSource, stop: &AtomicBool) {
         let mut end = None;
@@ -166,7 +164,7 @@ impl Publishing {
         }
         let since = self.last_diagnostics.as_ref().map(|(at, _)| at.elapsed());
         since.map_or(Duration::ZERO, |since| {
-            DIAGNOSTICS_PERIOD.saturating_sub(since).min(MAX_WAIT)
+            DIAGNOSTICS_PERIOD.saturating_sub(since)
         })
     }
 

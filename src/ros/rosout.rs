@@ -56,14 +56,27 @@ pub(super) struct LogRecord {
 /// Messages on their way to `/rosout`.
 #[derive(Debug)]
 pub struct RosoutQueue {
-    pub(super) records: Receiver<LogRecord>,
+    /// `None` is the last one.
+    pub(super) records: Receiver<Option<LogRecord>>,
     pub(super) dropped: Arc<AtomicU64>,
+    pub(super) end: LogEnd,
+}
+
+/// Ends the thread that publishes the messages, after those that are in the queue.
+#[derive(Debug, Clone)]
+pub(super) struct LogEnd(SyncSender<Option<LogRecord>>);
+
+impl LogEnd {
+    /// Waits for room in the queue; without a reader there is nothing to end.
+    pub fn send(&self) {
+        let _ = self.0.send(None);
+    }
 }
 
 /// Collects messages for `/rosout`.
 #[derive(Debug)]
 struct RosoutLayer {
-    records: SyncSender<LogRecord>,
+    records: SyncSender<Option<LogRecord>>,
     dropped: Arc<AtomicU64>,
 }
 
@@ -72,10 +85,16 @@ fn rosout_layer() -> (RosoutLayer, RosoutQueue) {
     let (sender, records) = sync_channel(ROSOUT_QUEUE);
     let dropped = Arc::new(AtomicU64::new(0));
     let layer = RosoutLayer {
-        records: sender,
+        records: sender.clone(),
         dropped: Arc::clone(&dropped),
     };
-    (layer, RosoutQueue { records, dropped })
+    let end = LogEnd(sender);
+    let queue = RosoutQueue {
+        records,
+        dropped,
+        end,
+    };
+    (layer, queue)
 }
 
 /// Sets up logging for the whole program according to the ROS arguments; `RUST_LOG` overrides their levels on the terminal.
@@ -168,7 +187,9 @@ impl<S: Subscriber> Layer<S> for RosoutLayer {
     }
 
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
-        if is_wanted(event.metadata()) && self.records.try_send(LogRecord::new(event)).is_err() {
+        if is_wanted(event.metadata())
+            && self.records.try_send(Some(LogRecord::new(event))).is_err()
+        {
             self.dropped.fetch_add(1, Ordering::Relaxed);
         }
     }
@@ -277,7 +298,7 @@ mod tests {
         let (layer, queue) = rosout_layer();
         tracing::subscriber::with_default(Registry::default().with(layer), say);
         (
-            queue.records.iter().collect(),
+            queue.records.try_iter().flatten().collect(),
             queue.dropped.load(Ordering::Relaxed),
         )
     }

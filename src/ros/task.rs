@@ -5,6 +5,7 @@ use std::thread::{self, JoinHandle};
 use futures::future::{AbortHandle, Abortable};
 
 use super::node::NodeError;
+use crate::live::THREAD_STACK;
 
 /// A thread that runs one future.
 pub(super) struct Task {
@@ -26,6 +27,7 @@ impl Task {
         };
         let thread = thread::Builder::new()
             .name(name.to_owned())
+            .stack_size(THREAD_STACK)
             .spawn(run)
             .map_err(|source| NodeError::Thread { name, source })?;
         Ok(Self {

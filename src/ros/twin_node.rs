@@ -11,13 +11,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::RecvTimeoutError;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ros2_client::Publisher;
 
-use crate::live::{OutputSource, RealTime, request_for_publisher};
+use crate::live::{OutputSource, RealTime, THREAD_STACK, Waker, request_for_publisher};
 use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
@@ -32,12 +31,9 @@ use super::node::{Node, NodeError};
 use super::publishing::Publishing;
 use super::qos;
 use super::raw::Raw;
-use super::rosout::RosoutQueue;
+use super::rosout::{LogEnd, RosoutQueue};
 use super::senders::{Identities, Senders};
 use super::task::Task;
-
-/// Maximum wait for a log message before the thread checks the stop flag.
-const MAX_WAIT: Duration = Duration::from_millis(100);
 
 /// A running node, until [`stop`](Self::stop).
 pub struct TwinNode {
@@ -46,8 +42,8 @@ pub struct TwinNode {
     twin: Arc<LiveTwin>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
-    log: Option<JoinHandle<()>>,
-    stop_log: Arc<AtomicBool>,
+    waker: Waker,
+    log: Option<(LogEnd, JoinHandle<()>)>,
     node: Node,
 }
 
@@ -77,9 +73,8 @@ impl TwinNode {
             ..NodeCounters::default()
         });
         let stop = Arc::new(AtomicBool::new(false));
-        let stop_log = Arc::new(AtomicBool::new(false));
         let log = log
-            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone(), &stop_log))
+            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
             .transpose()?;
         let publishing = Publishing::new(
             &mut node,
@@ -95,6 +90,7 @@ impl TwinNode {
         )?;
         let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;
         let stop_publishing = Arc::clone(&stop);
+        let waker = outputs.waker();
         let real_time = RealTime::of(&twin.parameters());
         let publisher = spawn("column_twin/pub", move || {
             request_for_publisher(&real_time);
@@ -116,8 +112,8 @@ impl TwinNode {
             twin,
             publisher,
             stop,
+            waker,
             log,
-            stop_log,
             node,
         })
     }
@@ -140,16 +136,16 @@ impl TwinNode {
             task.stop();
         }
         self.twin.stop();
-        let ends = [
-            (self.stop, Some(self.publisher)),
-            // Last, so that the log messages of the other threads are published.
-            (self.stop_log, self.log),
-        ];
-        for (stop, thread) in ends {
-            stop.store(true, Ordering::Relaxed);
-            if thread.is_some_and(|thread| thread.join().is_err()) {
-                tracing::error!("a publishing thread panicked");
-            }
+        self.stop.store(true, Ordering::Relaxed);
+        self.waker.wake();
+        let mut has_panicked = self.publisher.join().is_err();
+        // Last, so that the log messages of the other threads are published.
+        if let Some((end, log)) = self.log {
+            end.send();
+            has_panicked |= log.join().is_err();
+        }
+        if has_panicked {
+            tracing::error!("a publishing thread panicked");
         }
         // All threads have ended, and with them all endpoints.
         drop(self.node);
@@ -161,36 +157,34 @@ fn publish_log(
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
     recording: Option<Arc<dyn RecordingTap>>,
-    stop: &Arc<AtomicBool>,
-) -> Result<JoinHandle<()>, NodeError> {
+) -> Result<(LogEnd, JoinHandle<()>), NodeError> {
     let publisher: Publisher<Raw> = node.publisher(&qos::ROSOUT)?;
     let logger = node.names().logger();
-    let (counters, stop) = (Arc::clone(counters), Arc::clone(stop));
-    spawn("column_twin/log", move || {
-        loop {
-            match queue.records.recv_timeout(MAX_WAIT) {
-                // A failure is not logged, because the log message would have to be published too.
-                Ok(record) => {
-                    let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));
-                    let Some(raw) = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok()) else {
-                        NodeCounters::count(&counters.unpublished);
-                        continue;
-                    };
-                    if let Some(recording) = &recording {
-                        recording.sent(&qos::ROSOUT, raw.bytes());
-                    }
-                    if publisher.publish(raw).is_err() {
-                        NodeCounters::count(&counters.unpublished);
-                    }
-                }
-                Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return,
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return,
-            }
+    let counters = Arc::clone(counters);
+    let end = queue.end.clone();
+    let thread = spawn("column_twin/log", move || {
+        let note_dropped = || {
             let dropped = queue.dropped.load(Ordering::Relaxed);
             counters.unlogged.store(dropped, Ordering::Relaxed);
+        };
+        while let Ok(Some(record)) = queue.records.recv() {
+            note_dropped();
+            // A failure is not logged, because the log message would have to be published too.
+            let bytes = cdr::encode_as::<rcl_interfaces::Log, _>(&record.into_log(&logger));
+            let Some(raw) = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok()) else {
+                NodeCounters::count(&counters.unpublished);
+                continue;
+            };
+            if let Some(recording) = &recording {
+                recording.sent(&qos::ROSOUT, raw.bytes());
+            }
+            if publisher.publish(raw).is_err() {
+                NodeCounters::count(&counters.unpublished);
+            }
         }
-    })
+        note_dropped();
+    })?;
+    Ok((end, thread))
 }
 
 fn spawn(
@@ -199,6 +193,7 @@ fn spawn(
 ) -> Result<JoinHandle<()>, NodeError> {
     thread::Builder::new()
         .name(name.to_owned())
+        .stack_size(THREAD_STACK)
         .spawn(run)
         .map_err(|source| NodeError::Thread { name, source })
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::destination::Destination;
 use super::error::{ViewerError, ViewerLogger};
 use super::item::ViewerItem;
-use crate::live::{OutputQueue, Receiver, WhenFull};
+use crate::live::{OutputQueue, OutputSource, Receiver, Waker, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::NoticeLevel;
 
@@ -23,8 +23,8 @@ pub const VIEWER_THREAD: &str = "viewer";
 /// whether it holds one frame or two.
 const PERIOD: Duration = Duration::from_nanos(33_333_333);
 
-/// Maximum wait for an output of the twin.
-const MAX_WAIT: Duration = Duration::from_millis(100);
+/// Maximum wait for an output of the twin, which reports its status at least as often.
+const MAX_WAIT: Duration = Duration::from_secs(1);
 
 /// How long [`LiveViewer::stop`] waits for the thread.
 const STOP_TIMEOUT: Duration = Duration::from_millis(700);
@@ -46,6 +46,7 @@ pub fn output_queue() -> OutputQueue {
 /// A thread that shows a running twin. Dropping the value tells the thread to stop and does not wait for it.
 pub struct LiveViewer {
     stop: Arc<AtomicBool>,
+    waker: Waker,
     ended: mpsc::Receiver<()>,
     thread: Option<JoinHandle<()>>,
     log: ViewerLogger,
@@ -67,6 +68,7 @@ impl LiveViewer {
         }
         let stop = Arc::new(AtomicBool::new(false));
         let (end, ended) = sync_channel(1);
+        let waker = outputs.waker();
         let thread = {
             let (stop, log) = (Arc::clone(&stop), Arc::clone(&log));
             let parameters = Arc::clone(parameters);
@@ -80,6 +82,7 @@ impl LiveViewer {
         };
         Ok(Some(Self {
             stop,
+            waker,
             ended,
             thread: Some(thread),
             log,
@@ -88,7 +91,7 @@ impl LiveViewer {
 
     /// Stops within a second whatever the viewer does: what it has not read by then is lost, which is logged.
     pub fn stop(mut self) {
-        self.stop.store(true, Ordering::SeqCst);
+        self.tell_to_stop();
         let ended = self.ended.recv_timeout(STOP_TIMEOUT);
         if ended == Err(RecvTimeoutError::Timeout) {
             (self.log)(
@@ -110,9 +113,16 @@ impl LiveViewer {
     }
 }
 
+impl LiveViewer {
+    fn tell_to_stop(&self) {
+        self.stop.store(true, Ordering::SeqCst);
+        self.waker.wake();
+    }
+}
+
 impl Drop for LiveViewer {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::SeqCst);
+        self.tell_to_stop();
     }
 }
 

@@ -149,3 +149,15 @@ fn a_late_joiner_gets_ten_forecasts_also_when_a_best_effort_reader_is_there() {
     assert_eq!(seconds(&got), Vec::from_iter(MANY - 9..=MANY));
     drop(first);
 }
+
+/// RustDDS 0.15.1 announced itself to the first twelve participants of a host alone, and loopback has no multicast.
+#[test]
+fn the_fifteenth_and_the_sixteenth_participant_of_a_machine_find_each_other() {
+    let domain = Domain::fresh();
+    let others: Vec<_> = (0..14).map(|_| reader(&domain)).collect();
+    let sender = Sender::start(&domain, &qos::TWIN_STATUS);
+    sender.publisher.publish(status(1)).unwrap();
+    let got = past::<TwinStatus>(&domain, &qos::TWIN_STATUS);
+    assert_eq!(got.len(), 1);
+    drop(others);
+}

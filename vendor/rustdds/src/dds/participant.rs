@@ -360,6 +360,7 @@ impl DomainParticipantBuilder {
     let disc_db_clone = dp.discovery_db();
     let discovery_handle = thread::Builder::new()
       .name("RustDDS discovery thread".to_string())
+      .stack_size(THREAD_STACK_SIZE)
       .spawn(move || {
         if let Ok(mut discovery) = Discovery::new(
           dp_clone,
@@ -1381,6 +1382,7 @@ impl DomainParticipantInner {
     let only_networks_for_ev_loop = only_networks.clone();
     let ev_loop_handle = thread::Builder::new()
       .name(format!("RustDDS Participant {participant_id} event loop"))
+      .stack_size(THREAD_STACK_SIZE)
       .spawn(move || {
         match DPEventLoop::new(
           domain_info_clone,

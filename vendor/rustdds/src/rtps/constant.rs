@@ -99,6 +99,10 @@ pub const MAX_OBSERVED_PARTICIPANTS: usize = 4 * MAX_REMOTE_PARTICIPANTS;
 // Most datagrams that are read from one socket before they are processed.
 pub const MAX_DATAGRAMS_PER_TURN: usize = 64;
 
+// Stack of each thread of a participant. The default of 2 MiB is resident as a whole
+// in a program that locks its memory.
+pub const THREAD_STACK_SIZE: usize = 1024 * 1024;
+
 // Default / fallback UDP-payload budget (RTPS header + submessages) used to
 // size datagrams built by the writer's DATA-coalescing and DATAFRAG packing
 // paths when the per-peer path MTU is unknown (peer behind a router, IPv6, or
