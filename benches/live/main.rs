@@ -5,6 +5,7 @@
 //! | `stream` | 1 kHz to rclpy and to a Rust reader: losses, order, delay of publication, latency, compared with a bare publisher |
 //! | `forecast` | time from an event to its forecast over DDS, compared with a bare echo |
 //! | `idle` | processor time of the node at rest |
+//! | `many` | forty nodes on one machine, each in a process of its own, at rest |
 //! | `stop` | time from SIGTERM during a response to the end of the program |
 //! | `viewer` | processor time of the viewer's scene, and its effect on the delay of publication |
 //! | `soak` | 1 kHz for as long as `--seconds` says: losses, memory of the node over time; with DDS security if `ROS_SECURITY_KEYSTORE` names a keystore with the enclaves `/column_twin` and `/operator` |
@@ -19,6 +20,7 @@ mod bare;
 mod forecast;
 mod idle;
 mod load;
+mod many;
 mod peers;
 mod processor;
 mod soak;
@@ -53,6 +55,7 @@ const PARTS: &[Part] = &[
     ("stream", stream::run),
     ("forecast", forecast::run),
     ("idle", idle::run),
+    ("many", many::run),
     ("stop", stop::run),
     #[cfg(feature = "viewer")]
     ("viewer", viewer::run),

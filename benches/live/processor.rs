@@ -24,9 +24,17 @@ pub fn share_during(id: u32, doing: impl FnOnce()) -> f64 {
     (processor_time(id) - before) / began.elapsed().as_secs_f64()
 }
 
+/// The share of a processor that these processes use together during a sleep.
+pub fn share_together(ids: &[u32], span: Duration) -> f64 {
+    let used = || -> f64 { ids.iter().map(|id| processor_time(*id)).sum() };
+    let (before, began) = (used(), Instant::now());
+    std::thread::sleep(span);
+    (used() - before) / began.elapsed().as_secs_f64()
+}
+
 /// The share of a processor that a process uses during a sleep.
 pub fn share(id: u32, span: Duration) -> f64 {
-    share_during(id, || std::thread::sleep(span))
+    share_together(&[id], span)
 }
 
 /// The resident memory of a process \[MiB\], from `VmRSS` in `/proc/PID/status`.

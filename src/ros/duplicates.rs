@@ -1,14 +1,16 @@
 //! Warns about another node with the same name, and about another twin of the same column, on the network.
 
+use std::collections::BTreeSet;
 use std::pin::pin;
 
 use futures::StreamExt;
-use futures::channel::oneshot;
+use futures::channel::mpsc::{UnboundedReceiver, unbounded};
+use futures::future::{Either, select};
 use ros2_client::CreateResult;
 use rustdds::no_key::SimpleDataReader;
 use rustdds::{
-    CDRDeserializerAdapter, DomainParticipant, EndpointDescription, QosPolicies, RTPSEntity, Topic,
-    TopicDescription,
+    CDRDeserializerAdapter, DomainParticipant, EndpointDescription, GUID, QosPolicies, RTPSEntity,
+    Topic, TopicDescription,
 };
 
 use super::qos;
@@ -33,8 +35,9 @@ impl Duplicates {
         // Every ROS 2 node with parameters replies on this topic.
         let replies = format!("rr{node}/get_parametersReply");
         let status = self.status.name();
-        let (found, other_twin) = oneshot::channel();
-        let (mut found, mut is_unique) = (Some(found), true);
+        // As many as RustDDS follows at most.
+        let (found, other_twins) = unbounded();
+        let mut is_unique = true;
         let on_writer = move |writer: &EndpointDescription| {
             if writer.guid.prefix == own {
                 return;
@@ -46,42 +49,53 @@ impl Duplicates {
                      (-r __node:=...) or namespace (-r __ns:=...)"
                 );
             }
-            if writer.topic_name == status
-                && let Some(found) = found.take()
-            {
-                // Without a receiver the node is stopping.
-                let _ = found.send(());
+            if writer.topic_name == status {
+                // Without a receiver the warning was given, or the node is stopping.
+                let _ = found.unbounded_send(writer.guid);
             }
         };
         let compare = async move {
-            if other_twin.await.is_ok()
-                && let Err(error) = self.wait_for_same_column().await
-            {
+            if let Err(error) = self.wait_for_same_column(other_twins).await {
                 tracing::warn!("twins on the same topics cannot be compared: {error}");
             }
         };
         (on_writer, compare)
     }
 
-    /// Returns after the warning. The reader exists only while there is another twin on the node's topics.
-    async fn wait_for_same_column(&self) -> CreateResult<()> {
-        let own = self.participant.guid().prefix;
-        let qos = QosPolicies::from(qos::TWIN_STATUS.qos.profile());
-        let subscriber = self.participant.create_subscriber(&qos)?;
-        let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> =
-            subscriber.create_simple_datareader_no_key(&self.status, Some(qos))?;
-        let mut statuses = pin!(reader.as_async_stream());
-        while let Some(status) = statuses.next().await {
-            let Ok(status) = status else {
-                continue;
-            };
-            if status.writer_guid.prefix != own && status.sample.column_id == self.column_id {
-                tracing::warn!(
-                    "another twin of the column {:?} is running on the same topics; stop one of the two, or start one \
-                     with another column_id or in another namespace (-r __ns:=...)",
-                    self.column_id
-                );
-                break;
+    /// Returns after the warning. The reader exists only until every other twin on the node's topics has told its column:
+    /// the twins of a large machine would otherwise send all their statuses to one another.
+    async fn wait_for_same_column(
+        &self,
+        mut other_twins: UnboundedReceiver<GUID>,
+    ) -> CreateResult<()> {
+        while let Some(twin) = other_twins.next().await {
+            let qos = QosPolicies::from(qos::TWIN_STATUS.qos.profile());
+            let subscriber = self.participant.create_subscriber(&qos)?;
+            let reader: SimpleDataReader<TwinStatus, CDRDeserializerAdapter<TwinStatus>> =
+                subscriber.create_simple_datareader_no_key(&self.status, Some(qos))?;
+            let mut statuses = pin!(reader.as_async_stream());
+            let mut unknown = BTreeSet::from([twin]);
+            while !unknown.is_empty() {
+                match select(other_twins.next(), statuses.next()).await {
+                    Either::Left((Some(twin), _)) => {
+                        unknown.insert(twin);
+                    }
+                    Either::Right((Some(Ok(status)), _)) => {
+                        unknown.remove(&status.writer_guid);
+                        let is_other = status.writer_guid.prefix != self.participant.guid().prefix;
+                        if is_other && status.sample.column_id == self.column_id {
+                            tracing::warn!(
+                                "another twin of the column {:?} is running on the same topics; stop one of the two, or \
+                                 start one with another column_id or in another namespace (-r __ns:=...)",
+                                self.column_id
+                            );
+                            return Ok(());
+                        }
+                    }
+                    // Not a status.
+                    Either::Right((Some(Err(_)), _)) => {}
+                    Either::Left((None, _)) | Either::Right((None, _)) => return Ok(()),
+                }
             }
         }
         Ok(())
