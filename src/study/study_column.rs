@@ -10,15 +10,8 @@ use crate::column::{
 use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
 /// Margin of a criterion, relative to its limit, below which the plain response decides: ten times the error of a quick
-/// response, and above the largest one of its capacity (6.5e-3).
+/// response.
 const NEAR_LIMIT: f64 = 1e-2;
-
-/// Share of the virgin capacity above which the push-down of a column with plastic strains jumps: among neighbouring impacts,
-/// a micrometre of residual displacement changes its `N_u` by up to 4 per cent, between 0.96 and 1 of the virgin one.
-const LITTLE_LOST: f64 = 0.9;
-
-/// As [`NEAR_LIMIT`], where the capacity jumps.
-const NEAR_LIMIT_OF_CAPACITY: f64 = 0.05;
 
 /// Sum of the yield function of an elastic response above which the plain one decides whether the column yields. Near the
 /// surface it grows about twice as fast as the displacement.
@@ -153,9 +146,7 @@ impl StudyColumn {
     ///
     /// Severity, deciding criterion and outcome are those of the plain simulation with its full assessment; the largest
     /// displacement agrees with it within 1e-3, the largest contact force within 3e-3. The remaining capacity is that of the
-    /// residual state found; it agrees within 1e-2 where more than a tenth of the capacity is lost. Above that the push-down
-    /// itself jumps, by up to 4 per cent for a micrometre of residual displacement. Where the quick response cannot promise
-    /// the severity, and for a column that is damaged before the impact, the plain one is computed.
+    /// residual state found and agrees within 1e-3. Where the quick response cannot promise the severity, and for a column that is damaged before the impact, the plain one is computed.
     ///
     /// # Errors
     /// An impact that is out of range, or a step that does not converge. A collapse is a result.
@@ -208,12 +199,7 @@ impl StudyColumn {
             peak_contact_force: quick.peak_contact_force,
         };
         let (screening, least_margin) = self.judged(impact, &response)?;
-        let near = if quick.outcome == Outcome::Plastic && screening.capacity_ratio > LITTLE_LOST {
-            NEAR_LIMIT_OF_CAPACITY
-        } else {
-            NEAR_LIMIT
-        };
-        Ok((least_margin > near || quick.outcome == Outcome::Severed).then_some(screening))
+        Ok((least_margin > NEAR_LIMIT || quick.outcome == Outcome::Severed).then_some(screening))
     }
 
     /// The largest displacement of a column that is torn is where the step ends in which that happens, so that it depends on

@@ -337,25 +337,22 @@ impl PushDown {
         self.capacity.increments += 1;
         let model = self.model;
         let evaluations = Cell::new(self.capacity.evaluations);
+        let path = PathStep::new(&model, self.sign, self.displacement, self.increment);
         let equations = Equations {
             model: &model,
             offset: &self.offset,
             elastic: false,
             evaluations: &evaluations,
-            last: LastRow::Path(PathStep::new(
-                &model,
-                self.sign,
-                self.displacement,
-                self.increment,
-            )),
+            last: LastRow::Path(path),
         };
         let predicted = self.last.map_or(self.displacement, |(step, size)| {
             self.displacement.plus(self.increment / size, step)
         });
-        let solved = equations
-            .solve(predicted, &self.forces)
-            .or_else(|| equations.solve(self.displacement, &self.forces))
-            .filter(|solved| self.is_near(&solved.displacement));
+        let solve = |guess| {
+            let solved = equations.solve(guess, &self.forces);
+            solved.filter(|it| path.reaches(&it.displacement) && self.is_near(&it.displacement))
+        };
+        let solved = solve(predicted).or_else(|| solve(self.displacement));
         self.capacity.evaluations = evaluations.get();
         let Some(solved) = solved else {
             return self.halve(CapacityEnd::NotFollowed);

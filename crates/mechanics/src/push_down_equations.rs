@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
 use super::bracketing;
@@ -35,6 +35,9 @@ const MAX_JOINT_BALANCES: u32 = 6;
 
 /// Share of [`TOLERANCE`] to which the joint is balanced.
 const BALANCE_SHARE: f64 = 0.05;
+
+/// Largest motion in an increment, relative to its size; at most 3 are usual, and other equilibria were found from 1000 on.
+const MAX_DETOUR: f64 = 50.0;
 
 /// Row of `beta1`.
 const BETA1: usize = 2;
@@ -74,6 +77,14 @@ impl PathStep {
             per_u2: 1.0 / squashed,
             size,
         }
+    }
+
+    /// Whether these displacements may be the end of the increment. Both parts of its size stay of its order: `v1` grows along
+    /// the path, and `u2` falls by at most half as much on this scale. What is much further away is another equilibrium.
+    pub fn reaches(&self, u: &Displacement) -> bool {
+        let moved = (self.per_v1 * (u.v1 - self.from.v1)).abs()
+            + (self.per_u2 * (u.u2 - self.from.u2)).abs();
+        moved <= MAX_DETOUR * self.size
     }
 
     fn missing(&self, u: &Displacement) -> f64 {
@@ -136,6 +147,12 @@ impl Equations<'_> {
             if size <= TOLERANCE {
                 return Some(self.solved(u, &point));
             }
+            if balances < MAX_JOINT_BALANCES && self.is_joint_loose(&point) {
+                balances += 1;
+                u = self.balance_joint(u, &mut point);
+                residual = self.evaluate(&u, &mut point);
+                size = self.size_of(&residual);
+            }
             let (from, before) = (u, size);
             let correction = self.correction(&residual, &mut point)?;
             let mut share = 1.0;
@@ -160,7 +177,6 @@ impl Equations<'_> {
                 if balances > MAX_JOINT_BALANCES {
                     return None;
                 }
-                // Where both hinges of the joint flow, one of them has to unload, and no tangent tells how far that is.
                 u = self.balance_joint(from.minus(correction), &mut point);
                 residual = self.evaluate(&u, &mut point);
                 size = self.size_of(&residual);
@@ -235,6 +251,13 @@ impl Equations<'_> {
         size
     }
 
+    /// Whether both hinges of the joint flow at the last evaluation: one of them has to unload, and no tangent tells how far that
+    /// is.
+    fn is_joint_loose(&self, point: &Point) -> bool {
+        let flows = |stress: &BarStress| stress.returned.flow.has_flowed(0);
+        !self.elastic && flows(&point.stress.below) && flows(&point.stress.above)
+    }
+
     /// The Newton correction at the last evaluation, limited in size: `beta1` is eliminated with a floor of its pivot, the
     /// rest with a search for pivots, because the path leads through states that are not stable.
     fn correction(&self, residual: &Vector4<f64>, point: &mut Point) -> Option<Displacement> {
@@ -261,14 +284,20 @@ impl Equations<'_> {
                 let scale = self.model.properties.resistance_axial;
                 jacobian.set_row(
                     3,
-                    &nalgebra::RowVector4::new(step.per_v1 * scale, 0.0, 0.0, step.per_u2 * scale),
+                    &RowVector4::new(step.per_v1 * scale, 0.0, 0.0, step.per_u2 * scale),
                 );
             }
         }
         let [joint, _] = frame.massless_stiffness();
         let floor = PIVOT_FLOOR * joint;
         jacobian[(BETA1, BETA1)] = jacobian[(BETA1, BETA1)].max(floor);
-        let correction = solve_condensed(jacobian, *residual)?;
+        let mut residual = *residual;
+        if self.is_joint_loose(point) {
+            // The joint is balanced for a range of `beta1`: it is held while the others are corrected.
+            jacobian.set_row(BETA1, &RowVector4::new(0.0, 0.0, joint, 0.0));
+            residual[BETA1] = 0.0;
+        }
+        let correction = solve_condensed(jacobian, residual)?;
         Some(limited(correction, frame.shorter_bar()))
     }
 
