@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
-    Problem, SENSOR_PARAMETERS, SensorAxis, SensorMessage, SensorSource, STEEL_GRADES, Settings, Source, Value, catalogue, markdown,
-    parse_override, vehicle_names,
+    Problem, SENSOR_PARAMETERS, STEEL_GRADES, SensorAxis, SensorMessage, SensorSource, Settings,
+    Source, Value, catalogue, markdown, parse_override, vehicle_names,
 };
 use column_twin::printable::is_printable;
 use column_twin::senses::{Quantity, Sensor};
@@ -778,7 +778,10 @@ fn drivers_of_accelerometers_are_named_by_topic_message_and_axis() {
             "quantity: acceleration, topic: /imu, message: accel_stamped",
             "sensors.b.message is accel_stamped, but sensors.a expects imu on the same topic",
         ),
-        ("quantity: acceleration, message: laser_scan", "accel_stamped"),
+        (
+            "quantity: acceleration, message: laser_scan",
+            "accel_stamped",
+        ),
         ("quantity: acceleration, axis: w", "x, y, z"),
     ] {
         let faults = one(rest).expect_err(rest).to_string();

@@ -58,6 +58,8 @@ pub struct LiveOptions {
     pub state_file: Option<PathBuf>,
     /// The queues to the readers of the outputs.
     pub outputs: Vec<OutputQueue>,
+    /// The queue of measurements; `None` without sensors.
+    pub measurements: Option<Arc<MeasurementQueue>>,
 }
 
 impl Default for LiveOptions {
@@ -66,6 +68,7 @@ impl Default for LiveOptions {
             real_time: RealTime::default(),
             state_file: None,
             outputs: vec![OutputQueue::ros()],
+            measurements: None,
         }
     }
 }
@@ -130,6 +133,7 @@ impl Live {
             shared: Arc::clone(&shared),
             state_writer: None,
             solver: None,
+            measurements: options.measurements,
             real_time: RealTimeGrants::default(),
             parameters: Arc::new(RwLock::new(Arc::clone(twin.parameters()))),
         };
@@ -183,6 +187,7 @@ pub struct LiveHandle {
     receivers: Mutex<Vec<Receiver>>,
     state_writer: Option<(Arc<StateWriter>, JoinHandle<()>)>,
     solver: Option<JoinHandle<()>>,
+    measurements: Option<Arc<MeasurementQueue>>,
     real_time: RealTimeGrants,
     parameters: Arc<RwLock<Arc<Parameters>>>,
 }
@@ -270,6 +275,7 @@ impl LiveHandle {
         let mut queues = vec![shared.inbox.stats()];
         queues.extend(self.queues.iter().flat_map(|it| it.stats()));
         queues.extend(state_writer.map(|it| it.stats()));
+        queues.extend(self.measurements.as_ref().map(|it| it.stats()));
         LiveStatistics {
             cycles: read(&shared.cycles),
             overruns: read(&shared.overruns),

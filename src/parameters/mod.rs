@@ -66,9 +66,10 @@ pub use settings::{
     AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
     GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
     RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings, SolverSettings,
-    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings,
+    Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind,
+    SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

@@ -129,6 +129,18 @@ pub enum Rejection {
     },
 }
 
+impl Rejection {
+    /// Whether it follows from the batches before, and what is taken next may follow from it: a recording of what was taken
+    /// needs such a batch, too.
+    #[must_use]
+    pub fn depends_on_order(&self) -> bool {
+        matches!(
+            self,
+            Self::Duplicate | Self::Late { .. } | Self::Doubted { .. }
+        )
+    }
+}
+
 fn seconds(nanos: u64) -> f64 {
     1e-9 * nanos as f64
 }

@@ -74,7 +74,10 @@ fn batches_in_order_pass_as_they_are() {
     for k in 0..100 {
         let stamp = EPOCH + k * BATCH;
         let batch = offer(&mut intake, stamp).expect("in order");
-        assert_eq!((batch.sensor, batch.first, batch.period), (0, stamp, 100_000));
+        assert_eq!(
+            (batch.sensor, batch.first, batch.period),
+            (0, stamp, 100_000)
+        );
         assert_eq!(*batch.values, *values(stamp, 100));
     }
     let expected = SensorCounts {

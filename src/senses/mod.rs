@@ -9,9 +9,9 @@
 //! the sensors.
 
 mod batch;
-mod collector;
 #[cfg(feature = "study")]
 mod blocks;
+mod collector;
 #[cfg(feature = "study")]
 mod detection;
 #[cfg(feature = "study")]

@@ -138,7 +138,12 @@ mod tests {
     #[test]
     fn a_constant_offset_is_corrected_but_for_the_transport() {
         let hour = 3_600_000 * MILLISECOND;
-        for offset in [-hour, -200 * MILLISECOND, 200 * MILLISECOND, 1_000_000 * hour] {
+        for offset in [
+            -hour,
+            -200 * MILLISECOND,
+            200 * MILLISECOND,
+            1_000_000 * hour,
+        ] {
             let mut clock = SensorClock::default();
             let error = largest_error(&mut clock, 3_000, offset, 0.0, jittering, 20);
             assert_eq!(error, MILLISECOND, "{offset}");
