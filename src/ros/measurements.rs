@@ -216,7 +216,7 @@ impl MeasurementSubscriptions {
     pub async fn run(self, twin: &LiveTwin, counters: &NodeCounters) {
         let Self {
             inputs,
-            topics,
+            mut topics,
             senders,
         } = self;
         let inputs = &*inputs;
