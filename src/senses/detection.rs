@@ -2,7 +2,7 @@
 //!
 //! Every sensor learns its zero and its noise while nothing happens. A reading far outside of the noise, and far from what it was
 //! shortly before, opens a candidate, which is confirmed if the column is still displaced or strained to one side some
-//! milliseconds later, or still shaken and moved: a short pulse, as of a door that slams, leaves nothing behind, and a drift comes
+//! milliseconds later, or still shaken: a short pulse, as of a door that slams, leaves nothing behind, and a drift comes
 //! slowly. Where another sensor would have to feel the impact, one has to.
 //!
 //! After an impact, the next one is sought as soon as the column is quiet.
@@ -36,10 +36,6 @@ const LEVEL_WINDOW: f64 = 10e-3;
 /// do not move the column.
 const SHAKING_WINDOW: f64 = 30e-3;
 
-/// Speed that an accelerometer has to show within its window, if it is the only kind of sensor \[m/s\]. A door that slams shakes
-/// the column, but does not move it.
-const LEAST_SPEED: f64 = 0.05;
-
 /// Sensors that read a level are averaged over this time before they are judged \[s\].
 const AVERAGING: f64 = 1e-3;
 
@@ -49,8 +45,14 @@ const LEARNING: f64 = 1.0;
 /// Samples before a sensor is judged.
 const LEAST_SAMPLES: f64 = 20.0;
 
+/// Readings after which the distance to the zero counts as noise, too: with fewer of them, the beginning of a slow impact would.
+const SPREAD_SAMPLES: f64 = 500.0;
+
 /// Judged readings that a level is compared with, the older half of them: it has to have risen since.
 const RECENT: usize = 64;
+
+/// A sensor that has been outside of its noise for so long without an impact learns its zero anew \[s\].
+const RELEARNING: f64 = 2.0;
 
 /// Onsets of one impact are at most so far apart \[s\].
 const COMMON_IMPACT: f64 = 60e-3;
@@ -142,6 +144,8 @@ struct Channel {
     candidate: Option<Candidate>,
     /// Last onset, confirmed or not.
     onset: Option<Onset>,
+    /// When the first of the candidates opened that follow one another closely \[s\].
+    outside_since: f64,
     /// When the last candidate ended \[s\].
     ended_at: f64,
     /// The samples that were averaged last.
@@ -166,10 +170,6 @@ struct Candidate {
     slope_known: bool,
     level_at_opening: f64,
     noise: f64,
-    /// Of an accelerometer: time of the last sample, speed, and largest speed so far.
-    last_time: f64,
-    speed: f64,
-    largest_speed: f64,
 }
 
 /// How quiet a sensor is after an impact.
@@ -361,6 +361,7 @@ impl Channel {
             oldest: 0,
             candidate: None,
             onset: None,
+            outside_since: f64::NEG_INFINITY,
             ended_at: f64::NEG_INFINITY,
             previous: Vec::with_capacity(averaging),
             rest: None,
@@ -376,7 +377,9 @@ impl Channel {
     /// Standard deviation of what is judged.
     fn noise(&self) -> f64 {
         let declared = self.declared_noise / (self.averaging as f64).sqrt();
-        let learned = self.variance.max(self.spread).sqrt();
+        let is_known = self.samples >= SPREAD_SAMPLES;
+        let spread = if is_known { self.spread } else { 0.0 };
+        let learned = self.variance.max(spread).sqrt();
         learned.max(declared).max(f64::MIN_POSITIVE)
     }
 
@@ -419,6 +422,15 @@ impl Channel {
         if self.is_judged() && reading.abs() > limit && self.has_risen(value, limit) {
             // What follows a candidate closely is the same motion.
             let is_new = time - self.ended_at > SHAKING_WINDOW;
+            if is_new {
+                self.outside_since = time;
+            } else if time - self.outside_since > RELEARNING {
+                self.samples = 0.0;
+                self.recent.clear();
+                self.oldest = 0;
+                self.learn(reading);
+                return false;
+            }
             let onset = Onset {
                 time: self.departure(noise),
                 deviation: if self.is_level {
@@ -434,9 +446,6 @@ impl Channel {
                 slope_known: false,
                 level_at_opening: reading,
                 noise,
-                last_time: time,
-                speed: 0.0,
-                largest_speed: 0.0,
             });
             return self.follow(time, reading);
         }
@@ -504,7 +513,7 @@ impl Channel {
         }
         let Some(is_impact) = (match is_level {
             true => candidate.judge_level(elapsed, reading),
-            false => candidate.judge_shaking(time, elapsed, reading),
+            false => candidate.judge_shaking(elapsed, reading),
         }) else {
             return false;
         };
@@ -601,10 +610,7 @@ impl Candidate {
     }
 
     /// Whether an accelerometer feels an impact, as soon as that is known.
-    fn judge_shaking(&mut self, time: f64, elapsed: f64, reading: f64) -> Option<bool> {
-        self.speed += reading * (time - self.last_time);
-        self.last_time = time;
-        self.largest_speed = self.largest_speed.max(self.speed.abs());
+    fn judge_shaking(&mut self, elapsed: f64, reading: f64) -> Option<bool> {
         let [first, _, last] = &mut self.parts;
         if elapsed < FIRST_PART * SHAKING_WINDOW {
             first.add(reading);
@@ -616,8 +622,7 @@ impl Candidate {
         }
         let (first, last) = (first.magnitude(), last.magnitude());
         let least = KEEPING * self.noise;
-        let lasts = first > least && last > least && last > KEEPING_SHARE * first;
-        Some(lasts && self.largest_speed > LEAST_SPEED)
+        Some(first > least && last > least && last > KEEPING_SHARE * first)
     }
 }
 

@@ -24,7 +24,7 @@ pub const MAX_BATCH_SAMPLES: usize = 65_536;
 /// Share by which the period of the samples may differ from that of the sensor's parameters.
 pub const PERIOD_TOLERANCE: f64 = 0.01;
 
-/// Most by which the time of a batch that continues another one may be off \[ns\]; at most half of its duration, and at least half
+/// Most by which the time of a batch may be off from where the batches before it lead to, for it to continue them \[ns\]; at most half of its duration, and at least half
 /// a sample.
 pub const MAX_JITTER: u64 = 1_000_000;
 

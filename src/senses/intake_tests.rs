@@ -208,8 +208,8 @@ fn jitter_of_the_stamps_is_smoothed() {
     let mut intake = intake();
     for k in 0..1_000_i64 {
         let truth = EPOCH + k * BATCH;
-        // Off by up to 0.8 ms, by turns.
-        let jitter = 8 * PERIOD * (k % 3 - 1);
+        // Off by up to 0.5 ms, by turns.
+        let jitter = 5 * PERIOD * (k % 3 - 1);
         let stamp = truth + jitter;
         let given = values(truth, 100);
         let batch = intake.take(&raw(&given, stamp), truth + BATCH + TRANSPORT);
@@ -217,7 +217,7 @@ fn jitter_of_the_stamps_is_smoothed() {
         assert_eq!(batch.values.len(), 100);
         // The first one is all that is known at first.
         let error = (batch.first - truth).abs();
-        assert!(error <= 9 * PERIOD, "{k}: {error}");
+        assert!(error <= 6 * PERIOD, "{k}: {error}");
         if k > 100 {
             assert!(error <= 2 * PERIOD, "{k}: {error}");
         }
