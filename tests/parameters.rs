@@ -782,7 +782,7 @@ fn drivers_of_accelerometers_are_named_by_topic_message_and_axis() {
             "quantity: acceleration, message: laser_scan",
             "accel_stamped",
         ),
-        ("quantity: acceleration, axis: w", "x, y, z"),
+        ("quantity: acceleration, axis: w", "allowed: x, y or z"),
     ] {
         let faults = one(rest).expect_err(rest).to_string();
         assert!(faults.contains(expected), "{faults}");
@@ -898,7 +898,7 @@ const WRONG_SENSORS_LISTED: &str = r#"16 faults in the parameters
   s.yaml:15:46: sensors.force.sign: `1` is a string, not a number; omit the quotes, and write an exponent with a decimal point (1.0e7); allowed: 1 or -1
   s.yaml:16:46: sensors.tilt.gain_error: `1 %` is a string, not a number; omit the unit; allowed: 0 to 1
   s.yaml:17:18: sensors.b\u{1b}[2J.height is given, but sensors.names does not contain b\u{1b}[2J; known: top_laser, gauge, base, force, tilt
-  s.yaml:18:7: sensors.other is a group of parameters, not a parameter; it contains sensors.other.quantity, sensors.other.height, sensors.other.range, sensors.other.noise, sensors.other.bias, sensors.other.gain_error, sensors.other.rate, sensors.other.bandwidth, sensors.other.sign, sensors.other.fibre"#;
+  s.yaml:18:7: sensors.other is a group of parameters, not a parameter; it contains sensors.other.quantity, sensors.other.height, sensors.other.range, sensors.other.noise, sensors.other.bias, sensors.other.gain_error, sensors.other.rate, sensors.other.bandwidth, sensors.other.sign, sensors.other.fibre, sensors.other.topic, sensors.other.message, sensors.other.axis"#;
 
 #[test]
 fn wrong_names_of_sensors_are_rejected() {

@@ -23,8 +23,8 @@ const KEEPING_SHARE: f64 = 0.1;
 /// The same for a level that is confirmed early.
 const EARLY_SHARE: f64 = 0.3;
 
-/// Share of the root mean square of a part that its mean has to have: what swings to both sides is no level.
-const ONE_SIDED: f64 = 0.5;
+/// Share of the root mean square of a part that its mean has to have: what swings to both sides is no level, nor is the end of a pulse.
+const ONE_SIDED: f64 = 0.8;
 
 /// Share of the window of a candidate that is its first part: pulses that are shorter leave nothing in the second.
 const FIRST_PART: f64 = 0.6;
