@@ -156,6 +156,16 @@ enum Topic {
     Accel(Subscription<AccelStamped>, Vec<Collecting>),
 }
 
+impl Topic {
+    fn message(&self) -> SensorMessage {
+        match self {
+            Self::Measurements(_) => SensorMessage::Measurement,
+            Self::Imu(..) => SensorMessage::Imu,
+            Self::Accel(..) => SensorMessage::AccelStamped,
+        }
+    }
+}
+
 /// The subscriptions of all topics of the sensors.
 pub(super) struct MeasurementSubscriptions {
     inputs: Arc<SensorInputs>,
@@ -184,18 +194,28 @@ impl MeasurementSubscriptions {
                 continue;
             }
             let full = node.names().resolve(kind, &source.topic)?;
-            let mut known = topics.iter_mut();
-            let topic = match known.find(|(name, _)| *name == full) {
-                Some((_, topic)) => topic,
+            let known = topics.iter().position(|(name, _)| *name == full);
+            let index = match known {
+                Some(index) => index,
                 None => {
                     let topic = subscribe(node, &source.topic, source.message)?;
-                    topics.push((full, topic));
-                    let Some((_, topic)) = topics.last_mut() else {
-                        continue;
-                    };
-                    topic
+                    topics.push((full.clone(), topic));
+                    topics.len() - 1
                 }
             };
+            let topic = &mut topics[index].1;
+            if topic.message() != source.message {
+                return Err(NodeError::Endpoint {
+                    what: full,
+                    reason: format!(
+                        "sensors.{}.message is {}, but messages of the type {} are expected on this topic already; name \
+                         another topic",
+                        sensor.name,
+                        source.message.word(),
+                        topic.message().word()
+                    ),
+                });
+            }
             if let Topic::Imu(_, collecting) | Topic::Accel(_, collecting) = topic {
                 collecting.push(Collecting {
                     name: sensor.name.clone(),
