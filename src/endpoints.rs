@@ -94,6 +94,14 @@ macro_rules! endpoints {
     };
 }
 
+/// Samples of sensors. Best effort, which matches reliable and best-effort senders alike: a sample that comes again after it was lost
+/// would be too late for the estimate, and lost ones are seen by their times. The depth holds what 16 sensors send in 0.6 s, in
+/// batches of 10 ms.
+pub const SENSOR_DATA: Qos = Qos {
+    reliable: false,
+    ..Qos::reliable(1000)
+};
+
 /// The default of rcl for services.
 const SERVICE: Qos = Qos::reliable(10);
 
@@ -102,6 +110,8 @@ endpoints! {
     IMPACT_EVENT = "impact_event" "column_twin/msg/ImpactEvent" In Qos::reliable(100);
     /// Parameters of the column.
     COLUMN_PARAMETERS = "column_parameters" "column_twin/msg/ColumnParameters" In Qos::reliable(10);
+    /// Samples of the sensors on the column.
+    MEASUREMENTS = "measurements" "column_twin/msg/Measurement" In SENSOR_DATA;
     /// Simulated time.
     CLOCK = "/clock" "rosgraph_msgs/msg/Clock" In Qos { reliable: false, ..Qos::reliable(1) };
     /// State at `publish_rate`.

@@ -1,10 +1,11 @@
-//! Converts received messages to commands. The node and `verify` share this conversion: the journal must contain exactly the
+//! Converts received messages to commands, and measurements to batches. The node and `verify` share this conversion: the journal must contain exactly the
 //! command that follows from each recorded message.
 
 use crate::endpoints::COLUMN_PARAMETERS;
 use crate::messages::builtin_interfaces::Time;
-use crate::messages::column_twin::{ColumnParameters, ImpactEvent, ParameterEntry};
+use crate::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement, ParameterEntry};
 use crate::parameters::Value;
+use crate::senses::RawBatch;
 use crate::twin::{Command, ImpactCommand, Refusal, RefusalCode};
 
 /// The command of a message on `impact_event`.
@@ -35,6 +36,18 @@ pub fn column_command(message: &ColumnParameters, own: &str) -> Command {
     Command::RejectedChange {
         refusal: Refusal::new(RefusalCode::OtherColumn, reason),
         source,
+    }
+}
+
+/// The batch of a message on `measurements`, as the intake takes it.
+#[must_use]
+pub fn raw_batch(measurement: &Measurement) -> RawBatch<'_> {
+    RawBatch {
+        column_id: &measurement.column_id,
+        sensor_id: &measurement.sensor_id,
+        stamp: nanos(measurement.header.stamp),
+        sample_period: measurement.sample_period,
+        values: &measurement.values,
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use column_twin::column::{ElasticLaw, RateLaw, Scheme, Support, YieldExponents};
 use column_twin::parameters::{
     Admissible, Applies, NodeName, Origin, PARAMETERS, Parameter, ParameterFaults, Parameters,
-    Problem, SENSOR_PARAMETERS, STEEL_GRADES, Settings, Source, Value, catalogue, markdown,
-    parse_override, vehicle_names,
+    Problem, SENSOR_PARAMETERS, STEEL_GRADES, SensorAxis, SensorMessage, SensorSource, Settings,
+    Source, Value, catalogue, markdown, parse_override, vehicle_names,
 };
 use column_twin::printable::is_printable;
 use column_twin::senses::{Quantity, Sensor};
@@ -678,7 +678,7 @@ fn sensors_are_declared_by_their_names() {
     assert_eq!(names.len(), count + 2 * SENSOR_PARAMETERS.len());
     assert_eq!(names[count - 1], "sensors.names");
     assert_eq!(names[count], "sensors.top_laser.quantity");
-    assert_eq!(names[names.len() - 1], "sensors.base_strain.fibre");
+    assert_eq!(names[names.len() - 1], "sensors.base_strain.axis");
     for (declared, value) in parameters.iter() {
         assert_eq!(parameters.get(declared.name), Some(value));
         assert_eq!(parameters.declared(declared.name), Some(declared));
@@ -747,6 +747,46 @@ fn the_shipped_sensors_suit_the_shipped_column() {
         assert!((given / (in_g * G) - 1.0).abs() < 1e-6);
     }
     assert_eq!(sensors[2].fibre, 0.11);
+}
+
+#[test]
+fn drivers_of_accelerometers_are_named_by_topic_message_and_axis() {
+    let one = |rest: &str| {
+        with_sensors(&format!(
+            "      names: [a, b]\n      a: {{quantity: acceleration, height: 1.0, topic: /imu, message: imu, axis: z}}\n      b: \
+             {{height: 2.0, {rest}}}\n"
+        ))
+    };
+    let right = one("quantity: acceleration, topic: /imu, message: imu").expect("right");
+    let of = |topic: &str, axis| SensorSource {
+        topic: topic.to_owned(),
+        message: SensorMessage::Imu,
+        axis,
+    };
+    let expected = [of("/imu", SensorAxis::Z), of("/imu", SensorAxis::X)];
+    assert_eq!(right.sensor_sources(), expected);
+    for (rest, expected) in [
+        (
+            "quantity: acceleration, message: accel_stamped",
+            "sensors.b.topic is required, because the message is accel_stamped",
+        ),
+        (
+            "quantity: rotation, topic: /tilt, message: imu",
+            "sensors.b.message is imu, of which only the linear acceleration is read, but the quantity is rotation",
+        ),
+        (
+            "quantity: acceleration, topic: /imu, message: accel_stamped",
+            "sensors.b.message is accel_stamped, but sensors.a expects imu on the same topic",
+        ),
+        (
+            "quantity: acceleration, message: laser_scan",
+            "accel_stamped",
+        ),
+        ("quantity: acceleration, axis: w", "allowed: x, y or z"),
+    ] {
+        let faults = one(rest).expect_err(rest).to_string();
+        assert!(faults.contains(expected), "{faults}");
+    }
 }
 
 #[test]
@@ -858,7 +898,7 @@ const WRONG_SENSORS_LISTED: &str = r#"16 faults in the parameters
   s.yaml:15:46: sensors.force.sign: `1` is a string, not a number; omit the quotes, and write an exponent with a decimal point (1.0e7); allowed: 1 or -1
   s.yaml:16:46: sensors.tilt.gain_error: `1 %` is a string, not a number; omit the unit; allowed: 0 to 1
   s.yaml:17:18: sensors.b\u{1b}[2J.height is given, but sensors.names does not contain b\u{1b}[2J; known: top_laser, gauge, base, force, tilt
-  s.yaml:18:7: sensors.other is a group of parameters, not a parameter; it contains sensors.other.quantity, sensors.other.height, sensors.other.range, sensors.other.noise, sensors.other.bias, sensors.other.gain_error, sensors.other.rate, sensors.other.bandwidth, sensors.other.sign, sensors.other.fibre"#;
+  s.yaml:18:7: sensors.other is a group of parameters, not a parameter; it contains sensors.other.quantity, sensors.other.height, sensors.other.range, sensors.other.noise, sensors.other.bias, sensors.other.gain_error, sensors.other.rate, sensors.other.bandwidth, sensors.other.sign, sensors.other.fibre, sensors.other.topic, sensors.other.message, sensors.other.axis"#;
 
 #[test]
 fn wrong_names_of_sensors_are_rejected() {

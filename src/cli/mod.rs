@@ -21,6 +21,8 @@ mod interruption;
 #[cfg_attr(not(feature = "security"), path = "keystore_absent.rs")]
 mod keystore;
 mod map;
+#[cfg(feature = "ros")]
+mod measure;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
@@ -93,6 +95,9 @@ enum CliCommand {
     /// Publish one impact event and print the forecast of the twin
     #[cfg(feature = "ros")]
     Impact(impact::ImpactArgs),
+    /// Publish a table of readings as the sensors on the column would, in real time
+    #[cfg(feature = "ros")]
+    Measure(measure::MeasureArgs),
     /// Publish the messages of a recording over DDS with their recorded timing
     #[cfg(all(feature = "ros", feature = "record"))]
     Replay(replay::ReplayArgs),
@@ -168,6 +173,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Run(arguments) => run::run(arguments, ros),
         #[cfg(feature = "ros")]
         CliCommand::Impact(arguments) => impact::run(arguments, &ros, &mut shown()),
+        #[cfg(feature = "ros")]
+        CliCommand::Measure(arguments) => measure::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Watch(arguments) => watch::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]

@@ -50,6 +50,11 @@ impl EntryEncoder {
         }
     }
 
+    /// Takes note of measurements that were recorded, after [`recorded_message`](Self::recorded_message).
+    pub fn recorded_measurement(&mut self, published: i64, bytes: &[u8]) {
+        self.since.add_measurement(published, bytes);
+    }
+
     /// The entry about a received message.
     pub fn received(endpoint: &Endpoint, bytes: &[u8], published: i64) -> JournalEntry {
         JournalEntry::Received {

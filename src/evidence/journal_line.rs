@@ -44,6 +44,10 @@ pub struct Tally {
     pub others: u64,
     /// Digest of their topics and log times, in their order; empty without messages.
     pub times: String,
+    /// Digest of the measurements among them, with their publish times; empty without measurements. There are too many of them for
+    /// a line about each.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub measurements: String,
 }
 
 /// Counts messages between two lines of the journal.
@@ -52,6 +56,8 @@ pub(super) struct Counting {
     messages: u64,
     others: u64,
     times: Sha256,
+    has_measurements: bool,
+    measurements: Sha256,
 }
 
 impl Counting {
@@ -65,18 +71,30 @@ impl Counting {
         self.times.update(log_time.to_le_bytes());
     }
 
+    /// Adds the content of measurements.
+    pub fn add_measurement(&mut self, publish_time: Nanos, bytes: &[u8]) {
+        self.has_measurements = true;
+        self.measurements.update(publish_time.to_le_bytes());
+        self.measurements.update((bytes.len() as u64).to_le_bytes());
+        self.measurements.update(bytes);
+    }
+
     /// The messages so far.
     pub fn tally(&self) -> Tally {
         const DIGITS: usize = 32;
-        let mut times = String::new();
-        if self.messages > 0 {
-            times = Hexadecimal(&self.times.clone().finalize()).to_string();
-            times.truncate(DIGITS);
-        }
+        let digest = |is_needed: bool, hash: &Sha256| {
+            let mut digits = String::new();
+            if is_needed {
+                digits = Hexadecimal(&hash.clone().finalize()).to_string();
+                digits.truncate(DIGITS);
+            }
+            digits
+        };
         Tally {
             messages: self.messages,
             others: self.others,
-            times,
+            times: digest(self.messages > 0, &self.times),
+            measurements: digest(self.has_measurements, &self.measurements),
         }
     }
 }

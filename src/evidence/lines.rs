@@ -67,6 +67,11 @@ impl Lines {
         self.since.add(topic, log_time, is_recomputed);
     }
 
+    /// Takes the content of measurements, after [`message`](Self::message).
+    pub fn measurement(&mut self, publish_time: Nanos, bytes: &[u8]) {
+        self.since.add_measurement(publish_time, bytes);
+    }
+
     /// The number of the next line, if there was one.
     pub fn next(&self) -> Option<u64> {
         self.next
@@ -137,6 +142,7 @@ impl Lines {
             messages,
             others,
             times,
+            measurements,
         } = &line.since;
         let difference = || {
             place.difference(
@@ -166,6 +172,12 @@ impl Lines {
                 "messages since the previous line",
                 own.messages.to_string(),
                 messages.to_string(),
+            ));
+        } else if own.messages == *messages && own.measurements != *measurements {
+            found.note_difference(place.difference(
+                "content and publish times of the measurements since the previous line",
+                own.measurements,
+                measurements.clone(),
             ));
         }
     }

@@ -17,12 +17,12 @@ use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
     self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
-use crate::twin::{Journal, RefusalCode};
+use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Records everything that a node receives and sends; a separate thread writes it.
 ///
 /// The mode `events` leaves out the periodic messages while the column is at rest: status, and diagnostics without a
-/// change of level. Both modes record every command, all its consequences, and every checkpoint.
+/// change of level. Both modes record every command, all its consequences, every checkpoint, and all measurements.
 pub struct NodeRecording {
     /// Held while a message gets its time and is queued, so that messages are recorded in the order of their times.
     open: Mutex<Open>,
@@ -60,10 +60,13 @@ impl Open {
         entry.is_some_and(|entry| recorder.is_some_and(|recorder| recorder.record(entry)))
     }
 
-    fn message(&mut self, endpoint: &Endpoint, bytes: Arc<[u8]>, now: i64, published: i64) {
-        if self.record(EntryEncoder::message(endpoint, bytes, now, published)) {
+    /// Records a message of the node; `false` as of [`record`](Self::record).
+    fn message(&mut self, endpoint: &Endpoint, bytes: Arc<[u8]>, now: i64, published: i64) -> bool {
+        let is_recorded = self.record(EntryEncoder::message(endpoint, bytes, now, published));
+        if is_recorded {
             self.encoder.recorded_message(endpoint, now);
         }
+        is_recorded
     }
 }
 
@@ -192,6 +195,15 @@ impl RecordingTap for NodeRecording {
         let line = EntryEncoder::received(endpoint, &bytes, published);
         open.message(endpoint, bytes.into(), now, published);
         self.line(&mut open, line, now);
+    }
+
+    fn measured(&self, endpoint: &Endpoint, bytes: Vec<u8>, received: Nanos) {
+        let mut open = self.open();
+        let now = open.now();
+        let bytes = Arc::<[u8]>::from(bytes);
+        if open.message(endpoint, Arc::clone(&bytes), now, received) {
+            open.encoder.recorded_measurement(received, &bytes);
+        }
     }
 
     fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str) {

@@ -7,10 +7,11 @@ use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The endpoints that are recorded.
-pub const RECORDED: [&Endpoint; 13] = [
+pub const RECORDED: [&Endpoint; 14] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
     &endpoints::COLUMN_PARAMETERS,
+    &endpoints::MEASUREMENTS,
     &endpoints::COLUMN_STATE,
     &endpoints::HINGE_FORCES,
     &endpoints::IMPACT_FORECAST,

@@ -182,7 +182,16 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         let is_recomputed = topic.is_some() || input.is_some();
         self.lines
             .message(&message.topic, message.log_time, is_recomputed);
-        if input.is_none() && message.publish_time != message.log_time {
+        let is_measurement = topic_of(
+            self.found.about.as_ref(),
+            message,
+            [&endpoints::MEASUREMENTS],
+        )
+        .is_some();
+        if is_measurement {
+            // Its publish time is that of its arrival by the clock of the twin.
+            self.lines.measurement(message.publish_time, &message.data);
+        } else if input.is_none() && message.publish_time != message.log_time {
             let difference = place.difference(
                 "publish time",
                 seconds(message.publish_time),

@@ -10,6 +10,7 @@ mod background;
 mod clock;
 mod inbox;
 mod lateness;
+mod measurements;
 mod notifier;
 pub(crate) mod queue;
 mod real_time;
@@ -29,6 +30,7 @@ pub use background::BACKGROUND_THREAD;
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
+pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue};
 pub use notifier::Notifier;
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
@@ -56,6 +58,8 @@ pub struct LiveOptions {
     pub state_file: Option<PathBuf>,
     /// The queues to the readers of the outputs.
     pub outputs: Vec<OutputQueue>,
+    /// The queue of measurements; `None` without sensors.
+    pub measurements: Option<Arc<MeasurementQueue>>,
 }
 
 impl Default for LiveOptions {
@@ -64,6 +68,7 @@ impl Default for LiveOptions {
             real_time: RealTime::default(),
             state_file: None,
             outputs: vec![OutputQueue::ros()],
+            measurements: None,
         }
     }
 }
@@ -128,6 +133,7 @@ impl Live {
             shared: Arc::clone(&shared),
             state_writer: None,
             solver: None,
+            measurements: options.measurements,
             real_time: RealTimeGrants::default(),
             parameters: Arc::new(RwLock::new(Arc::clone(twin.parameters()))),
         };
@@ -182,6 +188,7 @@ pub struct LiveHandle {
     receivers: Mutex<Vec<Receiver>>,
     state_writer: Option<(Arc<StateWriter>, JoinHandle<()>)>,
     solver: Option<JoinHandle<()>>,
+    measurements: Option<Arc<MeasurementQueue>>,
     real_time: RealTimeGrants,
     parameters: Arc<RwLock<Arc<Parameters>>>,
 }
@@ -269,6 +276,7 @@ impl LiveHandle {
         let mut queues = vec![shared.inbox.stats()];
         queues.extend(self.queues.iter().flat_map(|it| it.stats()));
         queues.extend(state_writer.map(|it| it.stats()));
+        queues.extend(self.measurements.as_ref().map(|it| it.stats()));
         LiveStatistics {
             cycles: read(&shared.cycles),
             overruns: read(&shared.overruns),

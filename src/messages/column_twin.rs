@@ -427,6 +427,20 @@ impl ImpactReport {
     pub const SEVERITY_UNKNOWN: u8 = 255;
 }
 
+/// Consecutive samples of one sensor on the column.
+///
+/// ```text
+#[doc = include_str!("../../msg/Measurement.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Measurement {
+    pub header: Header,
+    pub column_id: String,
+    pub sensor_id: String,
+    pub sample_period: f64,
+    pub values: Vec<f32>,
+}
+
 /// State of the twin.
 ///
 /// ```text

@@ -1,7 +1,31 @@
-//! `geometry_msgs`: points, vectors, orientations. Fields and units are in the definition above each struct.
+//! `geometry_msgs`: points, vectors, orientations, accelerations. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
+
+use super::std_msgs::Header;
+
+/// An acceleration \[m/s^2\] and an angular acceleration \[rad/s^2\].
+///
+/// ```text
+#[doc = include_str!("../../msg/deps/geometry_msgs/Accel.msg")]
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Accel {
+    pub linear: Vector3,
+    pub angular: Vector3,
+}
+
+/// An acceleration with its time and frame.
+///
+/// ```text
+#[doc = include_str!("../../msg/deps/geometry_msgs/AccelStamped.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AccelStamped {
+    pub header: Header,
+    pub accel: Accel,
+}
 
 /// A position \[m\].
 ///

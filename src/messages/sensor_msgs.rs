@@ -1,8 +1,9 @@
-//! `sensor_msgs`: joint states and compressed images. Fields and units are in the definition above each struct.
+//! `sensor_msgs`: joint states, compressed images, readings of inertial sensors. Fields and units are in the definition above each struct.
 #![allow(missing_docs)]
 
 use serde::{Deserialize, Serialize};
 
+use super::geometry_msgs::{Quaternion, Vector3};
 use super::std_msgs::Header;
 
 /// An image in a file format.
@@ -15,6 +16,22 @@ pub struct CompressedImage {
     pub header: Header,
     pub format: String,
     pub data: Vec<u8>,
+}
+
+/// A reading of an inertial measurement unit.
+///
+/// ```text
+#[doc = include_str!("../../msg/deps/sensor_msgs/Imu.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Imu {
+    pub header: Header,
+    pub orientation: Quaternion,
+    pub orientation_covariance: [f64; 9],
+    pub angular_velocity: Vector3,
+    pub angular_velocity_covariance: [f64; 9],
+    pub linear_acceleration: Vector3,
+    pub linear_acceleration_covariance: [f64; 9],
 }
 
 /// Positions, velocities and efforts of named joints.

@@ -28,6 +28,7 @@ interfaces! {
     column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
     column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
     column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
+    column_twin Message Measurement = Measurement in "msg/Measurement.msg";
     column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
     column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
     column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
@@ -37,6 +38,8 @@ interfaces! {
     diagnostic_msgs Message DiagnosticArray = DiagnosticArray in "msg/deps/diagnostic_msgs/DiagnosticArray.msg";
     diagnostic_msgs Message DiagnosticStatus = DiagnosticStatus in "msg/deps/diagnostic_msgs/DiagnosticStatus.msg";
     diagnostic_msgs Message KeyValue = KeyValue in "msg/deps/diagnostic_msgs/KeyValue.msg";
+    geometry_msgs Message Accel = Accel in "msg/deps/geometry_msgs/Accel.msg";
+    geometry_msgs Message AccelStamped = AccelStamped in "msg/deps/geometry_msgs/AccelStamped.msg";
     geometry_msgs Message Point = Point in "msg/deps/geometry_msgs/Point.msg";
     geometry_msgs Message Pose = Pose in "msg/deps/geometry_msgs/Pose.msg";
     geometry_msgs Message Quaternion = Quaternion in "msg/deps/geometry_msgs/Quaternion.msg";
@@ -47,6 +50,7 @@ interfaces! {
     rcl_interfaces Message ParameterValue = ParameterValue in "msg/deps/rcl_interfaces/ParameterValue.msg";
     rosgraph_msgs Message Clock = Clock in "msg/deps/rosgraph_msgs/Clock.msg";
     sensor_msgs Message CompressedImage = CompressedImage in "msg/deps/sensor_msgs/CompressedImage.msg";
+    sensor_msgs Message Imu = Imu in "msg/deps/sensor_msgs/Imu.msg";
     sensor_msgs Message JointState = JointState in "msg/deps/sensor_msgs/JointState.msg";
     service_msgs Message ServiceEventInfo = ServiceEventInfo in "msg/deps/service_msgs/ServiceEventInfo.msg";
     std_msgs Message ColorRGBA = ColorRGBA in "msg/deps/std_msgs/ColorRGBA.msg";

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::endpoints::Endpoint;
 use crate::live::QueueStats;
-use crate::twin::{Journal, RefusalCode};
+use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
 pub trait RecordingTap: Send + Sync + 'static {
@@ -13,6 +13,10 @@ pub trait RecordingTap: Send + Sync + 'static {
 
     /// The node received a message; `source_stamp` is the time of sending \[ns since 1970\], if known.
     fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>);
+
+    /// The node received measurements at `received` \[ns\], by the clock that drives the twin. The recording contains this time as
+    /// the publish time of the message: with it, the intake of measurements can be repeated.
+    fn measured(&self, endpoint: &Endpoint, bytes: Vec<u8>, received: Nanos);
 
     /// The node rejected a received message, so that it did not reach the twin. `what` identifies the message; `code` is
     /// `None` if only its recording failed.

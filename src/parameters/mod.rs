@@ -61,14 +61,15 @@ pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parame
 pub use processors::{MAX_PROCESSOR, processors};
 pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
-pub use sensors::SENSOR_PARAMETERS;
+pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
     AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
     GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
     RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, SensorSettings, SensorsSettings, Settings, SolverSettings,
-    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings,
+    Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind,
+    SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -274,6 +275,12 @@ impl Parameters {
     fn values(&self) -> impl Iterator<Item = Value> {
         let single = self.settings.values().into_iter();
         single.chain(sensors::values_of_all(&self.settings))
+    }
+
+    /// Where the messages of the [sensors](Self::sensors) come from, in the same order.
+    #[must_use]
+    pub fn sensor_sources(&self) -> Vec<SensorSource> {
+        sensors::sources_of(&self.settings)
     }
 
     /// The sensors on the column, in the order of `sensors.names`.

@@ -2,7 +2,7 @@
 
 use super::consistency::Inconsistency;
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
-use super::settings::{SensorSettings, Settings};
+use super::settings::{SensorAxis, SensorMessage, SensorSettings, Settings};
 use super::value::{Kind, Value, readable};
 use super::{or_else, section_of};
 use crate::senses::{Quantity, Sensor};
@@ -107,7 +107,48 @@ pub const SENSOR_PARAMETERS: &[Parameter] = &[
         applies: Applies::Restart,
         meaning: "distance of the strained fibre from the centroid, on either side; for a bending strain only",
     },
+    Parameter {
+        name: "sensors.<name>.topic",
+        unit: "",
+        default: DefaultValue::Text(""),
+        admissible: Admissible::Text {
+            min_chars: 0,
+            max_chars: 255,
+        },
+        applies: Applies::Restart,
+        meaning: "topic on which the sensor's messages arrive; empty: the topic measurements, which all sensors share. Sensors may \
+                  share another topic, too, if they have the same message",
+    },
+    Parameter {
+        name: "sensors.<name>.message",
+        unit: "",
+        default: DefaultValue::Text("measurement"),
+        admissible: Admissible::Choice(&["measurement", "imu", "accel_stamped"]),
+        applies: Applies::Restart,
+        meaning: "type of its messages: column_twin/msg/Measurement with a batch of samples, or one sample in the linear acceleration \
+                  of sensor_msgs/msg/Imu or of geometry_msgs/msg/AccelStamped",
+    },
+    Parameter {
+        name: "sensors.<name>.axis",
+        unit: "",
+        default: DefaultValue::Text("x"),
+        admissible: Admissible::Choice(&["x", "y", "z"]),
+        applies: Applies::Restart,
+        meaning: "component of the linear acceleration in the vehicle's direction, or against it with the sign -1; for imu and \
+                  accel_stamped only",
+    },
 ];
+
+/// Where the messages of a sensor come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SensorSource {
+    /// Name of the topic before expansion and remapping; empty: that of the measurements.
+    pub topic: String,
+    /// Type of the messages.
+    pub message: SensorMessage,
+    /// Component of a message with a vector.
+    pub axis: SensorAxis,
+}
 
 const ERROR: Admissible = Admissible::Real {
     min: 0.0,
@@ -190,6 +231,16 @@ fn declared(settings: &Settings) -> impl Iterator<Item = (&str, &SensorSettings)
     names.filter_map(|name| Some((name.as_str(), sensors.each.get(name)?)))
 }
 
+/// Where the messages of each sensor come from, in the order of [`sensors_of`].
+pub(super) fn sources_of(settings: &Settings) -> Vec<SensorSource> {
+    let source = |(_, given): (&str, &SensorSettings)| SensorSource {
+        topic: given.topic.clone(),
+        message: given.message,
+        axis: given.axis,
+    };
+    declared(settings).map(source).collect()
+}
+
 /// The sensors with their open numbers filled in.
 pub(super) fn sensors_of(settings: &Settings) -> Vec<Sensor> {
     let half_height = section_of(&settings.section).height / 2.0;
@@ -222,8 +273,56 @@ pub(super) fn inconsistencies(settings: &Settings) -> Vec<(&str, Inconsistency)>
         let name = name.as_str();
         found.extend(height_suits_the_column(sensor, settings).map(|it| (name, it)));
         found.extend(strain_has_a_fibre(sensor, settings).map(|it| (name, it)));
+        found.extend(message_has_the_quantity(sensor).map(|it| (name, it)));
+        found.extend(topic_has_one_message(name, sensor, settings).map(|it| (name, it)));
     }
     found
+}
+
+/// Messages of single samples contain accelerations, and their drivers do not publish on `measurements`.
+fn message_has_the_quantity(sensor: &SensorSettings) -> Option<Inconsistency> {
+    if sensor.message == SensorMessage::Measurement {
+        return None;
+    }
+    let word = sensor.message.word();
+    if sensor.quantity != Quantity::Acceleration.word() {
+        return Some(Inconsistency {
+            names: vec!["sensors.<name>.message", "sensors.<name>.quantity"],
+            message: format!(
+                "is {word}, of which only the linear acceleration is read, but the quantity is {}; choose the quantity acceleration, \
+                 or the message measurement",
+                sensor.quantity
+            ),
+        });
+    }
+    sensor.topic.is_empty().then(|| Inconsistency {
+        names: vec!["sensors.<name>.topic", "sensors.<name>.message"],
+        message: format!(
+            "is required, because the message is {word}; give the topic on which the driver of the sensor publishes"
+        ),
+    })
+}
+
+fn topic_has_one_message(
+    name: &str,
+    sensor: &SensorSettings,
+    settings: &Settings,
+) -> Option<Inconsistency> {
+    let each = settings.sensors.each.iter();
+    let (other, its) = each
+        .take_while(|(other, _)| *other != name)
+        .find(|(_, it)| it.topic == sensor.topic && it.message != sensor.message)?;
+    if sensor.topic.is_empty() {
+        return None; // Reported already, because only measurements need no topic.
+    }
+    Some(Inconsistency {
+        names: vec!["sensors.<name>.message", "sensors.<name>.topic"],
+        message: format!(
+            "is {}, but sensors.{other} expects {} on the same topic; a topic has one type of message",
+            sensor.message.word(),
+            its.message.word(),
+        ),
+    })
 }
 
 /// Sums of decimal lengths differ from the decimal sum by round-off.

@@ -169,6 +169,9 @@ groups! {
         bandwidth: f64,
         sign: i8,
         fibre: f64,
+        topic: String,
+        message: SensorMessage,
+        axis: SensorAxis,
     }
 }
 
@@ -218,6 +221,24 @@ words! {
         /// Small.
         Zstd,
     }
+    /// Type of the messages of a sensor.
+    SensorMessage {
+        /// `column_twin/msg/Measurement`.
+        Measurement,
+        /// `sensor_msgs/msg/Imu`.
+        Imu,
+        /// `geometry_msgs/msg/AccelStamped`.
+        AccelStamped,
+    }
+    /// Component of a vector.
+    SensorAxis {
+        /// The first one.
+        X,
+        /// The second one.
+        Y,
+        /// The third one.
+        Z,
+    }
     /// Destination of the pictures.
     ViewerMode {
         /// No pictures.
@@ -260,6 +281,18 @@ impl Settings {
 impl SensorsSettings {
     fn is_empty(&self) -> bool {
         self.names.is_empty() && self.each.is_empty()
+    }
+}
+
+impl SensorMessage {
+    /// Its word in parameters.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Measurement => "measurement",
+            Self::Imu => "imu",
+            Self::AccelStamped => "accel_stamped",
+        }
     }
 }
 

@@ -117,6 +117,16 @@ pub enum ClientError {
     /// The twin is faulted.
     #[error("the twin is faulted: {0}; call ~/reset to restore the virgin column")]
     Faulted(String),
+    /// The readings last too long.
+    #[error(
+        "the readings last {found} s, but at most {most} s are published; cut the table to the time of the impact"
+    )]
+    TooLong {
+        /// Their duration \[s\].
+        found: f64,
+        /// The longest \[s\].
+        most: f64,
+    },
     /// Interrupted.
     #[error("interrupted")]
     Interrupted,
@@ -447,7 +457,7 @@ fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
 }
 
 /// Repeats `attempt`, which receives the deadline of each try; `None` after `timeout`.
-fn wait_until<T>(
+pub(super) fn wait_until<T>(
     signals: &StopSignals,
     timeout: Duration,
     mut attempt: impl FnMut(Instant) -> Option<T>,

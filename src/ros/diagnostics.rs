@@ -1,9 +1,10 @@
-//! `/diagnostics`: the twin, its solver, its queues, its recording and the node, for people and aggregators.
+//! `/diagnostics`: the twin, its solver, its queues, its recording, its sensors and the node, for people and aggregators.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use crate::incoming::nanos;
 use crate::live::QueueStats;
 use crate::messages::column_twin::TwinStatus;
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -13,8 +14,10 @@ use crate::outgoing::RecordingHealth;
 use super::clock_watch::ClockWatch;
 use super::lines::severity_word;
 use super::live_twin::Health;
+use super::measurements::SensorInputs;
 use super::security::SecurityHealth;
 use super::senders::Senders;
+use super::sensor_watch::SensorStatus;
 
 /// Losses of the node itself since the start.
 #[derive(Debug, Default)]
@@ -31,6 +34,8 @@ pub(super) struct NodeCounters {
     pub clock: Option<ClockWatch>,
     /// The senders, if the parameters limit them.
     pub senders: Option<Arc<Senders>>,
+    /// The sensors, if the parameters declare any.
+    pub sensors: Option<Arc<SensorInputs>>,
 }
 
 impl NodeCounters {
@@ -78,6 +83,8 @@ pub(super) fn diagnostics(header: Header, node: &str, observed: Observed<'_>) ->
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
+    let sensors = counters.sensors.as_ref();
+    status.extend(sensors.map(|it| sensors_status(it.status(nanos(header.stamp)))));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
         one.hardware_id.clone_from(&twin.column_id);
@@ -289,6 +296,15 @@ fn senders_status(senders: &Senders) -> DiagnosticStatus {
     let values = keys.iter().zip(counts);
     let values = values.map(|(key, count)| ((*key).to_owned(), count.to_string()));
     entry("senders", level, message.to_owned(), values)
+}
+
+fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
+    let SensorStatus {
+        level,
+        message,
+        values,
+    } = sensors;
+    entry("sensors", level, message, values)
 }
 
 fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {

@@ -24,6 +24,7 @@ use crate::twin::{Accepted, Command, Refusal};
 use super::diagnostics::NodeCounters;
 use super::guid_prefix::GuidPrefix;
 use super::live_twin::LiveTwin;
+use super::measurements::{MeasurementSubscriptions, SensorInputs};
 use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
@@ -40,20 +41,26 @@ impl ros2_client::Message for PredictImpactResponse {}
 pub(super) struct Subscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
+    measurements: Option<MeasurementSubscriptions>,
     senders: Arc<Senders>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl Subscriptions {
-    /// Subscribes to events and, under `use_sim_time`, to the clock.
+    /// Subscribes to events, to the topics of the sensors if there are any and, under `use_sim_time`, to the clock.
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
         senders: Arc<Senders>,
+        sensors: Option<Arc<SensorInputs>>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
+        let measurements = sensors.map(|inputs| {
+            MeasurementSubscriptions::new(node, parameters, inputs, Arc::clone(&senders))
+        });
         Ok(Self {
+            measurements: measurements.transpose()?,
             events: node.subscription(&qos::IMPACT_EVENT)?,
             clock: simulated
                 .then(|| node.subscription(&qos::CLOCK))
@@ -118,18 +125,34 @@ impl Subscriptions {
                 .await;
             }
         };
-        join!(events, clock);
+        let measurements = async {
+            if let Some(measurements) = self.measurements {
+                measurements.run(&twin, &counters).await;
+            }
+        };
+        join!(events, clock, measurements);
     }
 }
 
-/// Passes every message to `handle`. Messages that cannot be read, or were lost before, are counted and logged.
+/// As [`each_on`] of an endpoint.
 async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
     endpoint: &Endpoint,
     counters: &NodeCounters,
+    handle: impl FnMut(M, MessageInfo),
+) {
+    let is_reliable = endpoint.qos.reliable;
+    each_on(subscription, endpoint.name, is_reliable, counters, handle).await;
+}
+
+/// Passes every message to `handle`. Messages that cannot be read, or were lost before on a reliable topic, are counted and logged.
+pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
+    subscription: &Subscription<M>,
+    name: &str,
+    is_reliable: bool,
+    counters: &NodeCounters,
     mut handle: impl FnMut(M, MessageInfo),
 ) {
-    let name = endpoint.name;
     let messages = subscription.async_stream();
     pin_mut!(messages);
     let mut missed = Missed::default();
@@ -137,7 +160,7 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
         match message {
             Ok((message, info)) => {
                 let lost = missed.before(&info);
-                if lost > 0 && endpoint.qos.reliable {
+                if lost > 0 && is_reliable {
                     counters.missed.fetch_add(lost, Ordering::Relaxed);
                     tracing::error!(
                         "{lost} messages on {name} were lost, because they arrived faster than they could be handled"
@@ -160,7 +183,7 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
 const MAX_NAMED_CHARS: usize = 64;
 
 /// Logs and records that a message of a sender was rejected.
-fn tell(
+pub(super) fn tell(
     recording: &Option<Arc<dyn RecordingTap>>,
     endpoint: &Endpoint,
     what: &str,

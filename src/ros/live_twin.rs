@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use crate::column::{ImpactSpecification, ModelError};
 use crate::live::{
-    Clock, Live, LiveHandle, LiveOptions, LiveStatistics, OutputQueue, QueueStats, RealTime,
-    Receiver, SimClock, SystemClock, monotonic_nanos,
+    Clock, Live, LiveHandle, LiveOptions, LiveStatistics, MeasurementQueue, OutputQueue,
+    QueueStats, RealTime, Receiver, SimClock, SystemClock, monotonic_nanos,
 };
 use crate::parameters::Parameters;
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
@@ -46,6 +46,8 @@ pub struct LiveTwin {
     simulated: Option<Arc<SimClock>>,
     /// The parameters at the start, including those that cannot change.
     initial_parameters: Arc<Parameters>,
+    /// The queue of measurements, if there are sensors.
+    measurements: Option<Arc<MeasurementQueue>>,
 }
 
 /// What the stop drops, in this order.
@@ -82,7 +84,7 @@ pub struct Health {
 
 impl LiveTwin {
     /// Starts the twin with the damage in its state file and, depending on the parameters, the viewer. The parameters
-    /// replace `options.state_file` and `options.real_time`. The receiver returns the outputs of the twin.
+    /// replace `options.state_file`, `options.real_time` and `options.measurements`. The receiver returns the outputs of the twin.
     ///
     /// # Errors
     /// The column is impossible, its state file cannot be used, or a thread cannot be started.
@@ -113,9 +115,12 @@ impl LiveTwin {
                 None
             }
         };
+        let has_sensors = !parameters.settings().sensors.names.is_empty();
+        let measurements = has_sensors.then(|| Arc::new(MeasurementQueue::new()));
         let mut options = LiveOptions {
             state_file: path,
             real_time: RealTime::of(&parameters),
+            measurements: measurements.clone(),
             ..options
         };
         node_viewer::add_queue(&parameters, &mut options);
@@ -152,6 +157,7 @@ impl LiveTwin {
             clock,
             simulated,
             initial_parameters,
+            measurements,
         };
         Ok((Arc::new(twin), outputs))
     }
@@ -219,6 +225,11 @@ impl LiveTwin {
     /// The identifier of the column.
     pub fn column_id(&self) -> &str {
         &self.initial_parameters.settings().column_id
+    }
+
+    /// The queue of measurements; `None` without sensors.
+    pub fn measurements(&self) -> Option<&Arc<MeasurementQueue>> {
+        self.measurements.as_ref()
     }
 
     /// The parameters that hold.

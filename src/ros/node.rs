@@ -16,8 +16,8 @@ use serde::de::DeserializeOwned;
 use super::duplicates::Duplicates;
 use super::environment::{DiscoveryRange, Environment};
 use super::matches::Matches;
-use super::names::{NameError, Names};
-use super::qos::{self, Endpoint, package_and_type};
+use super::names::{NameError, NameKind, Names};
+use super::qos::{self, Endpoint, Qos, package_and_type};
 use super::raw::Raw;
 use super::security::{Peers, Protection, SecurityError, protection};
 
@@ -231,6 +231,31 @@ impl Node {
             .create_subscription(&topic, Some(endpoint.qos.profile()))
             .map_err(|error| not_created(&name, &error))?;
         self.matches.name(subscription.guid(), &name);
+        Ok(subscription)
+    }
+
+    /// A subscription of a topic that parameters name, with this type.
+    ///
+    /// # Errors
+    /// The name is invalid, or RustDDS cannot create the endpoint.
+    pub fn subscription_of<M: DeserializeOwned + 'static>(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        qos: &Qos,
+    ) -> Result<Subscription<M>, NodeError> {
+        let full = self.names.resolve(NameKind::Topic, topic)?;
+        let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
+        let (package, bare) = package_and_type(type_name);
+        let topic = self
+            .node
+            .create_topic(&name, MessageTypeName::new(package, bare), &qos.profile())
+            .map_err(|error| not_created(&full, &error))?;
+        let subscription = self
+            .node
+            .create_subscription(&topic, Some(qos.profile()))
+            .map_err(|error| not_created(&full, &error))?;
+        self.matches.name(subscription.guid(), &full);
         Ok(subscription)
     }
 

@@ -126,18 +126,42 @@ impl Senders {
     /// The sender is not in the list, or sends too often.
     pub fn admit(&self, sender: impl Into<GuidPrefix>, now: Instant) -> Result<(), Rejected> {
         let sender = sender.into();
-        let (counter, code, reason) = if !self.is_allowed(sender) {
-            let reason = format!("the sender with the GUID {sender} is not in senders.allowed");
-            (&self.not_allowed, RefusalCode::SenderNotAllowed, reason)
-        } else if let Some(limit) = self.limit_exceeded(sender, now) {
-            let Limit { rate, burst } = limit;
-            let reason = format!(
-                "the sender with the GUID {sender} exceeds senders.max_rate, {rate} per second after {burst} at once"
-            );
-            (&self.too_fast, RefusalCode::SenderTooFast, reason)
-        } else {
+        self.admit_stream(sender, now)?;
+        let Some(limit) = self.limit_exceeded(sender, now) else {
             return Ok(());
         };
+        let Limit { rate, burst } = limit;
+        let reason = format!(
+            "the sender with the GUID {sender} exceeds senders.max_rate, {rate} per second after {burst} at once"
+        );
+        Err(self.rejected(&self.too_fast, RefusalCode::SenderTooFast, reason, now))
+    }
+
+    /// Takes a part of a stream, of which no rate is too high.
+    ///
+    /// # Errors
+    /// The sender is not in the list.
+    pub fn admit_stream(
+        &self,
+        sender: impl Into<GuidPrefix>,
+        now: Instant,
+    ) -> Result<(), Rejected> {
+        let sender = sender.into();
+        if self.is_allowed(sender) {
+            return Ok(());
+        }
+        let reason = format!("the sender with the GUID {sender} is not in senders.allowed");
+        let code = RefusalCode::SenderNotAllowed;
+        Err(self.rejected(&self.not_allowed, code, reason, now))
+    }
+
+    fn rejected(
+        &self,
+        counter: &AtomicU64,
+        code: RefusalCode,
+        reason: String,
+        now: Instant,
+    ) -> Rejected {
         counter.fetch_add(1, Ordering::Relaxed);
         let mut telling = self.telling.lock().unwrap_or_else(PoisonError::into_inner);
         let untold = telling.admit(now);
@@ -147,10 +171,10 @@ impl Senders {
             }
             _ => String::new(),
         };
-        Err(Rejected {
+        Rejected {
             refusal: Refusal::new(code, format!("{reason}{hidden}")),
             is_told: untold.is_some(),
-        })
+        }
     }
 
     fn is_allowed(&self, sender: GuidPrefix) -> bool {

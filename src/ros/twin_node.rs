@@ -2,7 +2,7 @@
 //!
 //! | thread | responsibility |
 //! |---|---|
-//! | `column_twin/ros` | receives events and the clock, tracks peers |
+//! | `column_twin/ros` | receives events, measurements and the clock, tracks peers |
 //! | `column_twin/srv` | answers service requests, receives parameters |
 //! | `column_twin/pub` | publishes the outputs of the twin, and diagnostics |
 //! | `column_twin/log` | publishes `/rosout` |
@@ -26,6 +26,7 @@ use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
 use super::live_twin::LiveTwin;
 use super::matches::Matches;
+use super::measurements::SensorInputs;
 use super::names::Names;
 use super::node::{Node, NodeError};
 use super::publishing::Publishing;
@@ -67,7 +68,9 @@ impl TwinNode {
         let senders = Senders::new(&parameters.settings().senders, identities);
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
+        let sensors = SensorInputs::new(&twin, &parameters, recording.clone());
         let counters = Arc::new(NodeCounters {
+            sensors: sensors.clone(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
             ..NodeCounters::default()
@@ -86,6 +89,7 @@ impl TwinNode {
             &mut node,
             &twin.parameters(),
             Arc::clone(&senders),
+            sensors,
             recording.clone(),
         )?;
         let services = Services::new(&mut node, &twin.parameters(), senders, recording)?;

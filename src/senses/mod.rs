@@ -11,6 +11,7 @@
 mod batch;
 #[cfg(feature = "study")]
 mod blocks;
+mod collector;
 #[cfg(feature = "study")]
 mod detection;
 #[cfg(feature = "study")]
@@ -21,6 +22,7 @@ mod estimate_record;
 mod estimator;
 #[cfg(feature = "study")]
 mod hypothesis;
+mod intake;
 #[cfg(feature = "study")]
 mod model_error;
 #[cfg(feature = "study")]
@@ -36,10 +38,13 @@ mod readings;
 #[cfg(feature = "study")]
 mod recorded;
 mod sensor;
+mod sensor_clock;
 #[cfg(feature = "study")]
 mod simulated;
+mod stillness;
 
 pub use batch::Batch;
+pub use collector::{BATCH_DURATION, Collected, Collector};
 #[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
 #[cfg(feature = "study")]
@@ -50,6 +55,10 @@ pub use estimate_record::EstimateRecord;
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 #[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
+pub use intake::{
+    BELIEVED, Intake, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER, PERIOD_TOLERANCE, RawBatch,
+    Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth, Strays,
+};
 #[cfg(feature = "study")]
 pub use probe::Probe;
 #[cfg(feature = "study")]
@@ -57,5 +66,6 @@ pub use readings::{Readings, ReadingsError};
 #[cfg(feature = "study")]
 pub use recorded::{RecordedImpact, estimate_recorded};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
+pub use sensor_clock::TOLERATED_OFFSET;
 #[cfg(feature = "study")]
 pub use simulated::simulate_sensors;

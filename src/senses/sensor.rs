@@ -69,6 +69,14 @@ impl Sensor {
             false => reading,
         }
     }
+
+    /// Whether a reading is at the end of the range, or beyond. A range is seldom a whole number in single precision, in which
+    /// readings come: a reading that is rounded down counts, too.
+    #[must_use]
+    pub fn is_clipped(&self, reading: f64) -> bool {
+        const ROUND_OFF: f64 = 1e-6;
+        self.range > 0.0 && reading.abs() >= self.range * (1.0 - ROUND_OFF)
+    }
 }
 
 /// The word is not that of a quantity.

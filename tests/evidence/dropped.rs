@@ -46,6 +46,8 @@ impl RecordingTap for Tap {
 
     fn received(&self, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
 
+    fn measured(&self, _: &Endpoint, _: Vec<u8>, _: i64) {}
+
     fn rejected(&self, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
 
     fn journal(&self, _: &Journal) {}

@@ -18,6 +18,7 @@ mod full_disk;
 #[path = "../ros/incoming.rs"]
 mod incoming;
 mod killed;
+mod measurements;
 mod node;
 #[allow(dead_code)] // the tests of the recordings use the rest
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]

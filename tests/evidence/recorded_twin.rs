@@ -9,7 +9,7 @@ use column_twin::endpoints::{self, Endpoint};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::column_command;
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent};
+use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement};
 use column_twin::messages::std_msgs::Header;
 use column_twin::messages::{Message, cdr};
 use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _};
@@ -163,6 +163,13 @@ impl RecordedTwin {
         let sent = SystemTime::now().duration_since(UNIX_EPOCH).expect("after");
         let sent = i64::try_from(sent.as_nanos()).expect("before 2262") - MS / 2;
         self.recording.received(endpoint, bytes, Some(sent));
+    }
+
+    /// The node receives measurements now.
+    pub fn measure(&self, message: &Measurement) {
+        let bytes = cdr::encode(message).expect("bytes");
+        self.recording
+            .measured(&endpoints::MEASUREMENTS, bytes, self.now);
     }
 
     /// The node sends a message that does not come from the twin.

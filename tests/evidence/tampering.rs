@@ -131,6 +131,7 @@ fn recount(all: &mut [Message]) {
             messages: std::mem::take(&mut messages),
             others: std::mem::take(&mut others),
             times: digits[..32].to_owned(),
+            measurements: String::new(),
         };
         if line.since.messages == 0 {
             line.since.times.clear();

@@ -11,6 +11,7 @@ mod hostile;
 mod incoming;
 mod live_twin;
 mod loopback;
+mod measurements;
 mod memory;
 mod parameter_events;
 mod program;

@@ -1,0 +1,386 @@
+//! The measurements over DDS: from the topics of the sensors through their intake to the recording and to the queue.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use futures::FutureExt;
+use futures::future::{LocalBoxFuture, join_all};
+use ros2_client::{MessageInfo, Subscription};
+
+use crate::incoming::{nanos, raw_batch};
+use crate::live::MeasurementQueue;
+use crate::messages::Message as _;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr;
+use crate::messages::column_twin::Measurement;
+use crate::messages::geometry_msgs::{AccelStamped, Vector3};
+use crate::messages::sensor_msgs::Imu;
+use crate::messages::std_msgs::Header;
+use crate::outgoing::RecordingTap;
+use crate::parameters::{Parameters, SensorAxis, SensorMessage};
+use crate::senses::{Collector, Intake, Rejection};
+use crate::twin::Nanos;
+
+use super::diagnostics::NodeCounters;
+use super::inputs::{each_on, tell};
+use super::live_twin::LiveTwin;
+use super::node::{Node, NodeError};
+use super::qos;
+use super::senders::{Rejected, Senders};
+use super::sensor_watch::{SensorStatus, SensorWatch};
+
+/// Takes the measurements of all sensors, from whatever topic: into the recording, and into the queue of those who use them.
+pub(super) struct SensorInputs {
+    column_id: String,
+    intake: Mutex<Intake>,
+    queue: Arc<MeasurementQueue>,
+    recording: Option<Arc<dyn RecordingTap>>,
+    watch: Mutex<SensorWatch>,
+}
+
+impl std::fmt::Debug for SensorInputs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut it = f.debug_struct("SensorInputs");
+        it.field("column_id", &self.column_id)
+            .finish_non_exhaustive()
+    }
+}
+
+impl SensorInputs {
+    /// `None` without sensors.
+    pub fn new(
+        twin: &LiveTwin,
+        parameters: &Parameters,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Option<Arc<Self>> {
+        let queue = Arc::clone(twin.measurements()?);
+        let sensors = parameters.sensors();
+        let column_id = parameters.settings().column_id.clone();
+        Some(Arc::new(Self {
+            intake: Mutex::new(Intake::new(&sensors, &column_id)),
+            column_id,
+            queue,
+            recording,
+            watch: Mutex::new(SensorWatch::new(sensors.len(), twin.now())),
+        }))
+    }
+
+    /// Takes a batch that arrived at `received`, by the clock that drives the twin.
+    fn take(&self, measurement: &Measurement, received: Nanos) {
+        let taken = self.intake().take(&raw_batch(measurement), received);
+        let is_needed = match &taken {
+            Ok(_) => true,
+            Err(rejection) => rejection.depends_on_order(),
+        };
+        // Before anything can follow from it.
+        if is_needed {
+            self.record(measurement, received);
+        }
+        match taken {
+            Ok(batch) => self.queue.push(batch),
+            // Columns may share a topic.
+            Err(Rejection::OtherColumn { .. }) => {}
+            Err(rejection) => {
+                let mut watch = self.watch();
+                watch.rejected(&measurement.sensor_id, &rejection, Instant::now());
+            }
+        }
+    }
+
+    fn record(&self, measurement: &Measurement, received: Nanos) {
+        let Some(recording) = &self.recording else {
+            return;
+        };
+        match cdr::encode(measurement) {
+            Ok(bytes) => recording.measured(&qos::MEASUREMENTS, bytes, received),
+            Err(error) => {
+                recording.rejected(&qos::MEASUREMENTS, "a batch", None, &error.to_string());
+            }
+        }
+    }
+
+    /// Logs what has changed since the last call, and returns the health of the sensors.
+    pub fn status(&self, now: Nanos) -> SensorStatus {
+        let (health, strays) = {
+            let intake = self.intake();
+            (intake.health(now), intake.strays().clone())
+        };
+        let lost = self.queue.lost();
+        let mut watch = self.watch();
+        watch.status(&health, &strays, lost, now)
+    }
+
+    fn intake(&self) -> MutexGuard<'_, Intake> {
+        self.intake.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn watch(&self) -> MutexGuard<'_, SensorWatch> {
+        self.watch.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A sensor that sends each sample in a message of its own.
+struct Collecting {
+    name: String,
+    axis: SensorAxis,
+    period: f64,
+    collector: Collector,
+}
+
+impl Collecting {
+    /// Takes a sample: the message that a sender of batches would have sent, if one is complete.
+    fn push(&mut self, column_id: &str, stamp: Nanos, vector: &Vector3) -> Option<Measurement> {
+        let value = match self.axis {
+            SensorAxis::X => vector.x,
+            SensorAxis::Y => vector.y,
+            SensorAxis::Z => vector.z,
+        };
+        let collected = self.collector.push(stamp, value as f32)?;
+        Some(Measurement {
+            header: Header {
+                stamp: Time::from_nanos(collected.stamp).unwrap_or_default(),
+                frame_id: String::new(),
+            },
+            column_id: column_id.to_owned(),
+            sensor_id: self.name.clone(),
+            sample_period: self.period,
+            values: collected.values,
+        })
+    }
+}
+
+/// A topic of sensors.
+enum Topic {
+    Measurements(Subscription<Measurement>),
+    Imu(Subscription<Imu>, Vec<Collecting>),
+    Accel(Subscription<AccelStamped>, Vec<Collecting>),
+}
+
+impl Topic {
+    fn message(&self) -> SensorMessage {
+        match self {
+            Self::Measurements(_) => SensorMessage::Measurement,
+            Self::Imu(..) => SensorMessage::Imu,
+            Self::Accel(..) => SensorMessage::AccelStamped,
+        }
+    }
+}
+
+/// The subscriptions of all topics of the sensors.
+pub(super) struct MeasurementSubscriptions {
+    inputs: Arc<SensorInputs>,
+    /// With the names of the topics.
+    topics: Vec<(String, Topic)>,
+    senders: Arc<Senders>,
+}
+
+impl MeasurementSubscriptions {
+    /// Subscribes to `measurements` and to the topics that the parameters name.
+    pub fn new(
+        node: &mut Node,
+        parameters: &Parameters,
+        inputs: Arc<SensorInputs>,
+        senders: Arc<Senders>,
+    ) -> Result<Self, NodeError> {
+        let own = qos::MEASUREMENTS.name;
+        let kind = qos::MEASUREMENTS.kind();
+        let full = node.names().resolve(kind, own)?;
+        let subscription = node.subscription(&qos::MEASUREMENTS)?;
+        let mut topics = vec![(full, Topic::Measurements(subscription))];
+        let sensors = parameters.sensors();
+        let sources = parameters.sensor_sources();
+        for (sensor, source) in sensors.iter().zip(&sources) {
+            if source.topic.is_empty() {
+                continue;
+            }
+            let full = node.names().resolve(kind, &source.topic)?;
+            let known = topics.iter().position(|(name, _)| *name == full);
+            let index = match known {
+                Some(index) => index,
+                None => {
+                    let topic = subscribe(node, &source.topic, source.message)?;
+                    topics.push((full.clone(), topic));
+                    topics.len() - 1
+                }
+            };
+            let topic = &mut topics[index].1;
+            if topic.message() != source.message {
+                return Err(NodeError::Endpoint {
+                    what: full,
+                    reason: format!(
+                        "sensors.{}.message is {}, but messages of the type {} are expected on this topic already; name \
+                         another topic",
+                        sensor.name,
+                        source.message.word(),
+                        topic.message().word()
+                    ),
+                });
+            }
+            if let Topic::Imu(_, collecting) | Topic::Accel(_, collecting) = topic {
+                collecting.push(Collecting {
+                    name: sensor.name.clone(),
+                    axis: source.axis,
+                    period: 1.0 / sensor.rate,
+                    collector: Collector::new(sensor.rate),
+                });
+            }
+        }
+        Ok(Self {
+            inputs,
+            topics,
+            senders,
+        })
+    }
+
+    /// Takes measurements until the task is stopped.
+    pub async fn run(self, twin: &LiveTwin, counters: &NodeCounters) {
+        let Self {
+            inputs,
+            mut topics,
+            senders,
+        } = self;
+        let inputs = &*inputs;
+        // A simulated clock cannot be before its beginning, but a message can say so.
+        let now = || twin.now().max(0);
+        let admits = |info: &MessageInfo, topic: &str| {
+            let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
+            let told = |rejected: &Rejected| {
+                let what = format!("a measurement on {topic}");
+                tell(&inputs.recording, &qos::MEASUREMENTS, &what, rejected);
+            };
+            admitted.inspect_err(told).is_ok()
+        };
+        let admits = &admits;
+        let collected = |collecting: &mut [Collecting], stamp: Time, vector: &Vector3| {
+            for sensor in collecting {
+                let complete = sensor.push(&inputs.column_id, nanos(stamp), vector);
+                if let Some(measurement) = complete {
+                    inputs.take(&measurement, now());
+                }
+            }
+        };
+        let collected = &collected;
+        let runs = topics.iter_mut().map(|(name, topic)| {
+            let name = name.as_str();
+            let run: LocalBoxFuture<'_, ()> = match topic {
+                Topic::Measurements(subscription) => each_on(
+                    subscription,
+                    name,
+                    false,
+                    counters,
+                    move |message: Measurement, info| {
+                        if admits(&info, name) {
+                            inputs.take(&message, now());
+                        }
+                    },
+                )
+                .boxed_local(),
+                Topic::Imu(subscription, collecting) => each_on(
+                    subscription,
+                    name,
+                    false,
+                    counters,
+                    move |message: Imu, info| {
+                        if admits(&info, name) {
+                            let vector = acceleration(&message);
+                            collected(collecting, message.header.stamp, &vector);
+                        }
+                    },
+                )
+                .boxed_local(),
+                Topic::Accel(subscription, collecting) => each_on(
+                    subscription,
+                    name,
+                    false,
+                    counters,
+                    move |message: AccelStamped, info| {
+                        if admits(&info, name) {
+                            let vector = &message.accel.linear;
+                            collected(collecting, message.header.stamp, vector);
+                        }
+                    },
+                )
+                .boxed_local(),
+            };
+            run
+        });
+        join_all(runs).await;
+    }
+}
+
+fn subscribe(node: &mut Node, topic: &str, message: SensorMessage) -> Result<Topic, NodeError> {
+    let qos = &qos::SENSOR_DATA;
+    Ok(match message {
+        SensorMessage::Measurement => {
+            let type_name = qos::MEASUREMENTS.type_name;
+            Topic::Measurements(node.subscription_of(topic, type_name, qos)?)
+        }
+        SensorMessage::Imu => {
+            let type_name = Imu::INTERFACE.ros_name();
+            Topic::Imu(node.subscription_of(topic, &type_name, qos)?, Vec::new())
+        }
+        SensorMessage::AccelStamped => {
+            let type_name = AccelStamped::INTERFACE.ros_name();
+            Topic::Accel(node.subscription_of(topic, &type_name, qos)?, Vec::new())
+        }
+    })
+}
+
+/// The acceleration, of which the first covariance is -1 if the unit does not measure it.
+fn acceleration(message: &Imu) -> Vector3 {
+    const NOT_MEASURED: f64 = -1.0;
+    if message.linear_acceleration_covariance[0] == NOT_MEASURED {
+        return Vector3 {
+            x: f64::NAN,
+            y: f64::NAN,
+            z: f64::NAN,
+        };
+    }
+    message.linear_acceleration
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_of_single_samples_becomes_measurements() {
+        let mut sensor = Collecting {
+            name: "a".to_owned(),
+            axis: SensorAxis::Y,
+            period: 1e-3,
+            collector: Collector::new(1e3),
+        };
+        let first = 5_000_000_000;
+        let complete: Vec<_> = (0..10)
+            .filter_map(|k| {
+                let message = Imu {
+                    linear_acceleration: Vector3 {
+                        x: 9.81,
+                        y: k as f64,
+                        z: -1.0,
+                    },
+                    linear_acceleration_covariance: [if k == 7 { -1.0 } else { 0.0 }; 9],
+                    ..Imu::default()
+                };
+                sensor.push("c", first + k * 1_000_000, &acceleration(&message))
+            })
+            .collect();
+        assert_eq!(complete.len(), 2);
+        let Measurement {
+            header,
+            column_id,
+            sensor_id,
+            sample_period,
+            values,
+        } = &complete[0];
+        assert_eq!(nanos(header.stamp), first);
+        assert_eq!((column_id.as_str(), sensor_id.as_str()), ("c", "a"));
+        assert_eq!(
+            (*sample_period, values.as_slice()),
+            (1e-3, &[0.0, 1.0, 2.0, 3.0, 4.0][..])
+        );
+        assert!(complete[1].values[2].is_nan());
+        assert_eq!(complete[1].values[3], 8.0);
+    }
+}
