@@ -38,6 +38,8 @@ mod recorded;
 mod sensor;
 #[cfg(feature = "study")]
 mod simulated;
+#[cfg(feature = "study")]
+mod standing_column;
 
 pub use batch::Batch;
 #[cfg(feature = "study")]
@@ -59,3 +61,5 @@ pub use recorded::{RecordedImpact, estimate_recorded};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 #[cfg(feature = "study")]
 pub use simulated::simulate_sensors;
+#[cfg(feature = "study")]
+pub use standing_column::{Damage, StandingColumn};
