@@ -12,6 +12,8 @@ mod batch;
 #[cfg(feature = "study")]
 mod blocks;
 #[cfg(feature = "study")]
+mod contradiction;
+#[cfg(feature = "study")]
 mod detection;
 #[cfg(feature = "study")]
 mod estimate;
@@ -21,6 +23,8 @@ mod estimate_record;
 mod estimator;
 #[cfg(feature = "study")]
 mod hypothesis;
+#[cfg(feature = "study")]
+mod member;
 #[cfg(feature = "study")]
 mod model_error;
 #[cfg(feature = "study")]
@@ -34,12 +38,17 @@ mod random;
 #[cfg(feature = "study")]
 mod readings;
 #[cfg(feature = "study")]
+mod recomputation;
+#[cfg(feature = "study")]
 mod recorded;
+#[cfg(feature = "study")]
+mod sensing;
 mod sensor;
 #[cfg(feature = "study")]
 mod simulated;
-#[cfg(feature = "study")]
 mod standing_column;
+#[cfg(feature = "study")]
+mod update;
 
 pub use batch::Batch;
 #[cfg(feature = "study")]
@@ -57,9 +66,12 @@ pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};
 #[cfg(feature = "study")]
+pub use recomputation::{NotRecomputed, Recomputation};
+#[cfg(feature = "study")]
 pub use recorded::{RecordedImpact, estimate_recorded};
+#[cfg(feature = "study")]
+pub use sensing::{Sensing, Work};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 #[cfg(feature = "study")]
 pub use simulated::simulate_sensors;
-#[cfg(feature = "study")]
 pub use standing_column::{Damage, StandingColumn};

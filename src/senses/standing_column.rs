@@ -2,9 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::column::{ColumnProperties, Displacement, Model, PerBar, PlasticFlow, State};
+#[cfg(feature = "study")]
+use crate::column::ColumnProperties;
+use crate::column::{Displacement, Model, PerBar, PlasticFlow, State};
 use crate::parameters::Parameters;
-use crate::twin::{HEIGHT_TOLERANCE, with_impact_height};
+use crate::twin::HEIGHT_TOLERANCE;
+#[cfg(feature = "study")]
+use crate::twin::with_impact_height;
 
 /// A column at rest, as the next impact will find it. With the parameters it is everything on which the responses to
 /// conceivable impacts depend.
@@ -54,12 +58,14 @@ impl StandingColumn {
     }
 
     /// The properties of the column with these parameters, with its hinges 1a and 1b where they are.
+    #[cfg(feature = "study")]
     pub(super) fn properties(&self, parameters: &Parameters) -> ColumnProperties {
         with_impact_height(&parameters.column_properties(), self.impact_height)
     }
 
     /// The column at rest, as a model of it says. The model may differ in its yield strength, on which the equilibrium of a
     /// column that does not flow does not depend.
+    #[cfg(feature = "study")]
     pub(super) fn state(&self, model: &Model) -> State {
         let Some(damage) = &self.damage else {
             return State::at_rest(model);
