@@ -114,11 +114,6 @@ impl Blocks {
         }
     }
 
-    /// The instant of contact to which the blocks refer \[s\].
-    pub fn contact(&self) -> f64 {
-        self.contact
-    }
-
     /// The blocks.
     pub fn layout(&self) -> &[Block] {
         &self.layout

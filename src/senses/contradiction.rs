@@ -13,6 +13,28 @@ const PLAUSIBLE: f64 = 6.0;
 /// Mean square of a sensor's errors, in terms of the variances of noise and model, that no plausible response may exceed.
 const CONTRADICTION: f64 = 16.0;
 
+/// Whether a response that the data make likely explains what every sensor reads. If so, no sensor contradicts the others, and
+/// the closer look of [`contradictions`] is not necessary.
+pub(super) fn explains_all(members: &[Member], observed: &[Observed], sensors: &[Sensor]) -> bool {
+    let up_to_date = || members.iter().filter(|it| it.seen == observed.len());
+    let best = largest(up_to_date().map(|member| member.log_posterior));
+    let blocks: Vec<usize> = (0..sensors.len())
+        .map(|sensor| {
+            let means = observed.iter().map(|(_, means)| means[sensor]);
+            means.flatten().count()
+        })
+        .collect();
+    up_to_date()
+        .filter(|member| member.log_posterior >= best - PLAUSIBLE)
+        .any(|member| {
+            let mut each = member.sums.iter().zip(sensors).zip(&blocks);
+            each.all(|((sums, sensor), &blocks)| {
+                let error = ModelError::of(sensor.quantity);
+                Fit::new(&sums[member.shift], error).squares <= CONTRADICTION * blocks as f64
+            })
+        })
+}
+
 /// The sensors whose readings no response explains that the other sensors consider plausible, and those of them that
 /// do not count any more. The sensor without which the others agree best is the one in doubt; where two fit the rest
 /// equally well or badly, as with only two sensors, both are, and both count.

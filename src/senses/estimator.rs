@@ -4,12 +4,16 @@ use super::blocks::Blocks;
 use super::estimate::{CredibleInterval, ImpactEstimate};
 use super::hypothesis::{Front, Hypothesis};
 use super::member::Member;
-use super::population::{Population, Round};
+use super::population::{EXPLORATION, Population, Round};
 use super::prediction::HORIZON;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
-use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
-use crate::column::{Impact, Model, ModelError, Outcome};
+use super::virgin_capacities::VirginCapacities;
+use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess, imperfection};
+use crate::column::{
+    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
+    carried_load,
+};
 use crate::parameters::Parameters;
 
 /// Instants after contact at which estimates are worth it \[s\].
@@ -38,12 +42,18 @@ const ENOUGH_RESPONSES: f64 = 60.0;
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
 
+/// As [`EXPLORATION`], where there is time for few responses only.
+const LIVE_EXPLORATION: f64 = 0.4;
+
 /// Responses whose remaining capacity is computed for an estimate.
 const ASSESSED: usize = 24;
 
 /// Standard deviation of the logarithm of the yield strength by which the single best impact is held to the given one: it has
 /// to explain the data on the column as the parameters describe it.
 const BEST_YIELD_SCATTER: f64 = 0.015;
+
+/// Weight below which a response does not count: two thousand of them change nothing that can be seen.
+const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
 
 /// Standard deviations to either end of a 90 % interval of a normal distribution.
 const TAIL_DEVIATIONS: f64 = 1.645;
@@ -66,6 +76,7 @@ pub struct Estimator {
     population: Population,
     sensors: Vec<Sensor>,
     yield_strain: f64,
+    virgin: VirginCapacities,
     /// Displacement of the impact point before the impact \[m\].
     rest_v1: f64,
     blocks: Option<Blocks>,
@@ -99,6 +110,7 @@ impl Estimator {
         let steel = parameters.steel();
         let (column, of_population) = (column.clone(), sensors.clone());
         Ok(Self {
+            virgin: VirginCapacities::new(parameters, &properties),
             rest_v1: column.state(&model).displacement.v1,
             population: Population::new(column, properties, of_population, hypotheses, seed),
             doubtful: vec![false; sensors.len()],
@@ -124,6 +136,8 @@ impl Estimator {
     /// Lets the assessment follow the parameters, for which what was computed has to hold.
     pub(super) fn set_parameters(&mut self, parameters: &Parameters) {
         self.parameters = parameters.clone();
+        let properties = self.population.properties();
+        self.virgin = VirginCapacities::new(parameters, properties);
     }
 
     /// Computes the responses of one more hypothesis before any impact, on all processors; returns whether all of them are
@@ -223,14 +237,21 @@ impl Estimator {
         }
     }
 
-    /// Weighs at most `count` responses from `first` on, in this thread; returns whether there are more.
-    pub(super) fn weigh_some(&mut self, first: usize, count: usize) -> bool {
-        self.population.weigh_some(first, count)
+    /// Weighs at most `count` responses as far as they matter, in this thread; returns whether there are more.
+    pub(super) fn weigh_some(&mut self, count: usize) -> bool {
+        self.population.weigh_some(count)
     }
 
-    /// Plans about `count` more responses where the data are best met.
+    /// Weighs at most `count` responses from `first` on with all data, in this thread; returns whether there are more.
+    pub(super) fn weigh_all(&mut self, first: usize, count: usize) -> bool {
+        self.population.weigh_all(first, count)
+    }
+
+    /// Plans about `count` more responses where the data are best met, of which not all may be computed.
     pub(super) fn plan(&mut self, count: usize) -> Round {
-        self.population.plan(count)
+        let mut round = self.population.plan(count, LIVE_EXPLORATION);
+        round.mix();
+        round
     }
 
     /// Computes the next response of a round that is not complete.
@@ -245,13 +266,19 @@ impl Estimator {
 
     /// Computes about `count` more responses where the data are best met.
     pub fn refine(&mut self, count: usize) {
-        let mut round = self.population.plan(count);
+        let mut round = self.population.plan(count, EXPLORATION);
         self.population.compute_all(&mut round);
         self.population.add(round);
         self.population.weigh();
     }
 
-    /// Finds the sensors that contradict the others. Returns whether others count than before; the responses have to be
+    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
+    /// or because some did not count so far.
+    pub(super) fn has_doubts(&self) -> bool {
+        self.doubtful.contains(&true) || !self.population.explains_all()
+    }
+
+    /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be
     /// weighed then.
     pub(super) fn judge_sensors(&mut self) -> bool {
         let [doubtful, ignored] = self.population.contradictions();
@@ -281,7 +308,7 @@ impl Estimator {
     /// contradict the others.
     pub fn settle(&mut self, rounds: usize) {
         self.refine_until_settled(rounds);
-        if self.judge_sensors() {
+        if self.has_doubts() && self.judge_sensors() {
             self.population.weigh();
             self.refine_until_settled(rounds);
         }
@@ -338,8 +365,25 @@ impl Estimator {
         let (properties, impact) = self.population.case(member)?;
         let (parameters, prediction) = (&self.parameters, &member.prediction);
         let model = Model::new(&properties).ok()?;
-        let rest = prediction.rest.as_deref();
-        let remaining = RemainingCapacity::compute(parameters, &model, rest).ok()?;
+        let at_rest = State::at_rest(&model);
+        let virgin = match self.virgin.at(libm::exp(member.unknowns[3])) {
+            Some(virgin) => virgin,
+            None => capacity(&model, &at_rest, imperfection(parameters)).ok()?,
+        };
+        let (now, carried) = match prediction.rest.as_deref() {
+            Some(rest) if rest.plastic == PerBar::default() => {
+                (virgin, carried_load(&model, &at_rest))
+            }
+            Some(rest) => (
+                capacity(&model, rest, imperfection(parameters)).ok()?,
+                carried_load(&model, rest),
+            ),
+            None => (
+                Capacity::none(CapacityEnd::NoEquilibrium),
+                carried_load(&model, &at_rest),
+            ),
+        };
+        let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
         let report = &prediction.report;
         let input = AssessmentInput::of_response(parameters, &model, &impact, report, remaining);
         Some((assess(&input).severity, remaining.ratio))
@@ -353,9 +397,15 @@ impl Estimator {
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
-        let weights = self.population.weights();
+        let mut weights = self.population.weights();
+        for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
+            *weight = 0.0;
+        }
         let assessed = self.assess(&weights);
-        let members = || self.population.members.iter().zip(weights.iter().copied());
+        let members = || {
+            let all = self.population.members.iter().zip(weights.iter().copied());
+            all.filter(|(_, weight)| *weight > 0.0)
+        };
         // Their distributions are skew: the mean is that of the logarithm.
         let positive = |logarithm: &dyn Fn(&Member) -> f64| {
             let interval =

@@ -16,6 +16,9 @@ const SHIFT_SPACING: f64 = 0.4;
 /// Factor between the column's displacements and the model's, with its standard deviation, before any data.
 pub(super) const NO_SCALE: [f64; 2] = [1.0, ModelError::of(Quantity::Displacement).scale];
 
+/// Product of ratios beyond which its logarithm is taken, so that it does not overflow.
+const LARGEST_RATIO: f64 = 1e100;
+
 /// What the sensors have read over a block, sensor by sensor.
 pub(super) type Observed = (Block, Vec<Option<BlockMean>>);
 
@@ -75,7 +78,8 @@ pub(super) struct Weighing {
 
 struct WeighedBlock {
     /// Where the block begins and ends in the predictions, for each instant of contact.
-    places: [[Place; 2]; SHIFTS],
+    start: [Place; SHIFTS],
+    end: [Place; SHIFTS],
     length: f64,
     /// For each sensor the mean over the block, and its precision.
     terms: Vec<Option<(f64, f64)>>,
@@ -105,10 +109,8 @@ impl Weighing {
                 })
             });
             WeighedBlock {
-                places: delays.map(|delay| {
-                    let start = block.start - delay;
-                    [grid.place(start), grid.place(start + block.length)]
-                }),
+                start: delays.map(|delay| grid.place(block.start - delay)),
+                end: delays.map(|delay| grid.place(block.start + block.length - delay)),
                 length: block.length,
                 terms: terms.collect(),
             }
@@ -133,22 +135,41 @@ impl Member {
         (self.shift, self.delay, self.scale) = (SHIFTS / 2, 0.0, NO_SCALE);
     }
 
-    pub fn weigh(&mut self, weighing: &Weighing, sensors: &[Sensor], ignored: &[bool]) {
-        for block in &weighing.blocks[self.seen..] {
-            for (sensor, term) in block.terms.iter().enumerate() {
-                let Some((mean, precision)) = *term else {
+    /// Takes at most `count` more blocks.
+    pub fn weigh(
+        &mut self,
+        weighing: &Weighing,
+        sensors: &[Sensor],
+        ignored: &[bool],
+        count: usize,
+    ) {
+        let until = weighing.blocks.len().min(self.seen.saturating_add(count));
+        let blocks = &weighing.blocks[self.seen.min(until)..until];
+        for (sensor, sums) in self.sums.iter_mut().enumerate() {
+            let integrals = |edge: &[Place; SHIFTS]| {
+                let prediction = &self.prediction;
+                edge.map(|place| prediction.integral(sensor, place))
+            };
+            // The integral up to the end of the last block is that up to the beginning of the next one.
+            let mut from = None;
+            for block in blocks {
+                let Some((mean, precision)) = block.terms[sensor] else {
+                    from = None;
                     continue;
                 };
-                for (sums, [from, to]) in self.sums[sensor].iter_mut().zip(&block.places) {
-                    let predicted = self.prediction.mean(sensor, *from, *to, block.length);
+                let start = from.unwrap_or_else(|| integrals(&block.start));
+                let end = integrals(&block.end);
+                for ((sums, start), end) in sums.iter_mut().zip(start).zip(end) {
+                    let predicted = (end - start) / block.length;
                     let error = mean - predicted;
                     sums[0] += precision * error * error;
                     sums[1] += precision * error * predicted;
                     sums[2] += precision * predicted * predicted;
                 }
+                from = Some(end);
             }
         }
-        self.seen = weighing.blocks.len();
+        self.seen = until;
         self.conclude(weighing, sensors, ignored);
     }
 
@@ -166,14 +187,23 @@ impl Member {
             let z = delay / deviation;
             logs[shift] = -0.5 * z * z;
             let each = self.sums.iter().zip(errors).zip(sensors).zip(ignored);
+            // One logarithm for all sensors: it would take most of the time.
+            let mut ratio = 1.0;
             for (((sums, error), sensor), _) in each.filter(|(_, ignored)| !**ignored) {
-                let [_, cross, predicted] = sums[shift];
-                logs[shift] += Fit::new(&sums[shift], *error).log_likelihood;
+                let [squares, cross, predicted] = sums[shift];
+                let prior = 1.0 / (error.scale * error.scale);
+                let information = predicted + prior;
+                logs[shift] -= 0.5 * (squares - cross * cross / information);
+                ratio *= information / prior;
+                if ratio > LARGEST_RATIO {
+                    logs[shift] -= 0.5 * libm::log(ratio);
+                    ratio = 1.0;
+                }
                 if sensor.quantity == Quantity::Displacement {
-                    let information = predicted + 1.0 / (error.scale * error.scale);
                     scales[shift] = [1.0 + cross / information, (1.0 / information).sqrt()];
                 }
             }
+            logs[shift] -= 0.5 * libm::log(ratio);
         }
         let best = (0..SHIFTS).fold(0, |best, k| if logs[k] > logs[best] { k } else { best });
         self.shift = best;

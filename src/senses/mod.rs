@@ -49,6 +49,8 @@ mod simulated;
 mod standing_column;
 #[cfg(feature = "study")]
 mod update;
+#[cfg(feature = "study")]
+mod virgin_capacities;
 
 pub use batch::Batch;
 #[cfg(feature = "study")]

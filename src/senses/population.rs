@@ -7,7 +7,7 @@
 use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use super::blocks::{Block, BlockMean};
-use super::contradiction::{contradictions, largest};
+use super::contradiction::{contradictions, explains_all, largest};
 use super::hypothesis::{Hypothesis, UNKNOWNS};
 use super::member::{Member, NO_SCALE, Observed, SHIFTS, Weighing, log_sum};
 use super::prediction::{Prediction, TimeGrid};
@@ -34,10 +34,16 @@ const LEAST_WIDTH: f64 = 0.02;
 
 /// Power of the shares of the hypotheses by which new members are divided among them, so that one that seems unlikely
 /// because it was not searched closely is searched.
-const EXPLORATION: f64 = 0.1;
+pub(super) const EXPLORATION: f64 = 0.1;
 
 /// Share of a hypothesis, after that power, below which it gets no new members.
 const LEAST_SHARE: f64 = 0.02;
+
+/// Logarithm of the ratio of likelihoods beyond which a member is negligible.
+const NEGLIGIBLE: f64 = 60.0;
+
+/// Blocks of data after which it is seen whether a member has become negligible.
+const BLOCKS_AT_ONCE: usize = 8;
 
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
@@ -86,9 +92,15 @@ impl Round {
         self.drawn.push(drawn);
     }
 
-    /// Candidates that were computed.
-    pub fn done(&self) -> usize {
-        self.done
+    /// Mixes the order of the candidates, so that the first ones are of all distributions.
+    pub fn mix(&mut self) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let mut order: Vec<(f64, (usize, [f64; UNKNOWNS]))> = (1..)
+            .zip(&self.candidates)
+            .map(|(k, candidate)| ((GOLDEN * f64::from(k)).fract(), *candidate))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.candidates = order.into_iter().map(|(_, candidate)| candidate).collect();
     }
 
     /// Whether all candidates were computed.
@@ -142,6 +154,11 @@ impl Population {
         }
     }
 
+    /// The properties of the column.
+    pub fn properties(&self) -> &ColumnProperties {
+        &self.properties
+    }
+
     /// Draws `count` members of a hypothesis from what is known before the impact.
     pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
         let Hypothesis {
@@ -189,8 +206,9 @@ impl Population {
         self.observed.push((block, means));
     }
 
-    /// About `count` new members where the weights are, which are to be computed.
-    pub fn plan(&mut self, count: usize) -> Round {
+    /// About `count` new members where the weights are, which are to be computed. They are divided among the hypotheses by
+    /// this power of their shares.
+    pub fn plan(&mut self, count: usize, exploration: f64) -> Round {
         let mut round = Round::new(&self.random);
         let weights = self.weights();
         let shares: Vec<f64> = (0..self.hypotheses.len())
@@ -199,7 +217,7 @@ impl Population {
                     .map(|(_, w)| w)
                     .sum()
             })
-            .map(|share: f64| libm::pow(share, EXPLORATION))
+            .map(|share: f64| libm::pow(share, exploration))
             .collect();
         let total: f64 = shares.iter().sum();
         for (hypothesis, share) in shares.iter().enumerate() {
@@ -415,33 +433,54 @@ impl Population {
 
     /// Brings the likelihood of every member up to the data, on all processors.
     pub fn weigh(&mut self) {
-        let weighing = Weighing::new(
-            &self.observed,
-            &self.sensors,
-            &self.grid,
-            self.contact_deviation,
-        );
+        let weighing = self.weighing();
         let (sensors, ignored) = (&self.sensors, &self.ignored);
         self.members
             .par_iter_mut()
-            .for_each(|member| member.weigh(&weighing, sensors, ignored));
+            .for_each(|member| member.weigh(&weighing, sensors, ignored, usize::MAX));
     }
 
-    /// The same for at most `count` members from `first` on, in this thread; whether there are more.
-    pub fn weigh_some(&mut self, first: usize, count: usize) -> bool {
-        let weighing = Weighing::new(
-            &self.observed,
-            &self.sensors,
-            &self.grid,
-            self.contact_deviation,
-        );
-        let (sensors, ignored) = (&self.sensors, &self.ignored);
+    /// Brings the likelihoods of at most `count` members closer to the data, in this thread; returns whether there are more.
+    ///
+    /// More data never make a likelihood larger: a member that the data so far have made negligible stays so, and is left
+    /// where it is.
+    pub fn weigh_some(&mut self, count: usize) -> bool {
+        let blocks = self.observed.len();
+        let up_to_date = self.members.iter().filter(|member| member.seen == blocks);
+        let best = largest(up_to_date.map(|member| member.log_posterior));
+        let mut behind: Vec<(f64, usize)> = (0..)
+            .zip(&self.members)
+            .filter(|(_, it)| it.seen < blocks && it.log_posterior >= best - NEGLIGIBLE)
+            .map(|(index, it)| (it.log_posterior, index))
+            .collect();
+        let is_all = behind.len() <= count;
+        if !is_all {
+            // Those that may become the best ones first, because they show which others are negligible.
+            behind.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            behind.truncate(count);
+        }
+        let weighing = self.weighing();
+        for (_, index) in &behind {
+            let member = &mut self.members[*index];
+            member.weigh(&weighing, &self.sensors, &self.ignored, BLOCKS_AT_ONCE);
+        }
+        !(is_all && behind.iter().all(|(_, index)| self.members[*index].seen == blocks))
+    }
+
+    /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.
+    pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
+        let weighing = self.weighing();
         let some = self.members.iter_mut().skip(first).take(count);
-        some.for_each(|member| member.weigh(&weighing, sensors, ignored));
+        some.for_each(|it| it.weigh(&weighing, &self.sensors, &self.ignored, usize::MAX));
         first + count < self.members.len()
     }
 
-    /// See [`contradictions`].
+    /// Whether a likely member explains what every sensor reads, so that none contradicts the others.
+    pub fn explains_all(&self) -> bool {
+        explains_all(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// See [`contradictions`]; all members have to be weighed with all data.
     pub fn contradictions(&self) -> [Vec<bool>; 2] {
         contradictions(&self.members, &self.observed, &self.sensors)
     }
@@ -453,6 +492,10 @@ impl Population {
         changes
     }
 
+    fn weighing(&self) -> Weighing {
+        let deviation = self.contact_deviation;
+        Weighing::new(&self.observed, &self.sensors, &self.grid, deviation)
+    }
 }
 
 impl Drawn {
@@ -493,7 +536,7 @@ impl Drawn {
 }
 
 /// The column with its yield strength times a factor.
-fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProperties {
+pub(super) fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProperties {
     ColumnProperties {
         resistance_moment: factor * properties.resistance_moment,
         resistance_axial: factor * properties.resistance_axial,

@@ -156,12 +156,8 @@ impl Prediction {
         })
     }
 
-    /// Mean reading of a sensor between two places that lie `length` apart \[s\].
-    pub fn mean(&self, sensor: usize, from: Place, to: Place, length: f64) -> f64 {
-        (self.integral(sensor, to) - self.integral(sensor, from)) / length
-    }
-
-    fn integral(&self, sensor: usize, place: Place) -> f64 {
+    /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
+    pub fn integral(&self, sensor: usize, place: Place) -> f64 {
         let integrals = &self.integrals[sensor];
         let (a, b) = (integrals[place.index], integrals[place.index + 1]);
         a + place.share * (b - a) + place.beyond * self.at_end[sensor]

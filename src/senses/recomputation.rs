@@ -162,7 +162,8 @@ impl Recomputation {
             feed(estimator, record.origin, known);
         }
         let until = record.estimate.data_until;
-        let mut work = Update::new(estimator, until, Refinement::again(record.drawn));
+        let refine = Refinement::again(record.drawn);
+        let mut work = Update::new(estimator, until, update == 0, refine);
         while !work.is_over() {
             work.step(estimator);
         }

@@ -29,11 +29,14 @@ const PERIOD: f64 = 0.05;
 /// Seed of the random numbers, the same for every impact.
 pub(super) const SEED: u64 = 1;
 
-/// Responses drawn for an estimate after its data have arrived. None for the first one, which is due most urgently.
-const DRAWN_PER_UPDATE: [u32; 2] = [0, 16];
+/// Most responses drawn for an estimate after its data have arrived; none for the first one, which is due most urgently.
+const DRAWN_PER_UPDATE: u32 = 8;
 
 /// Responses drawn between two estimates, while new data are waited for.
 const DRAWN_BETWEEN: u32 = 200;
+
+/// Responses drawn after the last data, for the final estimate: there is time for it.
+const DRAWN_AT_LAST: u32 = 400;
 
 /// Hypotheses that have to be prepared before an impact can be estimated.
 const LEAST_PREPARED: usize = 1;
@@ -122,6 +125,8 @@ struct CurrentImpact {
     until: f64,
     /// No more data come.
     has_ended: bool,
+    /// The next estimate is the final one.
+    is_complete: bool,
     drawn_before: u32,
     task: Task,
 }
@@ -137,7 +142,6 @@ enum Task {
 struct Underway {
     update: Update,
     until: f64,
-    is_final: bool,
     batches: u64,
     last_batch: (u16, Nanos),
     lost: u64,
@@ -341,6 +345,7 @@ impl Sensing {
             update: 0,
             until: 0.0,
             has_ended: false,
+            is_complete: false,
             drawn_before: 0,
             task: Task::Between(Refinement::again(0)),
         }));
@@ -352,19 +357,27 @@ impl Sensing {
             return Work::Idle;
         };
         let available = impact.available(&self.ends);
+        let is_due = !impact.is_complete && (impact.has_ended || is_due(impact.until, available));
         let estimator = &mut self.estimator;
         match &mut impact.task {
-            Task::Between(refinement) if is_due(impact.until, available) || impact.has_ended => {
+            Task::Between(refinement) if is_due || (impact.is_complete && refinement.is_over()) => {
                 refinement.end_soon();
                 refinement.step(estimator);
                 if refinement.is_over() {
                     impact.drawn_before = refinement.drawn();
                     let until = available.min(HORIZON).max(impact.until);
-                    let most = DRAWN_PER_UPDATE[usize::from(impact.update > 0)];
+                    let most = match (impact.update, impact.is_complete) {
+                        (0, _) | (_, true) => 0,
+                        _ => DRAWN_PER_UPDATE,
+                    };
                     impact.task = Task::Update(Underway {
-                        update: Update::new(estimator, until, Refinement::at_most(most)),
+                        update: Update::new(
+                            estimator,
+                            until,
+                            impact.update == 0,
+                            Refinement::at_most(most),
+                        ),
                         until,
-                        is_final: until >= HORIZON || impact.has_ended,
                         batches: self.next,
                         last_batch: self.last,
                         lost: impact.lost,
@@ -378,14 +391,18 @@ impl Sensing {
                 Work::More { is_urgent: false }
             }
             Task::Update(underway) => {
-                if is_due(underway.until, available) {
+                if self::is_due(underway.until, available) {
                     underway.update.end_soon();
                 }
                 underway.update.step(estimator);
                 if !underway.update.is_over() {
                     return URGENT;
                 }
-                let Some(record) = impact.record(underway, estimator, &self.column) else {
+                let nothing = Task::Between(Refinement::again(0));
+                let Task::Update(underway) = std::mem::replace(&mut impact.task, nothing) else {
+                    return Work::Idle;
+                };
+                let Some(record) = impact.record(&underway, estimator, &self.column) else {
                     self.settle();
                     return Work::Missed("no response explains its data");
                 };
@@ -394,7 +411,12 @@ impl Sensing {
                 } else {
                     impact.until = record.estimate.data_until;
                     impact.update += 1;
-                    impact.task = Task::Between(Refinement::at_most(DRAWN_BETWEEN));
+                    impact.is_complete = impact.has_ended || impact.until >= HORIZON;
+                    let most = match impact.is_complete {
+                        true => DRAWN_AT_LAST,
+                        false => DRAWN_BETWEEN,
+                    };
+                    impact.task = Task::Between(Refinement::at_most(most));
                 }
                 Work::Estimate(Box::new(record))
             }
@@ -426,7 +448,7 @@ impl CurrentImpact {
         Some(EstimateRecord {
             event_id: Arc::clone(&self.event_id),
             update: self.update,
-            is_final: underway.is_final,
+            is_final: self.is_complete,
             detection: self.detection.clone(),
             origin: self.origin,
             column: (self.update == 0).then(|| column.clone()),

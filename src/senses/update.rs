@@ -25,7 +25,7 @@ pub(super) struct Refinement {
 enum Stage {
     Plan,
     Compute(Round),
-    Weigh(usize),
+    Weigh,
     Over,
 }
 
@@ -82,12 +82,11 @@ impl Refinement {
                 Stage::Compute(round)
             }
             Stage::Compute(round) => {
-                let known = estimator.responses();
                 estimator.add(round);
-                Stage::Weigh(known)
+                Stage::Weigh
             }
-            Stage::Weigh(first) => match estimator.weigh_some(first, WEIGHED) {
-                true => Stage::Weigh(first + WEIGHED),
+            Stage::Weigh => match estimator.weigh_some(WEIGHED) {
+                true => Stage::Weigh,
                 false => Stage::Plan,
             },
             Stage::Plan | Stage::Over => Stage::Over,
@@ -99,13 +98,17 @@ impl Refinement {
 #[derive(Debug, Clone)]
 pub(super) struct Update {
     refinement: Refinement,
+    /// Whether sensors are looked for that contradict the others.
+    judges: bool,
     task: Task,
 }
 
 #[derive(Debug, Clone)]
 enum Task {
-    Weigh(usize),
+    Weigh,
     Refine,
+    /// All responses are weighed with all data, because sensors may contradict each other.
+    WeighAll(usize),
     JudgeSensors,
     WeighAgain(usize),
     Assess(Vec<usize>),
@@ -113,12 +116,19 @@ enum Task {
 }
 
 impl Update {
-    /// With the data until `until` \[s\].
-    pub fn new(estimator: &mut Estimator, until: f64, refinement: Refinement) -> Self {
+    /// With the data until `until` \[s\]; the first one of an impact or not. The first one does not judge the sensors: the
+    /// responses that were prepared are too few to explain all of them.
+    pub fn new(
+        estimator: &mut Estimator,
+        until: f64,
+        is_first: bool,
+        refinement: Refinement,
+    ) -> Self {
         estimator.note(until);
         Self {
             refinement,
-            task: Task::Weigh(0),
+            judges: !is_first,
+            task: Task::Weigh,
         }
     }
 
@@ -139,20 +149,25 @@ impl Update {
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         self.task = match std::mem::replace(&mut self.task, Task::Over) {
-            Task::Weigh(first) => match estimator.weigh_some(first, WEIGHED) {
-                true => Task::Weigh(first + WEIGHED),
+            Task::Weigh => match estimator.weigh_some(WEIGHED) {
+                true => Task::Weigh,
                 false => Task::Refine,
             },
-            Task::Refine if self.refinement.is_over() => Task::JudgeSensors,
-            Task::Refine => {
+            Task::Refine if !self.refinement.is_over() => {
                 self.refinement.step(estimator);
                 Task::Refine
             }
+            Task::Refine if self.judges && estimator.has_doubts() => Task::WeighAll(0),
+            Task::Refine => Task::Assess(estimator.unassessed()),
+            Task::WeighAll(first) => match estimator.weigh_all(first, WEIGHED) {
+                true => Task::WeighAll(first + WEIGHED),
+                false => Task::JudgeSensors,
+            },
             Task::JudgeSensors => match estimator.judge_sensors() {
                 true => Task::WeighAgain(0),
                 false => Task::Assess(estimator.unassessed()),
             },
-            Task::WeighAgain(first) => match estimator.weigh_some(first, WEIGHED) {
+            Task::WeighAgain(first) => match estimator.weigh_all(first, WEIGHED) {
                 true => Task::WeighAgain(first + WEIGHED),
                 false => Task::Assess(estimator.unassessed()),
             },
