@@ -234,7 +234,9 @@ impl LiveHandle {
     /// # Errors
     /// The command is rejected, or the solver does not answer in time.
     pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
-        self.shared.inbox.ask(|reply| Request::Command { command, reply })?
+        self.shared
+            .inbox
+            .ask(|reply| Request::Command { command, reply })?
     }
 
     /// The outputs for the reader with this name; `None` if there is no such queue, or its receiver was taken before.

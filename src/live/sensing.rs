@@ -185,8 +185,7 @@ impl Loop {
         let (event_id, update) = (Arc::clone(&record.event_id), record.update);
         if let Err(refusal) = (self.options.deliver)(record) {
             self.lost.fetch_add(1, Ordering::Relaxed);
-            let text =
-                format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
+            let text = format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
             self.say(NoticeLevel::Error, text);
         }
     }
@@ -271,4 +270,135 @@ fn no_estimates(condition: &Condition) -> String {
 
 fn no_estimator(error: &EstimatorError) -> String {
     format!("impacts are not estimated from the sensors: {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Receiver, channel};
+
+    use super::super::clock::SimClock;
+    use super::super::queue::{OutputQueue, Receiver as OutputReceiver};
+    use super::super::{Live, LiveOptions};
+    use super::*;
+    use crate::column::Impact;
+    use crate::parameters::{Parameters, Value};
+    use crate::senses::{Batch, StandingColumn, simulate_sensors};
+    use crate::twin::Twin;
+
+    /// Longest wait for what another thread has to do.
+    const PATIENCE: Duration = Duration::from_secs(120);
+
+    fn parameters() -> Parameters {
+        let values: [(&str, Value); 6] = [
+            ("sensors.names", vec!["laser".to_owned()].into()),
+            ("sensors.laser.quantity", "displacement".into()),
+            ("sensors.laser.height", 1.0.into()),
+            ("sensors.laser.noise", 1e-4.into()),
+            ("sensors.laser.rate", 1e4.into()),
+            ("real_time.lock_memory", false.into()),
+        ];
+        Parameters::from_values(values).expect("admissible")
+    }
+
+    /// A live twin whose laser feels an impact, and where its estimates arrive.
+    fn sensing(
+        measurements: &Arc<MeasurementQueue>,
+    ) -> (super::super::LiveHandle, Receiver<EstimateRecord>) {
+        let (sender, estimates) = channel();
+        let deliver: Deliver = Arc::new(move |record| {
+            let _ = sender.send(record);
+            Ok(())
+        });
+        let twin = Twin::new(parameters(), None, Box::new(|| 0), 0).expect("stands");
+        let options = LiveOptions {
+            sensing: Some(LiveSensing {
+                measurements: Arc::clone(measurements),
+                deliver,
+            }),
+            ..LiveOptions::default()
+        };
+        let live = Live::start(twin, SimClock::new(0), options).expect("threads");
+        (live, estimates)
+    }
+
+    #[test]
+    fn a_felt_impact_is_estimated_and_the_thread_ends_with_the_twin() {
+        let parameters = parameters();
+        let properties = parameters.column_properties();
+        let impact = Impact::rigid(1500.0, 5.0);
+        let readings = simulate_sensors(&properties, &impact, 0.5, &parameters.sensors(), 1);
+        let readings = readings.expect("a simulated impact");
+        let measurements = Arc::<MeasurementQueue>::default();
+        let (live, estimates) = sensing(&measurements);
+        let values: Vec<f32> = readings.values.iter().map(|value| *value as f32).collect();
+        for (count, values) in (0..).zip(values.chunks(100)) {
+            measurements.push(Batch {
+                sensor: 0,
+                first: 1_000_000_000 + 10_000_000 * count,
+                period: 100_000,
+                values: values.into(),
+            });
+        }
+        let record = estimates.recv_timeout(PATIENCE).expect("an estimate");
+        assert_eq!(record.update, 0);
+        assert_eq!(record.column, Some(StandingColumn::virgin(&parameters)));
+        let contact = record.origin - 1_100_000_000;
+        assert!(contact.abs() < 1_000_000, "{contact} ns off");
+        let momentum = record.estimate.momentum;
+        assert!(
+            (momentum.low..=momentum.high).contains(&7500.0),
+            "{momentum:?}"
+        );
+        live.stop().expect("no panic");
+        assert!(
+            estimates.iter().all(|record| record.update > 0),
+            "the thread is gone"
+        );
+    }
+
+    #[test]
+    fn a_column_that_has_collapsed_is_not_estimated_and_that_is_said_once() {
+        let twin = Twin::new(parameters(), None, Box::new(|| 0), 0).expect("stands");
+        let mut snapshot = twin.snapshot();
+        snapshot.set_condition(Condition::Collapsed);
+        let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
+        let mut outputs = OutputReceiver::new(Arc::clone(&queues));
+        let changes = ColumnChanges::default();
+        let surroundings = Surroundings {
+            clock: Arc::new(SimClock::new(0)),
+            outputs: vec![queues],
+            changes: Arc::clone(&changes),
+            snapshot: Box::new(move || Some(snapshot.clone())),
+            reserved: Vec::new(),
+        };
+        let mut sensing = Loop {
+            options: LiveSensing {
+                measurements: Arc::default(),
+                deliver: Arc::new(|_| Ok(())),
+            },
+            surroundings,
+            stop: Arc::default(),
+            lost: Arc::default(),
+            known_changes: None,
+            sensing: None,
+            next_attempt: 0,
+            said: None,
+        };
+        for _ in 0..3 {
+            sensing.follow_column();
+            changes.fetch_add(1, Ordering::SeqCst);
+            sensing.next_attempt = 0;
+        }
+        assert!(sensing.sensing.is_none());
+        let notices: Vec<_> = std::iter::from_fn(|| outputs.try_next()).collect();
+        let [Output::Notice(notice)] = notices.as_slice() else {
+            panic!("{notices:?}");
+        };
+        assert_eq!(notice.level, NoticeLevel::Warning);
+        assert!(
+            notice.text.contains("the column has collapsed"),
+            "{}",
+            notice.text
+        );
+    }
 }

@@ -10,9 +10,7 @@ use super::lateness::lateness;
 use super::queue::OutputQueues;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{
-    ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin,
-};
+use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters

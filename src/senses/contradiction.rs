@@ -11,7 +11,7 @@ const LEAST_BLOCKS: usize = 5;
 const PLAUSIBLE: f64 = 6.0;
 
 /// Mean square of a sensor's errors, in terms of the variances of noise and model, that no plausible response may exceed.
-const CONTRADICTION: f64 = 16.0;
+const CONTRADICTION: f64 = 4.0;
 
 /// Whether a response that the data make likely explains what every sensor reads. If so, no sensor contradicts the others, and
 /// the closer look of [`contradictions`] is not necessary.

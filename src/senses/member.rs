@@ -87,12 +87,7 @@ struct WeighedBlock {
 
 impl Weighing {
     /// For these data.
-    pub fn new(
-        observed: &[Observed],
-        sensors: &[Sensor],
-        grid: &TimeGrid,
-        deviation: f64,
-    ) -> Self {
+    pub fn new(observed: &[Observed], sensors: &[Sensor], grid: &TimeGrid, deviation: f64) -> Self {
         let errors: Vec<_> = sensors
             .iter()
             .map(|sensor| ModelError::of(sensor.quantity))

@@ -464,7 +464,10 @@ impl Population {
             let member = &mut self.members[*index];
             member.weigh(&weighing, &self.sensors, &self.ignored, BLOCKS_AT_ONCE);
         }
-        !(is_all && behind.iter().all(|(_, index)| self.members[*index].seen == blocks))
+        !(is_all
+            && behind
+                .iter()
+                .all(|(_, index)| self.members[*index].seen == blocks))
     }
 
     /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.

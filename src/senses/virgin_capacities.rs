@@ -60,7 +60,10 @@ mod tests {
             let computed = capacity(&model, &State::at_rest(&model), imperfection);
             let computed = computed.expect("a capacity").force;
             let known = capacities.at(factor).expect("known").force;
-            assert!((known / computed - 1.0).abs() < 1e-3, "{factor}: {known} {computed}");
+            assert!(
+                (known / computed - 1.0).abs() < 1e-3,
+                "{factor}: {known} {computed}"
+            );
         }
         assert!(capacities.at(0.7).is_none() && capacities.at(f64::NAN).is_none());
     }

@@ -61,6 +61,12 @@ impl ColumnSnapshot {
         &self.parameters
     }
 
+    /// The same column in another condition.
+    #[cfg(all(test, feature = "study"))]
+    pub(crate) fn set_condition(&mut self, condition: Condition) {
+        self.plant.condition = condition;
+    }
+
     /// The column as the next impact will find it; `None` while it responds to one. Where the hinges at the impact point are
     /// not damaged, they are at the height of the parameters, otherwise where they are.
     ///

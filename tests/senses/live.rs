@@ -6,8 +6,8 @@ use column_twin::column::{
 };
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
-    Batch, CredibleInterval, EstimateRecord, Probe, Readings, Recomputation, Sensing,
-    Sensor, StandingColumn, Work,
+    Batch, CredibleInterval, EstimateRecord, Probe, Readings, Recomputation, Sensing, Sensor,
+    StandingColumn, Work,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -147,9 +147,8 @@ fn whatever_the_order_of_data_and_work_the_records_give_the_same_bits_again() {
         let (mut records, mut work_left) = (Vec::new(), true);
         // The sensing goes on from one impact to the next, after a second of rest.
         let later = START + 3_000_000_000 * seed as i64;
-        let rest = (0..150).flat_map(|step: i64| {
-            (0..sensors.len()).map(move |sensor| (sensor, step))
-        });
+        let rest =
+            (0..150).flat_map(|step: i64| (0..sensors.len()).map(move |sensor| (sensor, step)));
         if seed > 0 {
             for (sensor, step) in rest {
                 let mut batch = batch(sensor, &rows[..SAMPLES]);
@@ -232,9 +231,15 @@ fn a_forged_measurement_or_record_does_not_give_the_same_estimate() {
     assert_ne!(other.estimate, record.estimate);
 
     let missing = repeated(record, &genuine[..3]).expect_err("is missing");
-    assert!(missing.to_string().ends_with("of which batch 3 is missing"), "{missing}");
+    assert!(
+        missing.to_string().ends_with("of which batch 3 is missing"),
+        "{missing}"
+    );
     let later = repeated(&records[1], &genuine).expect_err("builds upon the first one");
-    assert!(later.to_string().contains("begin with the first one"), "{later}");
+    assert!(
+        later.to_string().contains("begin with the first one"),
+        "{later}"
+    );
 }
 
 /// A signal of all sensors but the second and third accelerometer, with one sensor that reads something else.
@@ -278,10 +283,14 @@ fn a_sensor_that_contradicts_the_others_is_named_and_does_not_count() {
     let momentum = last.momentum.mean / (mass * speed);
     assert!((momentum - 1.0).abs() < 0.3, "{last:#?}");
 
-    // Of two sensors nobody knows which of them is wrong.
-    let records = estimates_with(&signal, &[3, 4], |sensor, _, value| {
-        if sensor == 0 { 5.0 * value } else { value }
-    });
+    // A laser that is mounted the other way round; of two sensors nobody knows which of them is wrong.
+    let records = estimates_with(
+        &signal,
+        &[3, 4],
+        |sensor, _, value| {
+            if sensor == 0 { -value } else { value }
+        },
+    );
     let last = &records.last().expect("estimates").estimate;
     assert_eq!(last.doubtful_sensors, ["v1", "bend_base"], "{last:#?}");
 }
@@ -294,7 +303,11 @@ fn a_sensor_that_sticks_or_dies_in_the_middle_does_not_spoil_the_estimate() {
     for stuck_at in [f64::NAN, 0.004] {
         // The laser reads the same value from 6 ms after contact on, or nothing any more.
         let records = estimates_with(&signal, &[1, 3, 4, 5], |sensor, time, value| {
-            if sensor == 1 && time > contact + 6e-3 { stuck_at } else { value }
+            if sensor == 1 && time > contact + 6e-3 {
+                stuck_at
+            } else {
+                value
+            }
         });
         let last = &records.last().expect("estimates").estimate;
         assert!((last.peak_v1.mean / peak - 1.0).abs() < 0.25, "{last:#?}");
@@ -378,14 +391,20 @@ fn an_impact_on_a_damaged_column_is_estimated_for_the_column_as_it_is() {
     let last = estimate(column);
     let residual = report.residual_v1.expect("it stands");
     println!("{report:#?} {last:#?}");
-    assert!((last.peak_v1.mean / report.max_v1 - 1.0).abs() < 0.05, "{last:#?}");
+    assert!(
+        (last.peak_v1.mean / report.max_v1 - 1.0).abs() < 0.05,
+        "{last:#?}"
+    );
     assert!(is_within(&last.peak_v1, report.max_v1), "{last:#?}");
     assert!(is_within(&last.residual_v1, residual), "{last:#?}");
     assert!((last.velocity.mean / 7.0 - 1.0).abs() < 0.15, "{last:#?}");
     // What is left of the column is judged with its earlier damage: worse than after the second impact alone.
     let alone = estimate(StandingColumn::virgin(&parameters));
     assert!(last.peak_v1.mean > alone.peak_v1.mean + 0.8 * damaged.displacement.v1);
-    assert!(last.capacity_ratio.mean < alone.capacity_ratio.mean, "{last:#?} {alone:#?}");
+    assert!(
+        last.capacity_ratio.mean < alone.capacity_ratio.mean,
+        "{last:#?} {alone:#?}"
+    );
 }
 
 #[test]

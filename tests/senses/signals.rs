@@ -194,6 +194,9 @@ pub fn batch(sensor: usize, rows: &[(f64, &[f64])]) -> Batch {
         sensor: sensor as u16,
         first: START + (1e9 * rows[0].0).round() as i64,
         period: 100_000,
-        values: rows.iter().map(|(_, values)| values[sensor] as f32).collect(),
+        values: rows
+            .iter()
+            .map(|(_, values)| values[sensor] as f32)
+            .collect(),
     }
 }
