@@ -14,6 +14,9 @@ use crate::twin::{Accepted, ColumnSnapshot, Command, Refusal, RefusalCode};
 /// Maximum number of queued requests; more are rejected.
 pub const MAX_COMMANDS: usize = 64;
 
+/// Maximum wait for an answer of the solver.
+pub(super) const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// A request to the solver.
 #[derive(Debug)]
 pub(super) enum Request {
@@ -90,6 +93,22 @@ impl Inbox {
             "the queue of the solver is full ({MAX_COMMANDS} commands); try again, or send fewer events and parameter changes"
         );
         Err(Refusal::new(RefusalCode::QueueFull, reason))
+    }
+
+    /// Submits a request and waits for its answer.
+    ///
+    /// # Errors
+    /// The queue is full, or the solver does not answer in time.
+    pub fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
+        let (reply, answer) = Reply::channel();
+        self.submit(request(reply))?;
+        answer.wait(ANSWER_TIMEOUT).map_err(|_| {
+            let reason = format!(
+                "the solver did not answer within {} s; the command may still be executed, see twin_status",
+                ANSWER_TIMEOUT.as_secs()
+            );
+            Refusal::new(RefusalCode::NoAnswer, reason)
+        })
     }
 
     pub fn take(&self) -> Option<Request> {

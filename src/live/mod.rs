@@ -4,7 +4,8 @@
 //! their steps, so that no sample is lost. During a response it takes no lock, allocates no memory and writes no log:
 //! outputs go into bounded lock-free queues, and a slow reader loses only its own samples, which are counted. The forecast
 //! is computed in slices between the deadlines. A prediction runs in the thread of the caller. A separate thread writes
-//! the state file. Another one, which exists only while it computes, finds the critical velocities of the column at rest.
+//! the state file. Another one, which exists only while it computes, finds the critical velocities of the column at rest. If
+//! there are sensors, a further one feels impacts with them.
 
 mod background;
 mod clock;
@@ -14,6 +15,8 @@ mod measurements;
 mod notifier;
 pub(crate) mod queue;
 mod real_time;
+#[cfg(feature = "study")]
+mod sensing;
 mod solver;
 mod state_writer;
 
@@ -22,7 +25,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
 
 use thiserror::Error;
 
@@ -34,20 +36,21 @@ pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue}
 pub use notifier::Notifier;
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
+#[cfg(feature = "study")]
+pub use sensing::{Deliver, LiveSensing, SENSING_THREAD};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
 pub use state_writer::STATE_WRITER_THREAD;
 
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, RefusalCode, Twin};
+use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, Twin};
 use background::Background;
-use inbox::{Reply, Request};
+use inbox::{ANSWER_TIMEOUT, Reply, Request};
 use queue::OutputQueues;
+#[cfg(feature = "study")]
+use sensing::{SensingThread, Surroundings};
 use solver::{Shared, Sink, Solver};
 use state_writer::StateWriter;
-
-/// Maximum wait for an answer of the solver.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Options of a live twin.
 #[derive(Debug, Clone)]
@@ -60,6 +63,9 @@ pub struct LiveOptions {
     pub outputs: Vec<OutputQueue>,
     /// The queue of measurements; `None` without sensors.
     pub measurements: Option<Arc<MeasurementQueue>>,
+    /// Feeling impacts with the sensors of the parameters; `None`: without sensors.
+    #[cfg(feature = "study")]
+    pub sensing: Option<LiveSensing>,
 }
 
 impl Default for LiveOptions {
@@ -69,6 +75,8 @@ impl Default for LiveOptions {
             state_file: None,
             outputs: vec![OutputQueue::ros()],
             measurements: None,
+            #[cfg(feature = "study")]
+            sensing: None,
         }
     }
 }
@@ -95,6 +103,8 @@ pub struct LiveStatistics {
     pub newton_iterations: u64,
     /// State files that could not be written.
     pub state_file_failures: u64,
+    /// Estimates that the twin could not take.
+    pub lost_estimates: u64,
     /// All queues.
     pub queues: Vec<QueueStats>,
     /// The real-time properties that were granted.
@@ -134,6 +144,8 @@ impl Live {
             state_writer: None,
             solver: None,
             measurements: options.measurements,
+            #[cfg(feature = "study")]
+            sensing: None,
             real_time: RealTimeGrants::default(),
             parameters: Arc::new(RwLock::new(Arc::clone(twin.parameters()))),
         };
@@ -150,10 +162,22 @@ impl Live {
             .map(|(state_writer, _)| Arc::clone(state_writer));
         let parameters = Arc::clone(&handle.parameters);
         let sink = Sink {
-            queues,
+            queues: queues.clone(),
             state_writer,
             parameters,
+            column_changes: Arc::clone(&shared.column_changes),
             unnotified: false,
+        };
+        #[cfg(feature = "study")]
+        let surroundings = Surroundings {
+            clock: Arc::clone(&clock),
+            outputs: queues.clone(),
+            changes: Arc::clone(&shared.column_changes),
+            snapshot: {
+                let shared = Arc::clone(&shared);
+                Box::new(move || shared.snapshot().ok())
+            },
+            reserved: options.real_time.processors.clone(),
         };
         let solver = Solver {
             twin,
@@ -176,6 +200,10 @@ impl Live {
                 })?,
         );
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
+        #[cfg(feature = "study")]
+        if let Some(sensing) = options.sensing {
+            handle.sensing = Some(SensingThread::start(sensing, surroundings)?);
+        }
         Ok(handle)
     }
 }
@@ -189,6 +217,8 @@ pub struct LiveHandle {
     state_writer: Option<(Arc<StateWriter>, JoinHandle<()>)>,
     solver: Option<JoinHandle<()>>,
     measurements: Option<Arc<MeasurementQueue>>,
+    #[cfg(feature = "study")]
+    sensing: Option<SensingThread>,
     real_time: RealTimeGrants,
     parameters: Arc<RwLock<Arc<Parameters>>>,
 }
@@ -210,19 +240,9 @@ impl LiveHandle {
     /// # Errors
     /// The command is rejected, or the solver does not answer in time.
     pub fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
-        self.ask(|reply| Request::Command { command, reply })?
-    }
-
-    fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
-        let (reply, answer) = Reply::channel();
-        self.shared.inbox.submit(request(reply))?;
-        answer.wait(ANSWER_TIMEOUT).map_err(|_| {
-            let reason = format!(
-                "the solver did not answer within {} s; the command may still be executed, see twin_status",
-                ANSWER_TIMEOUT.as_secs()
-            );
-            Refusal::new(RefusalCode::NoAnswer, reason)
-        })
+        self.shared
+            .inbox
+            .ask(|reply| Request::Command { command, reply })?
     }
 
     /// The outputs for the reader with this name; `None` if there is no such queue, or its receiver was taken before.
@@ -247,7 +267,7 @@ impl LiveHandle {
     /// # Errors
     /// The solver does not answer in time.
     pub fn snapshot(&self) -> Result<ColumnSnapshot, Refusal> {
-        self.ask(|reply| Request::Snapshot { reply })
+        self.shared.snapshot()
     }
 
     /// Predicts the outcome of an impact on the column in its current state, in the thread of the caller. An empty
@@ -285,9 +305,18 @@ impl LiveHandle {
             steps: read(&shared.steps),
             newton_iterations: read(&shared.newton_iterations),
             state_file_failures: state_writer.map_or(0, |it| it.failures()),
+            lost_estimates: self.lost_estimates(),
             queues,
             real_time: self.real_time.clone(),
         }
+    }
+
+    fn lost_estimates(&self) -> u64 {
+        #[cfg(feature = "study")]
+        if let Some(sensing) = &self.sensing {
+            return sensing.lost_estimates();
+        }
+        0
     }
 
     /// Whether the solver's thread is running. Before a stop it ends only if it panics.
@@ -308,6 +337,11 @@ impl LiveHandle {
     }
 
     fn join(&mut self) -> Result<(), Panicked> {
+        // First, because its estimates are commands to the solver.
+        #[cfg(feature = "study")]
+        let sensing = self.sensing.as_mut().is_none_or(SensingThread::stop);
+        #[cfg(not(feature = "study"))]
+        let sensing = true;
         self.shared.stop.store(true, Ordering::SeqCst);
         self.shared.inbox.notifier().notify();
         let solver = self
@@ -321,10 +355,11 @@ impl LiveHandle {
                 state_writer.stop();
                 thread.join().is_ok()
             });
-        match (solver, state_writer) {
-            (false, _) => Err(Panicked(SOLVER_THREAD)),
-            (_, false) => Err(Panicked(STATE_WRITER_THREAD)),
-            (true, true) => Ok(()),
+        match (solver, state_writer, sensing) {
+            (false, _, _) => Err(Panicked(SOLVER_THREAD)),
+            (_, false, _) => Err(Panicked(STATE_WRITER_THREAD)),
+            (_, _, false) => Err(Panicked("column_twin/sense")),
+            (true, true, true) => Ok(()),
         }
     }
 }

@@ -150,6 +150,21 @@ pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
     )
 }
 
+/// Lets the calling thread give way to all threads of normal priority and to those of real time, and gives it these
+/// processors.
+#[cfg(feature = "study")]
+pub(super) fn yield_to_others(processors: Option<&CpuSet>) {
+    const NICE: i32 = 10;
+    if let Some(processors) = processors {
+        let _ = sched_setaffinity(None, processors);
+    }
+    let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let own = thread_native_id();
+    // A thread inherits the policy of the one that starts it.
+    let _ = set_thread_priority_and_policy(own, ThreadPriority::Min, normal);
+    let _ = setpriority_process(None, NICE);
+}
+
 fn granted<E: std::fmt::Display>(result: Result<(), E>, hint: &'static str) -> Grant {
     match result {
         Ok(()) => Grant::Granted,

@@ -10,7 +10,7 @@ use super::lateness::lateness;
 use super::queue::OutputQueues;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{Command, Nanos, NoticeLevel, Output, Outputs, Twin};
+use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -52,6 +52,8 @@ pub(super) struct Shared {
     pub worst_lateness: AtomicU64,
     pub steps: AtomicU64,
     pub newton_iterations: AtomicU64,
+    /// How often the column at rest or its parameters may have changed.
+    pub column_changes: Arc<AtomicU64>,
 }
 
 impl Shared {
@@ -65,7 +67,16 @@ impl Shared {
             worst_lateness: AtomicU64::new(0),
             steps: AtomicU64::new(0),
             newton_iterations: AtomicU64::new(0),
+            column_changes: Arc::default(),
         }
+    }
+
+    /// A copy of the current state of the column.
+    ///
+    /// # Errors
+    /// The solver does not answer in time.
+    pub fn snapshot(&self) -> Result<ColumnSnapshot, Refusal> {
+        self.inbox.ask(|reply| Request::Snapshot { reply })
     }
 }
 
@@ -292,6 +303,8 @@ pub(super) struct Sink {
     pub state_writer: Option<Arc<StateWriter>>,
     /// The parameters that hold. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
+    /// See [`Shared::column_changes`].
+    pub column_changes: Arc<AtomicU64>,
     /// There are outputs of which the readers have not been notified.
     pub unnotified: bool,
 }
@@ -306,6 +319,9 @@ impl Sink {
 
 impl Outputs for Sink {
     fn put(&mut self, output: Output) {
+        if matches!(output, Output::Save(_) | Output::ParametersChanged(_)) {
+            self.column_changes.fetch_add(1, Ordering::SeqCst);
+        }
         if let Output::Save(saved) = &output {
             if let Some(state_writer) = &self.state_writer {
                 state_writer.write(Arc::clone(saved));
@@ -378,6 +394,7 @@ mod tests {
                 queues: vec![Arc::clone(&queues)],
                 state_writer: None,
                 parameters: Arc::default(),
+                column_changes: Arc::default(),
                 unnotified: false,
             },
             background: Background::new(),
@@ -413,6 +430,7 @@ mod tests {
             queues,
             state_writer: None,
             parameters: Arc::default(),
+            column_changes: Arc::default(),
             unnotified: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");

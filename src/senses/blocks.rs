@@ -20,6 +20,12 @@ const ELASTIC_LIMIT: f64 = 0.9;
 /// Strain, relative to the yield strain, beyond which hinges nearby have probably yielded.
 const NEAR_YIELD: f64 = 0.5;
 
+/// Samples of a block that have to be the same, bit for bit, if a sensor with noise is stuck.
+const STUCK_SAMPLES: u32 = 10;
+
+/// Share of its range at which a sensor is at the end of it: the range as a number of 32 bits may be smaller by round-off.
+const CLIPPED: f64 = 1.0 - 1e-6;
+
 /// A span of time after contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Block {
@@ -58,8 +64,11 @@ struct Channel {
     noise: f64,
     zero: f64,
     zero_variance: f64,
+    range: f64,
     sums: Vec<f64>,
     counts: Vec<u32>,
+    /// The first sample of each block, until one differs from it.
+    only: Vec<Option<f64>>,
     /// Block from which on the gauge no longer reads the elastic bar.
     lost_from: usize,
 }
@@ -92,6 +101,8 @@ impl Blocks {
                 zero_variance: deviation * deviation,
                 sums: vec![0.0; layout.len()],
                 counts: vec![0; layout.len()],
+                range: sensor.range,
+                only: vec![None; layout.len()],
                 lost_from: usize::MAX,
             })
             .collect();
@@ -108,7 +119,8 @@ impl Blocks {
         &self.layout
     }
 
-    /// Takes a sample of a sensor: its time \[s\] and its value. One that is not a number, or outside of all blocks, is ignored.
+    /// Takes a sample of a sensor: its time \[s\] and its value. One that is not a number, outside of all blocks, or of no
+    /// sensor is ignored.
     pub fn push(&mut self, sensor: usize, time: f64, value: f64) {
         let time = time - self.contact;
         let index = self.layout.partition_point(|block| block.start <= time);
@@ -116,13 +128,21 @@ impl Blocks {
             return;
         };
         let block = self.layout[index];
-        let channel = &mut self.channels[sensor];
+        let Some(channel) = self.channels.get_mut(sensor) else {
+            return;
+        };
         if !value.is_finite() || time >= block.start + block.length {
             return;
         }
         let reading = value - channel.zero;
         channel.sums[index] += reading;
         channel.counts[index] += 1;
+        let only = &mut channel.only[index];
+        *only = if channel.counts[index] == 1 {
+            Some(value)
+        } else {
+            only.filter(|only| *only == value)
+        };
         if channel.is_strain() && reading.abs() > ELASTIC_LIMIT * self.yield_strain {
             channel.lost_from = channel.lost_from.min(index);
         }
@@ -136,7 +156,7 @@ impl Blocks {
         self.layout.partition_point(is_complete)
     }
 
-    /// What a sensor has read over a block; `None` where it has no samples, or no longer reads the elastic bar.
+    /// What a sensor has read over a block; `None` where it has no samples, is stuck, or no longer reads the elastic bar.
     pub fn mean(&self, sensor: usize, index: usize) -> Option<BlockMean> {
         let channel = &self.channels[sensor];
         if index >= channel.lost_from {
@@ -172,6 +192,14 @@ impl Channel {
 
     fn mean(&self, index: usize) -> Option<f64> {
         let count = self.counts[index];
-        (count > 0).then(|| self.sums[index] / f64::from(count))
+        (count > 0 && !self.is_stuck(index)).then(|| self.sums[index] / f64::from(count))
+    }
+
+    /// Whether a sensor that has noise reads one value only. At the end of its range it may.
+    fn is_stuck(&self, index: usize) -> bool {
+        let is_clipped = |value: f64| self.range > 0.0 && value.abs() >= CLIPPED * self.range;
+        self.noise > 0.0
+            && self.counts[index] >= STUCK_SAMPLES
+            && self.only[index].is_some_and(|value| !is_clipped(value))
     }
 }

@@ -77,4 +77,7 @@ pub struct ImpactEstimate {
     pub vehicle_probabilities: Vec<(String, f64)>,
     /// Effective number of responses behind the estimate; below about 20 the intervals are unreliable.
     pub effective_responses: f64,
+    /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
+    /// read. As long as at least two others agree, they do not count.
+    pub doubtful_sensors: Vec<String>,
 }

@@ -3,11 +3,17 @@
 use super::blocks::Blocks;
 use super::estimate::{CredibleInterval, ImpactEstimate};
 use super::hypothesis::{Front, Hypothesis};
-use super::population::{Member, Population};
+use super::member::Member;
+use super::population::{EXPLORATION, Population, Round};
 use super::prediction::HORIZON;
 use super::sensor::Sensor;
-use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess};
-use crate::column::{Model, ModelError, Outcome};
+use super::standing_column::StandingColumn;
+use super::virgin_capacities::VirginCapacities;
+use crate::assessment::{AssessmentInput, RemainingCapacity, Severity, assess, imperfection};
+use crate::column::{
+    Capacity, CapacityEnd, Impact, Model, ModelError, Outcome, PerBar, State, capacity,
+    carried_load,
+};
 use crate::parameters::Parameters;
 
 /// Instants after contact at which estimates are worth it \[s\].
@@ -36,8 +42,18 @@ const ENOUGH_RESPONSES: f64 = 60.0;
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
 
+/// As [`EXPLORATION`], where there is time for few responses only.
+const LIVE_EXPLORATION: f64 = 0.4;
+
 /// Responses whose remaining capacity is computed for an estimate.
 const ASSESSED: usize = 24;
+
+/// Standard deviation of the logarithm of the yield strength by which the single best impact is held to the given one: it has
+/// to explain the data on the column as the parameters describe it.
+const BEST_YIELD_SCATTER: f64 = 0.015;
+
+/// Weight below which a response does not count: two thousand of them change nothing that can be seen.
+const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
 
 /// Standard deviations to either end of a 90 % interval of a normal distribution.
 const TAIL_DEVIATIONS: f64 = 1.645;
@@ -60,20 +76,28 @@ pub struct Estimator {
     population: Population,
     sensors: Vec<Sensor>,
     yield_strain: f64,
+    virgin: VirginCapacities,
+    /// Displacement of the impact point before the impact \[m\].
+    rest_v1: f64,
     blocks: Option<Blocks>,
     /// Instant of contact and its standard deviation \[s\].
     contact: [f64; 2],
     observed: usize,
     prepared: usize,
+    /// The responses to the next hypothesis, as far as they are prepared.
+    preparing: Option<Round>,
+    /// Sensors that contradict the others.
+    doubtful: Vec<bool>,
 }
 
 impl Estimator {
     /// For a column at rest with these sensors. The seed makes the random numbers.
     ///
     /// # Errors
-    /// No sensors.
+    /// No sensors, or parameters that make no column.
     pub fn new(
         parameters: &Parameters,
+        column: &StandingColumn,
         sensors: Vec<Sensor>,
         hypotheses: Vec<Hypothesis>,
         seed: u64,
@@ -81,11 +105,15 @@ impl Estimator {
         if sensors.is_empty() {
             return Err(EstimatorError::NoSensors);
         }
-        let properties = parameters.column_properties();
-        Model::new(&properties)?;
+        let properties = column.properties(parameters);
+        let model = Model::new(&properties)?;
         let steel = parameters.steel();
+        let (column, of_population) = (column.clone(), sensors.clone());
         Ok(Self {
-            population: Population::new(properties, sensors.clone(), hypotheses, seed),
+            virgin: VirginCapacities::new(parameters, &properties),
+            rest_v1: column.state(&model).displacement.v1,
+            population: Population::new(column, properties, of_population, hypotheses, seed),
+            doubtful: vec![false; sensors.len()],
             sensors,
             yield_strain: steel.yield_strength / steel.young_modulus,
             parameters: parameters.clone(),
@@ -93,29 +121,88 @@ impl Estimator {
             contact: [f64::NAN; 2],
             observed: 0,
             prepared: 0,
+            preparing: None,
         })
     }
 
-    /// Computes the responses of one more hypothesis before any impact; returns whether all of them are prepared.
+    /// Whether what was computed holds with these parameters and hypotheses, too.
+    pub(super) fn suits(&self, parameters: &Parameters, hypotheses: &[Hypothesis]) -> bool {
+        let (own, other) = (&self.parameters, parameters);
+        own.column_properties() == other.column_properties()
+            && own.steel() == other.steel()
+            && self.population.hypotheses == hypotheses
+    }
+
+    /// Lets the assessment follow the parameters, for which what was computed has to hold.
+    pub(super) fn set_parameters(&mut self, parameters: &Parameters) {
+        self.parameters = parameters.clone();
+        let properties = self.population.properties();
+        self.virgin = VirginCapacities::new(parameters, properties);
+    }
+
+    /// Computes the responses of one more hypothesis before any impact, on all processors; returns whether all of them are
+    /// prepared.
     pub fn prepare(&mut self) -> bool {
-        let Some(hypothesis) = self.population.hypotheses.get(self.prepared) else {
-            return true;
-        };
+        if let Some(mut round) = self.next_preparation() {
+            self.population.compute_all(&mut round);
+            self.finish_preparation(round);
+        }
+        self.is_prepared()
+    }
+
+    /// Computes one more response before any impact, in this thread; returns whether all of them are prepared.
+    pub fn prepare_one(&mut self) -> bool {
+        if let Some(mut round) = self.next_preparation() {
+            self.population.compute_next(&mut round);
+            if round.is_complete() {
+                self.finish_preparation(round);
+            } else {
+                self.preparing = Some(round);
+            }
+        }
+        self.is_prepared()
+    }
+
+    /// Hypotheses whose responses are prepared, among the first of all of them.
+    #[must_use]
+    pub fn prepared(&self) -> usize {
+        self.prepared
+    }
+
+    /// Whether the responses of all hypotheses are prepared.
+    #[must_use]
+    pub fn is_prepared(&self) -> bool {
+        self.prepared == self.population.hypotheses.len()
+    }
+
+    fn next_preparation(&mut self) -> Option<Round> {
+        if self.preparing.is_some() {
+            return self.preparing.take();
+        }
+        let hypothesis = self.population.hypotheses.get(self.prepared)?;
         let count = match hypothesis.front {
             Front::Rigid | Front::Elastic => WIDE_BANK,
             Front::Vehicle(_) => NARROW_BANK,
         };
-        self.population.prepare(self.prepared, count);
+        Some(self.population.plan_prior(self.prepared, count))
+    }
+
+    fn finish_preparation(&mut self, round: Round) {
+        self.population.add(round);
+        self.population.keep_prepared();
         self.prepared += 1;
-        self.prepared == self.population.hypotheses.len()
     }
 
     /// An impact has begun at about `contact` with this standard deviation \[s\]; `zeros` are the readings of the sensors at
-    /// rest with their standard deviations.
+    /// rest with their standard deviations. An earlier impact is forgotten, and so are responses of a hypothesis that are not
+    /// completely prepared.
     pub fn begin(&mut self, contact: f64, deviation: f64, zeros: &[(f64, f64)]) {
         let yield_strain = self.yield_strain;
         self.contact = [contact, deviation];
+        self.preparing = None;
+        self.population.rewind();
         self.population.set_contact_deviation(deviation);
+        self.doubtful.fill(false);
         self.blocks = Some(Blocks::new(
             contact,
             HORIZON,
@@ -135,6 +222,12 @@ impl Estimator {
 
     /// Uses the data until `until` \[s\]; later samples of the time before that no longer count.
     pub fn observe(&mut self, until: f64) {
+        self.note(until);
+        self.population.weigh();
+    }
+
+    /// The same, but the responses have to be weighed then.
+    pub(super) fn note(&mut self, until: f64) {
         let Some(blocks) = &self.blocks else { return };
         for index in self.observed..blocks.complete(until) {
             let means = (0..self.sensors.len()).map(|sensor| blocks.mean(sensor, index));
@@ -144,9 +237,53 @@ impl Estimator {
         }
     }
 
+    /// Weighs at most `count` responses as far as they matter, in this thread; returns whether there are more.
+    pub(super) fn weigh_some(&mut self, count: usize) -> bool {
+        self.population.weigh_some(count)
+    }
+
+    /// Weighs at most `count` responses from `first` on with all data, in this thread; returns whether there are more.
+    pub(super) fn weigh_all(&mut self, first: usize, count: usize) -> bool {
+        self.population.weigh_all(first, count)
+    }
+
+    /// Plans about `count` more responses where the data are best met, of which not all may be computed.
+    pub(super) fn plan(&mut self, count: usize) -> Round {
+        let mut round = self.population.plan(count, LIVE_EXPLORATION);
+        round.mix();
+        round
+    }
+
+    /// Computes the next response of a round that is not complete.
+    pub(super) fn compute_next(&self, round: &mut Round) {
+        self.population.compute_next(round);
+    }
+
+    /// Adds the responses of a round, which have to be weighed then.
+    pub(super) fn add(&mut self, round: Round) {
+        self.population.add(round);
+    }
+
     /// Computes about `count` more responses where the data are best met.
     pub fn refine(&mut self, count: usize) {
-        self.population.refine(count);
+        let mut round = self.population.plan(count, EXPLORATION);
+        self.population.compute_all(&mut round);
+        self.population.add(round);
+        self.population.weigh();
+    }
+
+    /// Whether a closer look for sensors that contradict each other is necessary, because no likely response explains them all,
+    /// or because some did not count so far.
+    pub(super) fn has_doubts(&self) -> bool {
+        self.doubtful.contains(&true) || !self.population.explains_all()
+    }
+
+    /// Finds the sensors that contradict the others, once all responses are weighed with all data. Returns whether others count than before; the responses have to be
+    /// weighed then.
+    pub(super) fn judge_sensors(&mut self) -> bool {
+        let [doubtful, ignored] = self.population.contradictions();
+        self.doubtful = doubtful;
+        self.population.ignore(ignored)
     }
 
     /// The number of responses that it rests on if all counted alike.
@@ -155,20 +292,60 @@ impl Estimator {
         effective(&self.population.weights())
     }
 
+    /// Whether the estimate rests on enough responses.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.effective_responses() >= ENOUGH_RESPONSES
+    }
+
     /// Number of responses computed.
     #[must_use]
     pub fn responses(&self) -> usize {
         self.population.members.len()
     }
 
-    /// Refines until the estimate rests on enough responses, in at most `rounds` rounds.
+    /// Refines until the estimate rests on enough responses, in at most `rounds` rounds, and leaves out sensors that
+    /// contradict the others.
     pub fn settle(&mut self, rounds: usize) {
+        self.refine_until_settled(rounds);
+        if self.has_doubts() && self.judge_sensors() {
+            self.population.weigh();
+            self.refine_until_settled(rounds);
+        }
+    }
+
+    fn refine_until_settled(&mut self, rounds: usize) {
         for _ in 0..rounds {
-            if self.effective_responses() >= ENOUGH_RESPONSES {
+            if self.is_settled() {
                 return;
             }
             self.refine(ROUND);
         }
+    }
+
+    /// The responses whose severity an estimate needs and that are not assessed yet.
+    pub(super) fn unassessed(&self) -> Vec<usize> {
+        let weights = self.population.weights();
+        let mut chosen = self.population.chosen(&weights, ASSESSED);
+        chosen.dedup();
+        chosen.retain(|&index| self.population.members[index].assessed.is_none());
+        chosen
+    }
+
+    /// Assesses one response.
+    pub(super) fn assess_one(&mut self, index: usize) {
+        self.population.members[index].assessed = self.assessed(index);
+    }
+
+    /// The single impact that explains the data best on the column as the parameters describe it.
+    pub(super) fn best(&self) -> Option<Impact> {
+        let members = self.population.members.iter();
+        let likelihood = |member: &Member| {
+            let z = member.unknowns[3] / BEST_YIELD_SCATTER;
+            member.log_posterior - 0.5 * z * z
+        };
+        let best = members.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))?;
+        self.population.case(best).map(|(_, impact)| impact)
     }
 
     /// Severity and capacity ratio after responses that are chosen by their weights.
@@ -176,8 +353,7 @@ impl Estimator {
         let chosen = self.population.chosen(weights, ASSESSED);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
-                let assessed = self.assessed(index);
-                self.population.members[index].assessed = assessed;
+                self.assess_one(index);
             }
         }
         let members = chosen.iter().map(|&index| &self.population.members[index]);
@@ -189,18 +365,47 @@ impl Estimator {
         let (properties, impact) = self.population.case(member)?;
         let (parameters, prediction) = (&self.parameters, &member.prediction);
         let model = Model::new(&properties).ok()?;
-        let rest = prediction.rest.as_deref();
-        let remaining = RemainingCapacity::compute(parameters, &model, rest).ok()?;
+        let at_rest = State::at_rest(&model);
+        let virgin = match self.virgin.at(libm::exp(member.unknowns[3])) {
+            Some(virgin) => virgin,
+            None => capacity(&model, &at_rest, imperfection(parameters)).ok()?,
+        };
+        let (now, carried) = match prediction.rest.as_deref() {
+            Some(rest) if rest.plastic == PerBar::default() => {
+                (virgin, carried_load(&model, &at_rest))
+            }
+            Some(rest) => (
+                capacity(&model, rest, imperfection(parameters)).ok()?,
+                carried_load(&model, rest),
+            ),
+            None => (
+                Capacity::none(CapacityEnd::NoEquilibrium),
+                carried_load(&model, &at_rest),
+            ),
+        };
+        let remaining = RemainingCapacity::new(parameters, virgin, now, carried);
         let report = &prediction.report;
         let input = AssessmentInput::of_response(parameters, &model, &impact, report, remaining);
         Some((assess(&input).severity, remaining.ratio))
     }
 
+    fn doubtful(&self) -> impl Iterator<Item = &str> {
+        let each = self.sensors.iter().zip(&self.doubtful);
+        each.filter(|(_, doubtful)| **doubtful)
+            .map(|(sensor, _)| sensor.name.as_str())
+    }
+
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
-        let weights = self.population.weights();
+        let mut weights = self.population.weights();
+        for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
+            *weight = 0.0;
+        }
         let assessed = self.assess(&weights);
-        let members = || self.population.members.iter().zip(weights.iter().copied());
+        let members = || {
+            let all = self.population.members.iter().zip(weights.iter().copied());
+            all.filter(|(_, weight)| *weight > 0.0)
+        };
         // Their distributions are skew: the mean is that of the logarithm.
         let positive = |logarithm: &dyn Fn(&Member) -> f64| {
             let interval =
@@ -211,15 +416,18 @@ impl Estimator {
                 high: libm::exp(interval.high),
             }
         };
+        // The factor of the response belongs to what the impact adds.
+        let before = self.rest_v1;
         let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
             CredibleInterval::of(members().flat_map(|(member, weight)| {
                 let [scale, deviation] = member.scale;
+                let added = value(member) - before;
                 let (scaled, error) = (
-                    deviation * value(member),
-                    error * member.prediction.report.max_v1,
+                    deviation * added,
+                    error * (member.prediction.report.max_v1 - before),
                 );
                 let deviation = (scaled * scaled + error * error).sqrt();
-                SPREAD.map(|z| (scale * value(member) + deviation * z, weight))
+                SPREAD.map(|z| (scale * added + deviation * z + before, weight))
             }))
         };
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
@@ -270,6 +478,7 @@ impl Estimator {
             severity: Severity::ALL.map(with_severity).to_vec(),
             vehicle_probabilities: vehicles,
             effective_responses: effective(&weights),
+            doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
         }
     }
 }

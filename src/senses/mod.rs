@@ -13,6 +13,8 @@ mod batch;
 mod blocks;
 mod collector;
 #[cfg(feature = "study")]
+mod contradiction;
+#[cfg(feature = "study")]
 mod detection;
 #[cfg(feature = "study")]
 mod estimate;
@@ -23,6 +25,8 @@ mod estimator;
 #[cfg(feature = "study")]
 mod hypothesis;
 mod intake;
+#[cfg(feature = "study")]
+mod member;
 #[cfg(feature = "study")]
 mod model_error;
 #[cfg(feature = "study")]
@@ -36,12 +40,21 @@ mod random;
 #[cfg(feature = "study")]
 mod readings;
 #[cfg(feature = "study")]
+mod recomputation;
+#[cfg(feature = "study")]
 mod recorded;
+#[cfg(feature = "study")]
+mod sensing;
 mod sensor;
 mod sensor_clock;
 #[cfg(feature = "study")]
 mod simulated;
+mod standing_column;
 mod stillness;
+#[cfg(feature = "study")]
+mod update;
+#[cfg(feature = "study")]
+mod virgin_capacities;
 
 pub use batch::Batch;
 pub use collector::{BATCH_DURATION, Collected, Collector};
@@ -64,8 +77,13 @@ pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};
 #[cfg(feature = "study")]
+pub use recomputation::{NotRecomputed, Recomputation};
+#[cfg(feature = "study")]
 pub use recorded::{RecordedImpact, estimate_recorded};
+#[cfg(feature = "study")]
+pub use sensing::{Sensing, Work};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 pub use sensor_clock::TOLERATED_OFFSET;
 #[cfg(feature = "study")]
 pub use simulated::simulate_sensors;
+pub use standing_column::{Damage, StandingColumn};

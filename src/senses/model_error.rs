@@ -26,7 +26,7 @@ pub(super) struct ModelError {
 const CORRELATION_SHARE: f64 = 0.5;
 
 impl ModelError {
-    pub fn of(quantity: Quantity) -> Self {
+    pub const fn of(quantity: Quantity) -> Self {
         let [scale, shape, waves, correlation] = match quantity {
             Quantity::Displacement | Quantity::Rotation => [0.08, 0.06, 0.25, 4e-3],
             Quantity::BendingStrain => [0.06, 0.06, 1.5, 4e-3],

@@ -4,23 +4,18 @@
 //! over the density with which members of its hypothesis were drawn, the mixture of all distributions used so far (the
 //! balance heuristic, Cornuet et al. 2012). New members are drawn where the weights are.
 
-use rayon::iter::{IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use super::blocks::{Block, BlockMean};
+use super::contradiction::{contradictions, explains_all, largest};
 use super::hypothesis::{Hypothesis, UNKNOWNS};
-use super::model_error::ModelError;
-use super::prediction::{Place, Prediction, TimeGrid};
+use super::member::{Member, NO_SCALE, Observed, SHIFTS, Weighing, log_sum};
+use super::prediction::{Prediction, TimeGrid};
 use super::random::Random;
-use super::sensor::{Quantity, Sensor};
-use crate::assessment::Severity;
+use super::sensor::Sensor;
+use super::standing_column::StandingColumn;
 use crate::column::{ColumnProperties, Impact};
 use crate::study::cholesky::cholesky;
-
-/// Instants of contact that are considered, about the detected one.
-const SHIFTS: usize = 13;
-
-/// Distance between them, in standard deviations of the detected instant.
-const SHIFT_SPACING: f64 = 0.4;
 
 /// Effective number of members to which weights are tempered before a distribution is fitted to them.
 const LEAST_EFFECTIVE: f64 = 12.0;
@@ -39,33 +34,19 @@ const LEAST_WIDTH: f64 = 0.02;
 
 /// Power of the shares of the hypotheses by which new members are divided among them, so that one that seems unlikely
 /// because it was not searched closely is searched.
-const EXPLORATION: f64 = 0.1;
+pub(super) const EXPLORATION: f64 = 0.1;
 
 /// Share of a hypothesis, after that power, below which it gets no new members.
 const LEAST_SHARE: f64 = 0.02;
 
+/// Logarithm of the ratio of likelihoods beyond which a member is negligible.
+const NEGLIGIBLE: f64 = 60.0;
+
+/// Blocks of data after which it is seen whether a member has become negligible.
+const BLOCKS_AT_ONCE: usize = 8;
+
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
-
-/// One response.
-#[derive(Debug, Clone)]
-pub(super) struct Member {
-    pub hypothesis: usize,
-    pub unknowns: [f64; UNKNOWNS],
-    pub prediction: Prediction,
-    log_prior: f64,
-    /// Blocks whose data are in the sums.
-    seen: usize,
-    /// For each sensor and shift: the sums of `e^2 / var`, `e p / var`, `p^2 / var` with the predictions `p` and `e = y - p`.
-    sums: Vec<[[f64; 3]; SHIFTS]>,
-    log_posterior: f64,
-    /// Severity and capacity ratio, once they were computed.
-    pub assessed: Option<(Severity, f64)>,
-    /// Delay of contact behind the detected instant \[s\].
-    pub delay: f64,
-    /// Expected factor between the column's displacements and the model's, and its standard deviation.
-    pub scale: [f64; 2],
-}
 
 /// A normal distribution from which members of one hypothesis were drawn.
 #[derive(Debug, Clone)]
@@ -75,11 +56,63 @@ struct Drawn {
     mean: [f64; UNKNOWNS],
     /// Lower triangular factor of the covariance.
     factor: [[f64; UNKNOWNS]; UNKNOWNS],
+    /// Logarithms of the diagonal of the factor.
+    log_diagonal: [f64; UNKNOWNS],
+}
+
+/// New members that are to be computed, one after another.
+#[derive(Debug, Clone)]
+pub(super) struct Round {
+    drawn: Vec<Drawn>,
+    /// The distribution of each candidate, and its unknowns.
+    candidates: Vec<(usize, [f64; UNKNOWNS])>,
+    computed: Vec<Member>,
+    /// Candidates that were computed, whether they led to members or not.
+    done: usize,
+    /// The random numbers before the candidates were drawn.
+    before: Random,
+}
+
+impl Round {
+    fn new(random: &Random) -> Self {
+        Self {
+            drawn: Vec::new(),
+            candidates: Vec::new(),
+            computed: Vec::new(),
+            done: 0,
+            before: random.clone(),
+        }
+    }
+
+    fn draw(&mut self, drawn: Drawn, random: &mut Random) {
+        let index = self.drawn.len();
+        for _ in 0..drawn.count as usize {
+            self.candidates.push((index, drawn.sample(random)));
+        }
+        self.drawn.push(drawn);
+    }
+
+    /// Mixes the order of the candidates, so that the first ones are of all distributions.
+    pub fn mix(&mut self) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let mut order: Vec<(f64, (usize, [f64; UNKNOWNS]))> = (1..)
+            .zip(&self.candidates)
+            .map(|(k, candidate)| ((GOLDEN * f64::from(k)).fract(), *candidate))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.candidates = order.into_iter().map(|(_, candidate)| candidate).collect();
+    }
+
+    /// Whether all candidates were computed.
+    pub fn is_complete(&self) -> bool {
+        self.done == self.candidates.len()
+    }
 }
 
 /// All members.
 #[derive(Debug, Clone)]
 pub(super) struct Population {
+    column: StandingColumn,
     properties: ColumnProperties,
     sensors: Vec<Sensor>,
     grid: TimeGrid,
@@ -89,18 +122,26 @@ pub(super) struct Population {
     random: Random,
     contact_deviation: f64,
     /// Data so far.
-    observed: Vec<(Block, Vec<Option<BlockMean>>)>,
+    observed: Vec<Observed>,
+    /// Sensors that do not count.
+    ignored: Vec<bool>,
+    /// Members, distributions and random numbers before an impact.
+    prepared: (usize, usize, Random),
 }
 
 impl Population {
+    /// For a column with these properties.
     pub fn new(
+        column: StandingColumn,
         properties: ColumnProperties,
         sensors: Vec<Sensor>,
         hypotheses: Vec<Hypothesis>,
         seed: u64,
     ) -> Self {
         Self {
+            column,
             properties,
+            ignored: vec![false; sensors.len()],
             sensors,
             grid: TimeGrid::new(),
             hypotheses,
@@ -109,11 +150,17 @@ impl Population {
             random: Random::new(seed),
             contact_deviation: LEAST_CONTACT_DEVIATION,
             observed: Vec::new(),
+            prepared: (0, 0, Random::new(seed)),
         }
     }
 
+    /// The properties of the column.
+    pub fn properties(&self) -> &ColumnProperties {
+        &self.properties
+    }
+
     /// Draws `count` members of a hypothesis from what is known before the impact.
-    pub fn prepare(&mut self, hypothesis: usize, count: usize) {
+    pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
         let Hypothesis {
             mean, deviation, ..
         } = self.hypotheses[hypothesis];
@@ -121,12 +168,12 @@ impl Population {
         for (k, row) in factor.iter_mut().enumerate() {
             row[k] = deviation[k];
         }
-        self.draw(Drawn {
-            hypothesis,
-            count: count as f64,
-            mean,
-            factor,
-        });
+        let mut round = Round::new(&self.random);
+        round.draw(
+            Drawn::new(hypothesis, count, mean, factor),
+            &mut self.random,
+        );
+        round
     }
 
     /// The standard deviation of the detected instant of contact \[s\]. To be called before the first data.
@@ -134,14 +181,35 @@ impl Population {
         self.contact_deviation = deviation.max(LEAST_CONTACT_DEVIATION);
     }
 
-    /// Takes the data of a block, sensor by sensor.
-    pub fn observe(&mut self, block: Block, means: Vec<Option<BlockMean>>) {
-        self.observed.push((block, means));
-        self.weigh();
+    /// Marks what was computed so far as what is known before an impact.
+    pub fn keep_prepared(&mut self) {
+        self.prepared = (self.members.len(), self.drawn.len(), self.random.clone());
     }
 
-    /// Draws about `count` new members where the weights are.
-    pub fn refine(&mut self, count: usize) {
+    /// Forgets an impact: what was computed for it, and its data.
+    pub fn rewind(&mut self) {
+        let (members, drawn, random) = &self.prepared;
+        self.members.truncate(*members);
+        self.drawn.truncate(*drawn);
+        self.random = random.clone();
+        self.observed.clear();
+        self.ignored.fill(false);
+        let drawn = &self.drawn;
+        for member in &mut self.members {
+            member.forget();
+            follow(member, drawn);
+        }
+    }
+
+    /// Takes the data of a block, sensor by sensor. The members have to be weighed then.
+    pub fn observe(&mut self, block: Block, means: Vec<Option<BlockMean>>) {
+        self.observed.push((block, means));
+    }
+
+    /// About `count` new members where the weights are, which are to be computed. They are divided among the hypotheses by
+    /// this power of their shares.
+    pub fn plan(&mut self, count: usize, exploration: f64) -> Round {
+        let mut round = Round::new(&self.random);
         let weights = self.weights();
         let shares: Vec<f64> = (0..self.hypotheses.len())
             .map(|hypothesis| {
@@ -149,7 +217,7 @@ impl Population {
                     .map(|(_, w)| w)
                     .sum()
             })
-            .map(|share: f64| libm::pow(share, EXPLORATION))
+            .map(|share: f64| libm::pow(share, exploration))
             .collect();
         let total: f64 = shares.iter().sum();
         for (hypothesis, share) in shares.iter().enumerate() {
@@ -160,12 +228,84 @@ impl Population {
             }
             let kernels = wanted.min(KERNELS);
             let fitted = self.fitted(hypothesis, &weights, wanted.div_ceil(2));
-            for drawn in self.kernels(&fitted, &weights, kernels, wanted / 2) {
-                self.draw(drawn);
+            for kernel in self.kernels(&fitted, &weights, kernels, wanted / 2) {
+                round.draw(kernel, &mut self.random);
             }
-            self.draw(fitted);
+            round.draw(fitted, &mut self.random);
         }
-        self.weigh();
+        round
+    }
+
+    /// Computes the next candidate of a round that is not complete.
+    pub fn compute_next(&self, round: &mut Round) {
+        let (drawn, unknowns) = round.candidates[round.done];
+        let hypothesis = round.drawn[drawn].hypothesis;
+        round.computed.extend(self.member(hypothesis, unknowns));
+        round.done += 1;
+    }
+
+    /// Computes all candidates of a round on all processors.
+    pub fn compute_all(&self, round: &mut Round) {
+        let candidates = &round.candidates[round.done..];
+        let computed: Vec<Member> = candidates
+            .par_iter()
+            .filter_map(|(drawn, unknowns)| self.member(round.drawn[*drawn].hypothesis, *unknowns))
+            .collect();
+        round.computed.extend(computed);
+        round.done = round.candidates.len();
+    }
+
+    fn member(&self, hypothesis: usize, unknowns: [f64; UNKNOWNS]) -> Option<Member> {
+        let log_prior = self.hypotheses[hypothesis].log_density(&unknowns);
+        if log_prior == f64::NEG_INFINITY {
+            return None;
+        }
+        let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
+        let impact = self.hypotheses[hypothesis].impact(&unknowns)?;
+        let (column, sensors) = (&self.column, &self.sensors);
+        Some(Member {
+            hypothesis,
+            prediction: Prediction::compute(column, &properties, &impact, sensors, &self.grid)?,
+            unknowns,
+            log_prior,
+            log_drawn: f64::NEG_INFINITY,
+            known_drawn: 0,
+            seen: 0,
+            sums: vec![[[0.0; 3]; SHIFTS]; sensors.len()],
+            log_posterior: log_prior,
+            assessed: None,
+            shift: SHIFTS / 2,
+            delay: 0.0,
+            scale: NO_SCALE,
+        })
+    }
+
+    /// Adds the members of a round. If it is not complete, it has only the candidates that were computed.
+    pub fn add(&mut self, round: Round) {
+        let Round {
+            mut drawn,
+            candidates,
+            computed,
+            done,
+            before,
+        } = round;
+        if done == 0 {
+            self.random = before;
+            return;
+        }
+        if done < candidates.len() {
+            for (index, it) in drawn.iter_mut().enumerate() {
+                let own = candidates[..done].iter().filter(|(of, _)| *of == index);
+                it.count = own.count() as f64;
+            }
+            drawn.retain(|it| it.count > 0.0);
+        }
+        self.drawn.extend(drawn);
+        self.members.extend(computed);
+        let drawn = &self.drawn;
+        for member in &mut self.members {
+            follow(member, drawn);
+        }
     }
 
     /// Column and impact of a member.
@@ -193,16 +333,9 @@ impl Population {
         let logs: Vec<f64> = self
             .members
             .iter()
-            .map(|member| {
-                let densities = self
-                    .drawn
-                    .iter()
-                    .filter(|drawn| drawn.hypothesis == member.hypothesis)
-                    .map(|drawn| libm::log(drawn.count) + drawn.log_density(&member.unknowns));
-                member.log_posterior - log_sum(densities)
-            })
+            .map(|member| member.log_posterior - member.log_drawn)
             .collect();
-        let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let largest = largest(logs.iter().copied());
         let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
         let sum: f64 = weights.iter().sum();
         for weight in &mut weights {
@@ -262,12 +395,7 @@ impl Population {
             let least = LEAST_WIDTH * deviation;
             covariance[k][k] += least * least;
         }
-        Drawn {
-            hypothesis,
-            count: count as f64,
-            mean,
-            factor: cholesky(&covariance),
-        }
+        Drawn::new(hypothesis, count, mean, cholesky(&covariance))
     }
 
     /// Narrower distributions about members that are chosen by their weights, for `count` members together.
@@ -294,142 +422,101 @@ impl Population {
             sum += weight / total;
             // Systematic resampling: the same member may be chosen more than once.
             while kernels.len() < number && sum * number as f64 > kernels.len() as f64 + offset {
-                kernels.push(Drawn {
-                    hypothesis,
-                    count: each as f64,
-                    mean: member.unknowns,
-                    factor: fitted
-                        .factor
-                        .map(|row| row.map(|entry| KERNEL_WIDTH * entry)),
-                });
+                let factor = fitted
+                    .factor
+                    .map(|row| row.map(|entry| KERNEL_WIDTH * entry));
+                kernels.push(Drawn::new(hypothesis, each, member.unknowns, factor));
             }
         }
         kernels
     }
 
-    fn draw(&mut self, drawn: Drawn) {
-        let candidates: Vec<[f64; UNKNOWNS]> = (0..drawn.count as usize)
-            .map(|_| drawn.sample(&mut self.random))
-            .collect();
-        let hypothesis = &self.hypotheses[drawn.hypothesis];
-        let (properties, sensors, grid) = (&self.properties, &self.sensors, &self.grid);
-        let computed: Vec<Member> = candidates
-            .into_par_iter()
-            .filter_map(|unknowns| {
-                let log_prior = hypothesis.log_density(&unknowns);
-                if log_prior == f64::NEG_INFINITY {
-                    return None;
-                }
-                let properties = with_yield_factor(properties, libm::exp(unknowns[3]));
-                let impact = hypothesis.impact(&unknowns)?;
-                Some(Member {
-                    hypothesis: drawn.hypothesis,
-                    prediction: Prediction::compute(&properties, &impact, sensors, grid)?,
-                    unknowns,
-                    log_prior,
-                    seen: 0,
-                    sums: vec![[[0.0; 3]; SHIFTS]; sensors.len()],
-                    log_posterior: log_prior,
-                    assessed: None,
-                    delay: 0.0,
-                    scale: [1.0, ModelError::of(Quantity::Displacement).scale],
-                })
-            })
-            .collect();
-        self.members.extend(computed);
-        self.drawn.push(drawn);
+    /// Brings the likelihood of every member up to the data, on all processors.
+    pub fn weigh(&mut self) {
+        let weighing = self.weighing();
+        let (sensors, ignored) = (&self.sensors, &self.ignored);
+        self.members
+            .par_iter_mut()
+            .for_each(|member| member.weigh(&weighing, sensors, ignored, usize::MAX));
     }
 
-    /// Brings the likelihood of every member up to the data.
-    fn weigh(&mut self) {
-        let errors: Vec<_> = self
-            .sensors
-            .iter()
-            .map(|sensor| ModelError::of(sensor.quantity))
+    /// Brings the likelihoods of at most `count` members closer to the data, in this thread; returns whether there are more.
+    ///
+    /// More data never make a likelihood larger: a member that the data so far have made negligible stays so, and is left
+    /// where it is.
+    pub fn weigh_some(&mut self, count: usize) -> bool {
+        let blocks = self.observed.len();
+        let up_to_date = self.members.iter().filter(|member| member.seen == blocks);
+        let best = largest(up_to_date.map(|member| member.log_posterior));
+        let mut behind: Vec<(f64, usize)> = (0..)
+            .zip(&self.members)
+            .filter(|(_, it)| it.seen < blocks && it.log_posterior >= best - NEGLIGIBLE)
+            .map(|(index, it)| (it.log_posterior, index))
             .collect();
-        let delays: [f64; SHIFTS] = std::array::from_fn(|shift| {
-            (shift as f64 - (SHIFTS / 2) as f64) * SHIFT_SPACING * self.contact_deviation
-        });
-        let grid = &self.grid;
-        // Where each block begins and ends in the predictions is the same for all members.
-        let blocks: Vec<_> = self
-            .observed
-            .iter()
-            .map(|(block, means)| {
-                let places: [[Place; 2]; SHIFTS] = delays.map(|delay| {
-                    let start = block.start - delay;
-                    [grid.place(start), grid.place(start + block.length)]
-                });
-                let terms: Vec<_> = means
-                    .iter()
-                    .zip(&errors)
-                    .map(|(mean, error)| {
-                        mean.map(|it| {
-                            let until = block.start + block.length;
-                            let model = error.variance(until, block.length, it.largest, it.yielded);
-                            (it.mean, 1.0 / (it.variance + model).max(f64::MIN_POSITIVE))
-                        })
-                    })
-                    .collect();
-                (places, block.length, terms)
-            })
-            .collect();
-        let deviation = self.contact_deviation;
-        let sensors = &self.sensors;
-        self.members.par_iter_mut().for_each(|member| {
-            for (places, length, terms) in &blocks[member.seen..] {
-                for (sensor, term) in terms.iter().enumerate() {
-                    let Some((mean, precision)) = *term else {
-                        continue;
-                    };
-                    for (sums, [from, to]) in member.sums[sensor].iter_mut().zip(places) {
-                        let predicted = member.prediction.mean(sensor, *from, *to, *length);
-                        let error = mean - predicted;
-                        sums[0] += precision * error * error;
-                        sums[1] += precision * error * predicted;
-                        sums[2] += precision * predicted * predicted;
-                    }
-                }
-            }
-            member.seen = blocks.len();
-            member.conclude(&errors, sensors, &delays, deviation);
-        });
-    }
-}
-
-impl Member {
-    /// The likelihood over all instants of contact, with the factor of each sensor's readings integrated out.
-    fn conclude(
-        &mut self,
-        errors: &[ModelError],
-        sensors: &[Sensor],
-        delays: &[f64; SHIFTS],
-        deviation: f64,
-    ) {
-        let mut logs = [0.0; SHIFTS];
-        let mut scales = [[1.0, ModelError::of(Quantity::Displacement).scale]; SHIFTS];
-        for (shift, delay) in delays.iter().enumerate() {
-            let z = delay / deviation;
-            logs[shift] = -0.5 * z * z;
-            for ((sums, error), sensor) in self.sums.iter().zip(errors).zip(sensors) {
-                let [squares, cross, predicted] = sums[shift];
-                let prior = 1.0 / (error.scale * error.scale);
-                let information = predicted + prior;
-                logs[shift] -= 0.5 * (squares - cross * cross / information)
-                    + 0.5 * libm::log(information / prior);
-                if sensor.quantity == Quantity::Displacement {
-                    scales[shift] = [1.0 + cross / information, (1.0 / information).sqrt()];
-                }
-            }
+        let is_all = behind.len() <= count;
+        if !is_all {
+            // Those that may become the best ones first, because they show which others are negligible.
+            behind.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            behind.truncate(count);
         }
-        let best = (0..SHIFTS).fold(0, |best, k| if logs[k] > logs[best] { k } else { best });
-        self.delay = delays[best];
-        self.scale = scales[best];
-        self.log_posterior = self.log_prior + log_sum(logs.into_iter());
+        let weighing = self.weighing();
+        for (_, index) in &behind {
+            let member = &mut self.members[*index];
+            member.weigh(&weighing, &self.sensors, &self.ignored, BLOCKS_AT_ONCE);
+        }
+        !(is_all
+            && behind
+                .iter()
+                .all(|(_, index)| self.members[*index].seen == blocks))
+    }
+
+    /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.
+    pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
+        let weighing = self.weighing();
+        let some = self.members.iter_mut().skip(first).take(count);
+        some.for_each(|it| it.weigh(&weighing, &self.sensors, &self.ignored, usize::MAX));
+        first + count < self.members.len()
+    }
+
+    /// Whether a likely member explains what every sensor reads, so that none contradicts the others.
+    pub fn explains_all(&self) -> bool {
+        explains_all(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// See [`contradictions`]; all members have to be weighed with all data.
+    pub fn contradictions(&self) -> [Vec<bool>; 2] {
+        contradictions(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// Lets these sensors no longer count; whether that changes anything. The members have to be weighed then.
+    pub fn ignore(&mut self, ignored: Vec<bool>) -> bool {
+        let changes = self.ignored != ignored;
+        self.ignored = ignored;
+        changes
+    }
+
+    fn weighing(&self) -> Weighing {
+        let deviation = self.contact_deviation;
+        Weighing::new(&self.observed, &self.sensors, &self.grid, deviation)
     }
 }
 
 impl Drawn {
+    fn new(
+        hypothesis: usize,
+        count: usize,
+        mean: [f64; UNKNOWNS],
+        factor: [[f64; UNKNOWNS]; UNKNOWNS],
+    ) -> Self {
+        Self {
+            hypothesis,
+            count: count as f64,
+            mean,
+            factor,
+            log_diagonal: std::array::from_fn(|k| libm::log(factor[k][k])),
+        }
+    }
+
     fn sample(&self, random: &mut Random) -> [f64; UNKNOWNS] {
         let z: [f64; UNKNOWNS] = std::array::from_fn(|_| random.normal());
         std::array::from_fn(|i| {
@@ -445,14 +532,14 @@ impl Drawn {
         for i in 0..UNKNOWNS {
             let known: f64 = (0..i).map(|k| self.factor[i][k] * z[k]).sum();
             z[i] = (unknowns[i] - self.mean[i] - known) / self.factor[i][i];
-            log -= 0.5 * z[i] * z[i] + libm::log(self.factor[i][i]);
+            log -= 0.5 * z[i] * z[i] + self.log_diagonal[i];
         }
         log
     }
 }
 
 /// The column with its yield strength times a factor.
-fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProperties {
+pub(super) fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProperties {
     ColumnProperties {
         resistance_moment: factor * properties.resistance_moment,
         resistance_axial: factor * properties.resistance_axial,
@@ -460,14 +547,12 @@ fn with_yield_factor(properties: &ColumnProperties, factor: f64) -> ColumnProper
     }
 }
 
-/// Logarithm of the sum of exponentials.
-fn log_sum(logs: impl Iterator<Item = f64>) -> f64 {
-    logs.fold(f64::NEG_INFINITY, |sum, log| {
-        let (large, small) = if sum > log { (sum, log) } else { (log, sum) };
-        if small == f64::NEG_INFINITY {
-            large
-        } else {
-            large + libm::log1p(libm::exp(small - large))
-        }
-    })
+/// Takes the distributions into account that were added since the last time.
+fn follow(member: &mut Member, drawn: &[Drawn]) {
+    let new = drawn[member.known_drawn..].iter();
+    let densities = new
+        .filter(|it| it.hypothesis == member.hypothesis)
+        .map(|it| libm::log(it.count) + it.log_density(&member.unknowns));
+    member.log_drawn = log_sum(std::iter::once(member.log_drawn).chain(densities));
+    member.known_drawn = drawn.len();
 }

@@ -2,6 +2,7 @@
 
 use super::probe::SteppedProbe;
 use super::sensor::Sensor;
+use super::standing_column::StandingColumn;
 use crate::column::{
     ColumnProperties, End, Impact, Model, Progress, Report, Response, State, residual_state,
 };
@@ -83,8 +84,9 @@ pub(super) struct Prediction {
 }
 
 impl Prediction {
-    /// Follows an impact. `None` if the properties make no column or a step does not converge.
+    /// Follows an impact on the column, whose properties these are. `None` if they make no column or a step does not converge.
     pub fn compute(
+        column: &StandingColumn,
         properties: &ColumnProperties,
         impact: &Impact,
         sensors: &[Sensor],
@@ -102,7 +104,7 @@ impl Prediction {
         properties.step_nanos = CELL_NANOS / parts;
         let model = Model::new(&properties).ok()?;
         let secs = 1e-9 * properties.step_nanos as f64;
-        let mut state = State::at_rest(&model);
+        let mut state = column.state(&model);
         let mut probes: Vec<_> = sensors
             .iter()
             .map(|sensor| SteppedProbe::new(&model, &state, sensor))
@@ -154,12 +156,8 @@ impl Prediction {
         })
     }
 
-    /// Mean reading of a sensor between two places that lie `length` apart \[s\].
-    pub fn mean(&self, sensor: usize, from: Place, to: Place, length: f64) -> f64 {
-        (self.integral(sensor, to) - self.integral(sensor, from)) / length
-    }
-
-    fn integral(&self, sensor: usize, place: Place) -> f64 {
+    /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
+    pub fn integral(&self, sensor: usize, place: Place) -> f64 {
         let integrals = &self.integrals[sensor];
         let (a, b) = (integrals[place.index], integrals[place.index + 1]);
         a + place.share * (b - a) + place.beyond * self.at_end[sensor]

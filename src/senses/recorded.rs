@@ -7,6 +7,7 @@ use super::hypothesis::hypotheses;
 use super::prediction::HORIZON;
 use super::readings::Readings;
 use super::sensor::Sensor;
+use super::standing_column::StandingColumn;
 use crate::parameters::Parameters;
 
 /// Rounds of refinement for each update of recorded readings, for which there is time.
@@ -35,7 +36,8 @@ pub fn estimate_recorded(
 ) -> Result<Option<RecordedImpact>, EstimatorError> {
     let hypotheses = hypotheses(parameters);
     let preparations = hypotheses.len() as f64;
-    let mut estimator = Estimator::new(parameters, sensors.to_vec(), hypotheses, seed)?;
+    let column = StandingColumn::virgin(parameters);
+    let mut estimator = Estimator::new(parameters, &column, sensors.to_vec(), hypotheses, seed)?;
     let Some(detection) = detect(sensors, readings) else {
         return Ok(None);
     };

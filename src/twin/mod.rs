@@ -83,6 +83,8 @@ pub use output::{
 };
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
+#[cfg(feature = "study")]
+pub(crate) use plant::with_impact_height;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assessed};
-use super::plant::{Plant, Struck, is_same_height, with_impact_height};
+use super::plant::{Condition, Plant, Struck, is_same_height, with_impact_height};
 use super::refusal::{Refusal, RefusalCode};
 use super::registry::check_column_id;
 use super::seconds;
@@ -14,6 +14,7 @@ use crate::column::{
 };
 use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable};
 use crate::printable::is_printable;
+use crate::senses::StandingColumn;
 
 /// Longest name of a vehicle in characters.
 pub const MAX_VEHICLE_NAME_CHARS: usize = 64;
@@ -58,6 +59,30 @@ impl ColumnSnapshot {
     #[must_use]
     pub fn parameters(&self) -> &Arc<Parameters> {
         &self.parameters
+    }
+
+    /// The same column in another condition.
+    #[cfg(all(test, feature = "study"))]
+    pub(crate) fn set_condition(&mut self, condition: Condition) {
+        self.plant.condition = condition;
+    }
+
+    /// The column as the next impact will find it; `None` while it responds to one. Where the hinges at the impact point are
+    /// not damaged, they are at the height of the parameters, otherwise where they are.
+    ///
+    /// # Errors
+    /// The column can take no impact.
+    pub fn standing(&self) -> Result<Option<StandingColumn>, Condition> {
+        if self.plant.condition != Condition::Standing {
+            return Err(self.plant.condition.clone());
+        }
+        if self.plant.state.impactor.is_some() {
+            return Ok(None);
+        }
+        let properties = self.parameters.column_properties();
+        let moved = self.plant.with_hinges_at_impact(&properties);
+        let (model, state) = moved.unwrap_or((self.plant.model, self.plant.state));
+        Ok(Some(StandingColumn::new(&model, &state)))
     }
 
     /// Predicts what an impact would do to the column, in the caller's thread. An empty `column_id` means this column,

@@ -2,5 +2,6 @@
 
 mod detection;
 mod estimation;
+mod live;
 mod readings;
 mod signals;

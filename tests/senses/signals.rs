@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 
 use column_twin::parameters::{Parameters, parse_override};
-use column_twin::senses::{Quantity, Readings, Sensor};
+use column_twin::senses::{Batch, Quantity, Readings, Sensor};
 use flate2::read::GzDecoder;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -147,5 +147,56 @@ impl Signal {
             }
         }
         (sensors, readings)
+    }
+}
+
+/// The clock of the twin at the first sample \[ns\].
+pub const START: i64 = 1_700_000_000_000_000_000;
+
+/// Parameters with these sensors.
+pub fn with_sensors(parameters: &Parameters, sensors: &[Sensor]) -> Parameters {
+    let names = sensors.iter().map(|it| it.name.clone()).collect::<Vec<_>>();
+    let mut changes = vec![("sensors.names".to_owned(), names.into())];
+    for sensor in sensors {
+        let name = |field: &str| format!("sensors.{}.{field}", sensor.name);
+        changes.push((name("quantity"), sensor.quantity.word().into()));
+        for (field, value) in [
+            ("height", sensor.height),
+            ("range", sensor.range),
+            ("noise", sensor.noise),
+            ("bias", sensor.bias),
+            ("gain_error", sensor.gain_error),
+            ("rate", sensor.rate),
+            ("fibre", sensor.fibre),
+        ] {
+            if field != "fibre" || sensor.quantity == Quantity::BendingStrain {
+                changes.push((name(field), value.into()));
+            }
+        }
+    }
+    parameters.with_changes(changes).expect("parameters")
+}
+
+/// The readings of each sensor in batches, in the order of time and then of sensors, numbered.
+pub fn batches(readings: &Readings, samples: usize) -> Vec<(u64, Batch)> {
+    let rows: Vec<(f64, &[f64])> = readings.rows().collect();
+    let mut batches = Vec::new();
+    for rows in rows.chunks(samples) {
+        for sensor in 0..readings.sensors {
+            batches.push(batch(sensor, rows));
+        }
+    }
+    (0..).zip(batches).collect()
+}
+
+pub fn batch(sensor: usize, rows: &[(f64, &[f64])]) -> Batch {
+    Batch {
+        sensor: sensor as u16,
+        first: START + (1e9 * rows[0].0).round() as i64,
+        period: 100_000,
+        values: rows
+            .iter()
+            .map(|(_, values)| values[sensor] as f32)
+            .collect(),
     }
 }

@@ -1,0 +1,212 @@
+//! Estimates computed again from recorded measurements.
+
+use super::batch::Batch;
+use super::estimate_record::EstimateRecord;
+use super::estimator::{Estimator, EstimatorError};
+use super::sensing::{corrected_sensors, estimator_of, feed};
+use super::sensor::Sensor;
+use super::standing_column::StandingColumn;
+use super::update::{Refinement, Update};
+use crate::parameters::Parameters;
+
+/// Why an estimate cannot be computed again.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotRecomputed {
+    /// The estimates of an impact build upon one another.
+    #[error(
+        "estimate {update} of {event_id} builds upon the earlier ones of this impact, which were not computed again; \
+         begin with the first one"
+    )]
+    NotInOrder {
+        /// The impact.
+        event_id: String,
+        /// The number of the estimate.
+        update: u32,
+    },
+    /// Measurements did not reach the estimator.
+    #[error(
+        "{lost} batches of measurements were lost before they reached the estimator, so that nobody knows what estimate \
+         {update} of {event_id} rests on"
+    )]
+    Lost {
+        /// The impact.
+        event_id: String,
+        /// The number of the estimate.
+        update: u32,
+        /// Batches lost.
+        lost: u64,
+    },
+    /// Measurements are missing.
+    #[error(
+        "estimate {update} of {event_id} rests on batches {expected} to {until} of the measurements, of which batch \
+         {missing} is missing"
+    )]
+    Missing {
+        /// The impact.
+        event_id: String,
+        /// The number of the estimate.
+        update: u32,
+        /// The first batch that was expected, and the one after the last.
+        expected: u64,
+        /// See `expected`.
+        until: u64,
+        /// The one that is missing.
+        missing: u64,
+    },
+    /// The record prescribes more than an estimator ever does.
+    #[error("the record of estimate {update} of {event_id} is impossible: {why}")]
+    Impossible {
+        /// The impact.
+        event_id: String,
+        /// The number of the estimate.
+        update: u32,
+        /// What is wrong.
+        why: &'static str,
+    },
+    /// The parameters make no estimator.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+}
+
+/// Most responses that are drawn for one estimate: more than a live estimator ever does.
+const MAX_DRAWN: u32 = 10_000;
+
+/// Computes estimates again, one after another, with the data and the numbers of responses that their records name.
+#[derive(Debug)]
+pub struct Recomputation {
+    parameters: Parameters,
+    sensors: Vec<Sensor>,
+    prepared: Option<(StandingColumn, Estimator)>,
+    /// The impact: its name, the number of the next estimate, and of the next batch.
+    current: Option<(String, u32, u64)>,
+}
+
+impl Recomputation {
+    /// With the parameters that held.
+    #[must_use]
+    pub fn new(parameters: &Parameters) -> Self {
+        Self {
+            sensors: corrected_sensors(parameters),
+            parameters: parameters.clone(),
+            prepared: None,
+            current: None,
+        }
+    }
+
+    /// Computes the estimate of a record again, after those before it of the same impact. `batch` gives the batch with a
+    /// number that is counted as in the record, or `None` if it is not known.
+    ///
+    /// The instant of contact and the zeros of the sensors are those of the record: they follow from all that the
+    /// sensors have read before.
+    ///
+    /// # Errors
+    /// The data or the earlier estimates are not known, or the record is impossible.
+    pub fn repeat<'a>(
+        &mut self,
+        record: &EstimateRecord,
+        batch: impl Fn(u64) -> Option<&'a Batch>,
+    ) -> Result<EstimateRecord, NotRecomputed> {
+        let current = self.current.take();
+        let (event_id, update) = (|| record.event_id.to_string(), record.update);
+        let impossible = |why| NotRecomputed::Impossible {
+            event_id: event_id(),
+            update,
+            why,
+        };
+        if record.lost_batches > 0 {
+            return Err(NotRecomputed::Lost {
+                event_id: event_id(),
+                update,
+                lost: record.lost_batches,
+            });
+        }
+        if record.drawn.max(record.drawn_before) > MAX_DRAWN {
+            return Err(impossible("it was drawn from too many responses"));
+        }
+        if record.detection.zeros.len() != self.sensors.len() {
+            return Err(impossible(
+                "it has another number of sensors than the parameters",
+            ));
+        }
+        let next = match (&record.column, current) {
+            (Some(column), _) if update == 0 => {
+                if !column.fits(&self.parameters) {
+                    return Err(impossible("its impact is not on the column"));
+                }
+                self.begin(record, column)?;
+                record.first_batch
+            }
+            (None, Some((event, number, next))) if event == event_id() && number == update => next,
+            _ => {
+                return Err(NotRecomputed::NotInOrder {
+                    event_id: event_id(),
+                    update,
+                });
+            }
+        };
+        let Some((_, estimator)) = &mut self.prepared else {
+            return Err(impossible("nothing was prepared"));
+        };
+        let mut refinement = Refinement::again(record.drawn_before);
+        while !refinement.is_over() {
+            refinement.step(estimator);
+        }
+        for number in next..record.batches {
+            let known = batch(number).ok_or_else(|| NotRecomputed::Missing {
+                event_id: event_id(),
+                update,
+                expected: next,
+                until: record.batches,
+                missing: number,
+            })?;
+            feed(estimator, record.origin, known);
+        }
+        let until = record.estimate.data_until;
+        let refine = Refinement::again(record.drawn);
+        let mut work = Update::new(estimator, until, update == 0, refine);
+        while !work.is_over() {
+            work.step(estimator);
+        }
+        let best = estimator
+            .best()
+            .ok_or_else(|| impossible("no response can be computed"))?;
+        let last = record
+            .batches
+            .checked_sub(1)
+            .and_then(&batch)
+            .map(|batch| (batch.sensor, batch.first));
+        self.current = Some((event_id(), update + 1, record.batches));
+        Ok(EstimateRecord {
+            drawn_before: refinement.drawn(),
+            drawn: work.drawn(),
+            last_batch: last.unwrap_or(record.last_batch),
+            estimate: estimator.estimate(until),
+            best,
+            ..record.clone()
+        })
+    }
+
+    fn begin(
+        &mut self,
+        record: &EstimateRecord,
+        column: &StandingColumn,
+    ) -> Result<(), NotRecomputed> {
+        let wanted = record.prepared as usize;
+        let usable = self
+            .prepared
+            .take_if(|(of, estimator)| of == column && estimator.prepared() <= wanted);
+        let mut estimator = match usable {
+            Some((_, estimator)) => estimator,
+            None => estimator_of(&self.parameters, column, &self.sensors)?,
+        };
+        while estimator.prepared() < wanted {
+            if estimator.prepare() {
+                break;
+            }
+        }
+        let contact = &record.detection.contact;
+        estimator.begin(contact.time, contact.deviation, &record.detection.zeros);
+        self.prepared = Some((column.clone(), estimator));
+        Ok(())
+    }
+}

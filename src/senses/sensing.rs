@@ -1,0 +1,502 @@
+//! From live measurements to estimates: learns, detects an impact, and estimates it while data arrive.
+//!
+//! Data come in batches, each sensor's at its own time, and are taken at once. The work is done in slices of a few
+//! milliseconds, between which more data can be taken. Which data an estimate rests on, and how many responses were
+//! drawn for it, depends on time; its record says both, so that [`Recomputation`](super::Recomputation) finds the same
+//! bits.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::batch::Batch;
+use super::detection::{Detection, Detector};
+use super::estimate_record::EstimateRecord;
+use super::estimator::{Estimator, EstimatorError};
+use super::hypothesis::hypotheses;
+use super::prediction::HORIZON;
+use super::sensor::Sensor;
+use super::standing_column::StandingColumn;
+use super::update::{Refinement, Update};
+use crate::parameters::Parameters;
+use crate::twin::Nanos;
+
+/// Instants after contact from which on an estimate is due \[s\]; from the last one on, every [`PERIOD`].
+const INSTANTS: [f64; 6] = [0.005, 0.010, 0.015, 0.020, 0.030, 0.050];
+
+/// Time between two estimates \[s\]: 20 Hz.
+const PERIOD: f64 = 0.05;
+
+/// Seed of the random numbers, the same for every impact.
+pub(super) const SEED: u64 = 1;
+
+/// Most responses drawn for an estimate after its data have arrived; none for the first one, which is due most urgently.
+const DRAWN_PER_UPDATE: u32 = 8;
+
+/// Responses drawn between two estimates, while new data are waited for.
+const DRAWN_BETWEEN: u32 = 200;
+
+/// Responses drawn after the last data, for the final estimate: there is time for it.
+const DRAWN_AT_LAST: u32 = 400;
+
+/// Hypotheses that have to be prepared before an impact can be estimated.
+const LEAST_PREPARED: usize = 1;
+
+/// Data are kept for this time, because an impact is found some milliseconds after its contact \[ns\].
+const KEPT: Nanos = 1_000_000_000;
+
+/// Most batches that are kept while an impact is waited for.
+const MAX_KEPT: usize = 1 << 14;
+
+/// A sensor that is behind the newest data by more than this at the detection takes no part \[ns\].
+const ALIVE: Nanos = 200_000_000;
+
+/// An estimate waits for a slow sensor for at most this time \[ns\].
+const MAX_WAIT: Nanos = 50_000_000;
+
+/// Without any data for this time, by the clock, an impact's data have ended \[ns\].
+const END_OF_DATA: Nanos = 300_000_000;
+
+/// After an impact the next one can be detected once nothing was felt for this time \[ns\].
+const QUIET: Nanos = 1_000_000_000;
+
+const NANOS: f64 = 1e9;
+
+/// What a slice of work has led to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Work {
+    /// There is more to be done.
+    More {
+        /// An estimate whose data are there waits for it.
+        is_urgent: bool,
+    },
+    /// Nothing is to be done before more data arrive.
+    Idle,
+    /// An estimate.
+    Estimate(Box<EstimateRecord>),
+    /// An impact was detected that cannot be estimated, for this reason.
+    Missed(&'static str),
+}
+
+const URGENT: Work = Work::More { is_urgent: true };
+
+/// Feels impacts. It reads no clock.
+#[derive(Debug)]
+pub struct Sensing {
+    /// The sensors of the parameters; the signs of batches are corrected.
+    sensors: Vec<Sensor>,
+    column: StandingColumn,
+    estimator: Estimator,
+    detector: Detector,
+    /// The instant from which the detector's times count: the first sample.
+    base: Option<Nanos>,
+    kept: VecDeque<(u64, Batch)>,
+    /// End of the data of each sensor.
+    ends: Vec<Option<Nanos>>,
+    /// The number of the next batch.
+    next: u64,
+    last: (u16, Nanos),
+    phase: Phase,
+}
+
+#[derive(Debug)]
+enum Phase {
+    /// Waits for an impact.
+    Armed,
+    /// Waits until the column is quiet after an impact, with data from this instant on.
+    Settling(Nanos),
+    /// An impact was detected, and not begun yet.
+    Detected(Detection),
+    Impact(Box<CurrentImpact>),
+}
+
+#[derive(Debug)]
+struct CurrentImpact {
+    event_id: Arc<str>,
+    origin: Nanos,
+    detection: Detection,
+    first_batch: u64,
+    /// Batches from the first one on that never came.
+    lost: u64,
+    prepared: u32,
+    /// Sensors that are waited for.
+    awaited: Vec<bool>,
+    /// Number of the next estimate, and data of the last one \[s\].
+    update: u32,
+    until: f64,
+    /// No more data come.
+    has_ended: bool,
+    /// The next estimate is the final one.
+    is_complete: bool,
+    drawn_before: u32,
+    task: Task,
+}
+
+#[derive(Debug)]
+enum Task {
+    Between(Refinement),
+    Update(Underway),
+}
+
+/// An estimate in the making.
+#[derive(Debug)]
+struct Underway {
+    update: Update,
+    until: f64,
+    batches: u64,
+    last_batch: (u16, Nanos),
+    lost: u64,
+}
+
+impl Sensing {
+    /// For a column at rest with the sensors of its parameters.
+    ///
+    /// # Errors
+    /// No sensors, or parameters that make no column.
+    pub fn new(parameters: &Parameters, column: StandingColumn) -> Result<Self, EstimatorError> {
+        let sensors = corrected_sensors(parameters);
+        Ok(Self {
+            estimator: estimator_of(parameters, &column, &sensors)?,
+            detector: Detector::new(&sensors),
+            base: None,
+            kept: VecDeque::new(),
+            ends: vec![None; sensors.len()],
+            next: 0,
+            last: (0, 0),
+            phase: Phase::Armed,
+            sensors,
+            column,
+        })
+    }
+
+    /// Whether an impact is being estimated.
+    #[must_use]
+    pub fn is_estimating(&self) -> bool {
+        matches!(self.phase, Phase::Detected(_) | Phase::Impact(_))
+    }
+
+    /// Whether these parameters declare the same sensors.
+    #[must_use]
+    pub fn has_sensors_of(&self, parameters: &Parameters) -> bool {
+        corrected_sensors(parameters) == self.sensors
+    }
+
+    /// Whether the responses to all hypotheses are prepared.
+    #[must_use]
+    pub fn is_prepared(&self) -> bool {
+        self.estimator.is_prepared()
+    }
+
+    /// From now on the column is this one, and has these parameters, with the same sensors. Prepares for it, unless what was
+    /// prepared holds for it. An impact that is being estimated is given up.
+    ///
+    /// # Errors
+    /// Parameters that make no column; nothing is changed then.
+    pub fn set_column(
+        &mut self,
+        parameters: &Parameters,
+        column: StandingColumn,
+    ) -> Result<(), EstimatorError> {
+        if column == self.column && self.estimator.suits(parameters, &hypotheses(parameters)) {
+            self.estimator.set_parameters(parameters);
+        } else {
+            self.estimator = estimator_of(parameters, &column, &self.sensors)?;
+            self.column = column;
+        }
+        if self.is_estimating() {
+            self.settle();
+        }
+        Ok(())
+    }
+
+    /// Takes the batch with this number. Numbers that are left out are lost batches. A batch of a sensor that there is not
+    /// is ignored.
+    pub fn push(&mut self, number: u64, batch: Batch) {
+        let lost = number.saturating_sub(self.next);
+        self.next = number + 1;
+        self.last = (batch.sensor, batch.first);
+        if let Phase::Impact(impact) = &mut self.phase {
+            impact.lost += lost;
+        }
+        if let Some(end) = self.ends.get_mut(usize::from(batch.sensor)) {
+            *end = (*end).max(Some(batch.end()));
+            self.detect(&batch);
+        }
+        if let Phase::Impact(impact) = &self.phase {
+            feed(&mut self.estimator, impact.origin, &batch);
+        } else {
+            self.kept.push_back((number, batch));
+            if !self.is_estimating() {
+                self.forget_old();
+            }
+        }
+    }
+
+    fn detect(&mut self, batch: &Batch) {
+        if self.is_estimating() {
+            return;
+        }
+        let base = *self.base.get_or_insert(batch.first);
+        let sensor = usize::from(batch.sensor);
+        for (time, value) in batch.samples() {
+            let since = (time - base) as f64 / NANOS;
+            let Some(mut detection) = self.detector.push(sensor, since, f64::from(value)) else {
+                continue;
+            };
+            match &self.phase {
+                Phase::Armed => {
+                    // From now on its times count from the instant of contact.
+                    let contact = (NANOS * detection.contact.time).round();
+                    detection.confirmed_at -= contact / NANOS;
+                    detection.contact.time = 0.0;
+                    self.base = Some(base + contact as Nanos);
+                    self.phase = Phase::Detected(detection);
+                    return;
+                }
+                // It still moves: the zeros of its sensors are not known.
+                Phase::Settling(_) => {
+                    self.settle();
+                    return;
+                }
+                Phase::Detected(_) | Phase::Impact(_) => {}
+            }
+        }
+        if let Phase::Settling(since) = self.phase
+            && batch.end() - since > QUIET
+        {
+            self.phase = Phase::Armed;
+        }
+    }
+
+    /// Learns the zeros of the sensors anew.
+    fn settle(&mut self) {
+        self.detector = Detector::new(&self.sensors);
+        self.base = None;
+        let newest = self.ends.iter().flatten().max();
+        self.phase = Phase::Settling(newest.copied().unwrap_or_default());
+        self.kept.clear();
+    }
+
+    fn forget_old(&mut self) {
+        let Some(newest) = self.ends.iter().flatten().max() else {
+            return;
+        };
+        let is_old = |(_, batch): &(u64, Batch)| batch.end() < newest.saturating_sub(KEPT);
+        while self.kept.len() > MAX_KEPT || self.kept.front().is_some_and(is_old) {
+            self.kept.pop_front();
+        }
+    }
+
+    /// The time is `now`, by the clock that drives the twin: without data for some time, those of an impact have ended.
+    pub fn note_time(&mut self, now: Nanos) {
+        let newest = self.ends.iter().flatten().max();
+        if let (Phase::Impact(impact), Some(&newest)) = (&mut self.phase, newest)
+            && now.saturating_sub(newest) > END_OF_DATA
+        {
+            impact.has_ended = true;
+        }
+    }
+
+    /// Does the next slice of work.
+    pub fn step(&mut self) -> Work {
+        match &mut self.phase {
+            Phase::Armed | Phase::Settling(_) => match self.estimator.prepare_one() {
+                true => Work::Idle,
+                false => Work::More { is_urgent: false },
+            },
+            Phase::Detected(_) if self.estimator.prepared() < LEAST_PREPARED => {
+                self.estimator.prepare_one();
+                URGENT
+            }
+            Phase::Detected(detection) => {
+                let detection = detection.clone();
+                self.begin(detection)
+            }
+            Phase::Impact(_) => self.estimate(),
+        }
+    }
+
+    fn begin(&mut self, detection: Detection) -> Work {
+        if self.estimator.responses() == 0 {
+            self.settle();
+            return Work::Missed("no response to any conceivable impact can be computed");
+        }
+        let (Some(origin), Some((first_batch, _))) = (self.base, self.kept.front()) else {
+            self.settle();
+            return Work::Missed("its data are not known any more");
+        };
+        let first_batch = *first_batch;
+        let contact = &detection.contact;
+        self.estimator
+            .begin(contact.time, contact.deviation, &detection.zeros);
+        let known = self.kept.len() as u64;
+        for (_, batch) in self.kept.drain(..) {
+            feed(&mut self.estimator, origin, &batch);
+        }
+        let newest = self.ends.iter().flatten().max().copied();
+        let is_alive = |end: &Option<Nanos>| *end > newest.map(|newest| newest - ALIVE);
+        self.phase = Phase::Impact(Box::new(CurrentImpact {
+            event_id: format!("felt-{origin}").into(),
+            origin,
+            detection,
+            first_batch,
+            lost: (self.next - first_batch).saturating_sub(known),
+            prepared: self.estimator.prepared() as u32,
+            awaited: self.ends.iter().map(is_alive).collect(),
+            update: 0,
+            until: 0.0,
+            has_ended: false,
+            is_complete: false,
+            drawn_before: 0,
+            task: Task::Between(Refinement::again(0)),
+        }));
+        URGENT
+    }
+
+    fn estimate(&mut self) -> Work {
+        let Phase::Impact(impact) = &mut self.phase else {
+            return Work::Idle;
+        };
+        let available = impact.available(&self.ends);
+        let is_due = !impact.is_complete && (impact.has_ended || is_due(impact.until, available));
+        let estimator = &mut self.estimator;
+        match &mut impact.task {
+            Task::Between(refinement) if is_due || (impact.is_complete && refinement.is_over()) => {
+                refinement.end_soon();
+                refinement.step(estimator);
+                if refinement.is_over() {
+                    impact.drawn_before = refinement.drawn();
+                    let until = available.min(HORIZON).max(impact.until);
+                    let most = match (impact.update, impact.is_complete) {
+                        (0, _) | (_, true) => 0,
+                        _ => DRAWN_PER_UPDATE,
+                    };
+                    impact.task = Task::Update(Underway {
+                        update: Update::new(
+                            estimator,
+                            until,
+                            impact.update == 0,
+                            Refinement::at_most(most),
+                        ),
+                        until,
+                        batches: self.next,
+                        last_batch: self.last,
+                        lost: impact.lost,
+                    });
+                }
+                URGENT
+            }
+            Task::Between(refinement) if refinement.is_over() => Work::Idle,
+            Task::Between(refinement) => {
+                refinement.step(estimator);
+                Work::More { is_urgent: false }
+            }
+            Task::Update(underway) => {
+                if self::is_due(underway.until, available) {
+                    underway.update.end_soon();
+                }
+                underway.update.step(estimator);
+                if !underway.update.is_over() {
+                    return URGENT;
+                }
+                let nothing = Task::Between(Refinement::again(0));
+                let Task::Update(underway) = std::mem::replace(&mut impact.task, nothing) else {
+                    return Work::Idle;
+                };
+                let Some(record) = impact.record(&underway, estimator, &self.column) else {
+                    self.settle();
+                    return Work::Missed("no response explains its data");
+                };
+                if record.is_final {
+                    self.settle();
+                } else {
+                    impact.until = record.estimate.data_until;
+                    impact.update += 1;
+                    impact.is_complete = impact.has_ended || impact.until >= HORIZON;
+                    let most = match impact.is_complete {
+                        true => DRAWN_AT_LAST,
+                        false => DRAWN_BETWEEN,
+                    };
+                    impact.task = Task::Between(Refinement::at_most(most));
+                }
+                Work::Estimate(Box::new(record))
+            }
+        }
+    }
+}
+
+impl CurrentImpact {
+    /// Until when the data of the sensors that are waited for are there \[s\] after contact. A sensor that is too slow is not
+    /// waited for any more.
+    fn available(&mut self, ends: &[Option<Nanos>]) -> f64 {
+        let newest = ends.iter().flatten().max().copied().unwrap_or(self.origin);
+        let mut until = newest;
+        for (awaited, end) in self.awaited.iter_mut().zip(ends) {
+            match end {
+                Some(end) if *awaited && newest - end <= MAX_WAIT => until = until.min(*end),
+                _ => *awaited = false,
+            }
+        }
+        (until - self.origin) as f64 / NANOS
+    }
+
+    fn record(
+        &self,
+        underway: &Underway,
+        estimator: &mut Estimator,
+        column: &StandingColumn,
+    ) -> Option<EstimateRecord> {
+        Some(EstimateRecord {
+            event_id: Arc::clone(&self.event_id),
+            update: self.update,
+            is_final: self.is_complete,
+            detection: self.detection.clone(),
+            origin: self.origin,
+            column: (self.update == 0).then(|| column.clone()),
+            batches: underway.batches,
+            first_batch: self.first_batch,
+            last_batch: underway.last_batch,
+            lost_batches: underway.lost,
+            prepared: self.prepared,
+            drawn_before: self.drawn_before,
+            drawn: underway.update.drawn(),
+            estimate: estimator.estimate(underway.until),
+            best: estimator.best()?,
+        })
+    }
+}
+
+/// Whether an estimate with the data until `available` is worth it after one with those until `last` \[s\].
+fn is_due(last: f64, available: f64) -> bool {
+    // Half a nanosecond for the round-off of times.
+    let reached = available + 0.5 / NANOS;
+    let next = INSTANTS.into_iter().find(|instant| *instant > last);
+    let next = next.unwrap_or_else(|| PERIOD * ((last + 0.5 / NANOS) / PERIOD).floor() + PERIOD);
+    last < HORIZON && reached >= next.min(HORIZON)
+}
+
+/// Lets the estimator take a batch of an impact with contact at `origin`.
+pub(super) fn feed(estimator: &mut Estimator, origin: Nanos, batch: &Batch) {
+    for (time, value) in batch.samples() {
+        let since = (time - origin) as f64 / NANOS;
+        estimator.push(usize::from(batch.sensor), since, f64::from(value));
+    }
+}
+
+/// The sensors of the parameters, as they are in batches: with corrected signs.
+pub(super) fn corrected_sensors(parameters: &Parameters) -> Vec<Sensor> {
+    let correct = |sensor| Sensor {
+        reversed: false,
+        ..sensor
+    };
+    parameters.sensors().into_iter().map(correct).collect()
+}
+
+/// The estimator of live measurements.
+pub(super) fn estimator_of(
+    parameters: &Parameters,
+    column: &StandingColumn,
+    sensors: &[Sensor],
+) -> Result<Estimator, EstimatorError> {
+    let hypotheses = hypotheses(parameters);
+    Estimator::new(parameters, column, sensors.to_vec(), hypotheses, SEED)
+}
