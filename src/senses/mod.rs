@@ -6,16 +6,13 @@
 //! uncertainty. `docs/estimation.md` describes the method.
 //!
 //! The modules read no clock and no file, and the same readings give the same bits. Without the feature `study` there are only
-//! the sensors.
+//! the sensors, what the model says that they read, detection, and estimates as data.
 
 mod batch;
 #[cfg(feature = "study")]
 mod blocks;
-#[cfg(feature = "study")]
 mod detection;
-#[cfg(feature = "study")]
 mod estimate;
-#[cfg(feature = "study")]
 mod estimate_record;
 #[cfg(feature = "study")]
 mod estimator;
@@ -27,7 +24,6 @@ mod model_error;
 mod population;
 #[cfg(feature = "study")]
 mod prediction;
-#[cfg(feature = "study")]
 mod probe;
 #[cfg(feature = "study")]
 mod random;
@@ -40,17 +36,13 @@ mod sensor;
 mod simulated;
 
 pub use batch::Batch;
-#[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
-#[cfg(feature = "study")]
-pub use estimate::{CredibleInterval, ImpactEstimate};
-#[cfg(feature = "study")]
+pub use estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use estimate_record::EstimateRecord;
 #[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 #[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
-#[cfg(feature = "study")]
 pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};
