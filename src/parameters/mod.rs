@@ -63,7 +63,8 @@ pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::SENSOR_PARAMETERS;
 pub use settings::{
-    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
+    AcceptEstimates, AssessmentSettings, CapacitySettings, Compression, DampingSettings,
+    EstimationSettings, EventSettings,
     GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
     RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
     SectionSettings, SendersSettings, SensorSettings, SensorsSettings, Settings, SolverSettings,

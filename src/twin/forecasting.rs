@@ -114,7 +114,7 @@ impl Twin {
         self.superseded.take(impact, forecast, end, reason);
         self.last = Some(LastResponse {
             response,
-            resumable: None,
+            before: None,
         });
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::command::{Accepted, Nanos};
+use super::estimates::Estimates;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
@@ -119,7 +120,7 @@ impl Twin {
 
     pub(super) fn forbid_resuming(&mut self) {
         if let Some(last) = &mut self.last {
-            last.resumable = None;
+            last.before = None;
         }
     }
 
@@ -187,6 +188,7 @@ impl Twin {
             out.notice(NoticeLevel::Warning, now, text);
         }
         self.registry.reset();
+        self.estimates = Estimates::default();
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
         let properties = self.parameters.current().column_properties();
         self.at_rest =
