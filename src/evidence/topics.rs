@@ -7,7 +7,7 @@ use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The endpoints that are recorded.
-pub const RECORDED: [&Endpoint; 13] = [
+pub const RECORDED: [&Endpoint; 14] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
     &endpoints::COLUMN_PARAMETERS,
@@ -15,6 +15,7 @@ pub const RECORDED: [&Endpoint; 13] = [
     &endpoints::HINGE_FORCES,
     &endpoints::IMPACT_FORECAST,
     &endpoints::IMPACT_REPORT,
+    &endpoints::IMPACT_ESTIMATE,
     &endpoints::TWIN_STATUS,
     &endpoints::JOINT_STATES,
     &endpoints::MARKERS,

@@ -95,4 +95,7 @@ pub struct ImpactEstimate {
     /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
     #[serde(with = "exact_number")]
     pub effective_responses: f64,
+    /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
+    /// read. As long as at least two others agree, they do not count.
+    pub doubtful_sensors: Vec<String>,
 }

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::detection::Detection;
 use super::estimate::ImpactEstimate;
+use super::standing_column::StandingColumn;
 use crate::column::{Impact, Vehicle};
 use crate::exact_number;
+use crate::twin::Nanos;
 
 /// One estimate of an impact, with what is needed to compute it again from recorded measurements, bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,16 +24,24 @@ pub struct EstimateRecord {
     /// How the impact was detected. Its times are seconds after `origin`.
     pub detection: Detection,
     /// The instant from which the times of the estimate count, by the clock of the twin \[ns\].
-    pub origin: i64,
+    pub origin: Nanos,
+    /// The column for which the first estimate of an impact was computed; the later ones do not repeat it.
+    pub column: Option<StandingColumn>,
     /// Batches of measurements that it rests on, counted from the first one of the program.
     pub batches: u64,
+    /// The first of them whose samples were still known when the impact was detected, counted in the same way.
+    pub first_batch: u64,
+    /// The last of them, by which a recording that begins later finds the count: its sensor, and the time of its first sample.
+    pub last_batch: (u16, Nanos),
     /// Batches lost before they reached the estimator, counted from the first one of the program; with any among those
     /// it rests on, it cannot be computed again.
     pub lost_batches: u64,
     /// Hypotheses whose responses were prepared when the impact was detected.
     pub prepared: u32,
-    /// Rounds of refinement since the estimate before this one.
-    pub rounds: u32,
+    /// Responses that were drawn after the estimate before this one, before the data of this one were used.
+    pub drawn_before: u32,
+    /// Responses that were drawn with the data of this estimate.
+    pub drawn: u32,
     /// What the data say.
     pub estimate: ImpactEstimate,
     /// The single impact that explains the data best on the column as the parameters describe it, with its vehicle: what

@@ -270,6 +270,7 @@ impl Estimator {
             severity: Severity::ALL.map(with_severity).to_vec(),
             vehicle_probabilities: vehicles,
             effective_responses: effective(&weights),
+            doubtful_sensors: Vec::new(),
         }
     }
 }

@@ -34,6 +34,7 @@ mod recorded;
 mod sensor;
 #[cfg(feature = "study")]
 mod simulated;
+mod standing_column;
 
 pub use batch::Batch;
 pub use detection::{Detection, Detector, Onset};
@@ -51,3 +52,4 @@ pub use recorded::{RecordedImpact, estimate_recorded};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 #[cfg(feature = "study")]
 pub use simulated::simulate_sensors;
+pub use standing_column::{Damage, StandingColumn};

@@ -61,16 +61,12 @@ impl Twin {
         }
         self.at_rest.check_standing()?;
         let (calibration, corrected) = calibrated(&self.at_rest, measured, now)?;
-        let accepted = match corrected {
-            None => Accepted::Unchanged,
-            Some(corrected) => {
-                self.forbid_resuming();
-                self.at_rest = corrected;
-                self.assess();
-                self.forget_other_critical_velocities();
-                Accepted::Applied
-            }
-        };
+        if let Some(corrected) = corrected {
+            self.forbid_resuming();
+            self.at_rest = corrected;
+            self.assess();
+            self.forget_other_critical_velocities();
+        }
         let life = &mut self.registry.life;
         life.calibrations_since_reset = life.calibrations_since_reset.saturating_add(1);
         life.last_calibration = Some(calibration);
@@ -80,7 +76,7 @@ impl Twin {
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         self.save(now, out);
-        Ok(accepted)
+        Ok(Accepted::Calibrated(calibration))
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::calibration::Calibration;
 use super::refusal::Refusal;
 use crate::column::ImpactSpecification;
 use crate::exact_number;
@@ -130,12 +131,14 @@ struct ExactSpecification {
 }
 
 /// What an accepted command led to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accepted {
     /// All parameters had these values already.
     Unchanged,
     /// It holds now.
     Applied,
+    /// The damage was compared with a measurement, and corrected where it did not agree.
+    Calibrated(Calibration),
     /// It is the same impact as one that the sensors have felt, and is kept as evidence.
     Merged,
     /// It is valid and will be applied when the present response has ended, unless the column cannot take it then: another

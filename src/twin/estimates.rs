@@ -54,6 +54,11 @@ pub struct Estimates {
     newest: Option<SensedImpact>,
     /// The oldest first.
     contacts: Vec<Contact>,
+    /// Impacts before this instant, that of the last reset, no longer count.
+    forgotten_until: Nanos,
+    /// The newest impact has changed, which is given out once the journal has what has changed it.
+    #[serde(skip)]
+    has_changed: bool,
 }
 
 /// How an estimate follows those before it.
@@ -63,7 +68,7 @@ pub(super) enum Sequence {
     First,
     /// A later one of the same impact.
     Update,
-    /// It does not: the final one is known, or a later one.
+    /// It does not: the final one or a later one is known, or the impact was before the last reset.
     Late,
 }
 
@@ -92,6 +97,14 @@ pub(super) fn is_sure_enough(record: &EstimateRecord, settings: &EstimationSetti
 }
 
 impl Estimates {
+    /// Forgets everything that happened before an instant.
+    pub fn reset(&mut self, now: Nanos) {
+        *self = Self {
+            forgotten_until: now,
+            ..Self::default()
+        };
+    }
+
     /// The newest impact that the sensors have felt.
     pub fn newest(&self) -> Option<&SensedImpact> {
         self.newest.as_ref()
@@ -101,8 +114,21 @@ impl Estimates {
         self.newest.as_mut()
     }
 
+    pub fn set_changed(&mut self) {
+        self.has_changed = true;
+    }
+
+    /// The newest impact, if it has changed since the last call.
+    pub fn take_changed(&mut self) -> Option<&SensedImpact> {
+        let has_changed = std::mem::take(&mut self.has_changed);
+        self.newest.as_ref().filter(|_| has_changed)
+    }
+
     /// Takes an estimate; one of another impact is pending.
     pub fn take(&mut self, record: &Arc<EstimateRecord>) -> Sequence {
+        if contact(record) < self.forgotten_until {
+            return Sequence::Late;
+        }
         match &mut self.newest {
             Some(known) if known.record.event_id == record.event_id => {
                 if known.record.is_final || known.record.update >= record.update {

@@ -48,7 +48,7 @@ impl Twin {
             }
             _ => {}
         }
-        self.put_estimate(out);
+        self.estimates.set_changed();
         self.status.set_changed();
         if record.is_final {
             // A recording that begins at rest needs no estimate before it.
@@ -84,6 +84,7 @@ impl Twin {
         if let Some(newest) = self.estimates.newest_mut() {
             newest.decision = decision;
         }
+        self.estimates.set_changed();
         self.status.set_changed();
         self.journal.set_checkpoint_due();
     }
@@ -97,9 +98,9 @@ impl Twin {
             .map(|it| &it.record.event_id)
     }
 
-    /// Gives out the newest estimate with what has become of it.
-    fn put_estimate(&self, out: &mut impl Outputs) {
-        if let Some(newest) = self.estimates.newest() {
+    /// Gives out the newest estimate with what has become of it, if anything of that has changed.
+    pub(super) fn put_estimate(&mut self, out: &mut impl Outputs) {
+        if let Some(newest) = self.estimates.take_changed() {
             out.put(Output::Estimate(EstimateOutput {
                 stamp: newest.contact(),
                 record: Arc::clone(&newest.record),
@@ -142,7 +143,7 @@ impl Twin {
             );
             out.notice(NoticeLevel::Info, now, text);
         }
-        self.put_estimate(out);
+        self.estimates.set_changed();
         outcome.map(|()| Accepted::Applied)
     }
 
@@ -348,7 +349,7 @@ impl Twin {
             contact,
             striking: striking.clone(),
         }));
-        self.put_estimate(out);
+        self.estimates.set_changed();
         true
     }
 
@@ -361,14 +362,12 @@ impl Twin {
         out: &mut impl Outputs,
     ) {
         self.estimates.remember(Arc::clone(event_id), contact);
-        if self.link_with_event(now, out) {
-            self.put_estimate(out);
-        }
+        self.link_with_event(now, out);
     }
 
-    /// Links an impact that the sensors have felt, and that was not decided, with the event that is the same impact; whether
-    /// there is one.
-    fn link_with_event(&mut self, now: Nanos, out: &mut impl Outputs) -> bool {
+    /// Links an impact that the sensors have felt, and that was not decided, with the event that is the same impact, if there
+    /// is one.
+    fn link_with_event(&mut self, now: Nanos, out: &mut impl Outputs) {
         let window = self.estimation().merge_window;
         let open = |it: Decision| matches!(it, Decision::Pending | Decision::Refused);
         let Some(contact) = self
@@ -377,10 +376,10 @@ impl Twin {
             .filter(|it| open(it.decision))
             .map(|it| it.contact())
         else {
-            return false;
+            return;
         };
         let Some(event_id) = self.estimates.take_event(contact, window) else {
-            return false;
+            return;
         };
         if let Some(newest) = self.estimates.newest_mut() {
             let text = format!(
@@ -391,7 +390,6 @@ impl Twin {
             newest.event_id = Some(event_id);
         }
         self.decide(Decision::Merged);
-        true
     }
 
     /// Refuses a request whose sender gets an answer.

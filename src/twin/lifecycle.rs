@@ -234,6 +234,7 @@ impl Twin {
             self.journal.command(command, refusal, position, now),
         ));
         self.superseded.put_withdrawn(out);
+        self.put_estimate(out);
         result
     }
 

@@ -60,7 +60,7 @@
 //!   estimate that was not accepted is the impact, and the estimate is decided with it.
 //! - A calibration multiplies the plastic deformation of all hinges of the column at rest by one factor; it changes neither
 //!   the counts nor the work of the impacts.
-//! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
+//! - A reset makes the column virgin and forgets the identifiers of its impacts, and what the sensors have felt before. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
 mod active_response;
@@ -107,6 +107,8 @@ pub use output::{
 };
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;
+#[cfg(feature = "study")]
+pub(crate) use plant::with_impact_height;
 pub use plant::{Condition, HEIGHT_TOLERANCE};
 pub use refusal::{MAX_REASON_CHARS, Refusal, RefusalCode};
 pub use registry::{

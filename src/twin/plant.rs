@@ -341,7 +341,7 @@ pub(super) fn make_of(properties: &ColumnProperties) -> ColumnProperties {
 }
 
 /// The same column with hinges 1a and 1b at another height \[m\].
-pub(super) fn with_impact_height(properties: &ColumnProperties, height: f64) -> ColumnProperties {
+pub(crate) fn with_impact_height(properties: &ColumnProperties, height: f64) -> ColumnProperties {
     let mut moved = *properties;
     if !is_same_height(height, properties.length_below) {
         let whole = properties.length_below + properties.length_above;

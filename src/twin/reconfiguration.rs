@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::command::{Accepted, Nanos};
-use super::estimates::Estimates;
 use super::lifecycle::Twin;
 use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, ParametersChanged};
 use super::plant::Plant;
@@ -188,7 +187,7 @@ impl Twin {
             out.notice(NoticeLevel::Warning, now, text);
         }
         self.registry.reset();
-        self.estimates = Estimates::default();
+        self.estimates.reset(now);
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
         let properties = self.parameters.current().column_properties();
         self.at_rest =

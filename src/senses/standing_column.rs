@@ -1,0 +1,85 @@
+//! The column as an impact finds it: virgin, or with the damage that earlier impacts have left.
+
+use serde::{Deserialize, Serialize};
+
+#[cfg(feature = "study")]
+use crate::column::ColumnProperties;
+use crate::column::{Displacement, Model, PerBar, PlasticFlow, State};
+use crate::parameters::Parameters;
+use crate::twin::HEIGHT_TOLERANCE;
+#[cfg(feature = "study")]
+use crate::twin::with_impact_height;
+
+/// A column at rest, as the next impact will find it. With the parameters it is everything on which the responses to
+/// conceivable impacts depend.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandingColumn {
+    /// Height of hinges 1a and 1b, and with that of the impact, above the base \[m\].
+    pub impact_height: f64,
+    /// What earlier impacts have left; `None`: the column is virgin.
+    pub damage: Option<Damage>,
+}
+
+/// Damage of a column at rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Damage {
+    /// The static equilibrium under the load.
+    pub displacement: Displacement,
+    /// Plastic deformation of the hinges.
+    pub plastic: PerBar<PlasticFlow>,
+    /// Accumulated plastic rotations \[rad\], per bar: at the impact point, at the other end.
+    pub accumulated_rotation: PerBar<[f64; 2]>,
+}
+
+impl StandingColumn {
+    /// The virgin column of these parameters.
+    #[must_use]
+    pub fn virgin(parameters: &Parameters) -> Self {
+        Self {
+            impact_height: parameters.column_properties().length_below,
+            damage: None,
+        }
+    }
+
+    /// The column of this model in this state, which has to be at rest.
+    #[must_use]
+    pub fn new(model: &Model, state: &State) -> Self {
+        let is_virgin = state.plastic == PerBar::default();
+        Self {
+            impact_height: model.properties.length_below,
+            damage: (!is_virgin).then(|| Damage {
+                displacement: state.displacement,
+                plastic: state.plastic,
+                accumulated_rotation: state.accumulated_rotation(),
+            }),
+        }
+    }
+
+    /// The properties of the column with these parameters, with its hinges 1a and 1b where they are.
+    #[cfg(feature = "study")]
+    pub(super) fn properties(&self, parameters: &Parameters) -> ColumnProperties {
+        with_impact_height(&parameters.column_properties(), self.impact_height)
+    }
+
+    /// The column at rest, as a model of it says. The model may differ in its yield strength, on which the equilibrium of a
+    /// column that does not flow does not depend.
+    #[cfg(feature = "study")]
+    pub(super) fn state(&self, model: &Model) -> State {
+        let Some(damage) = &self.damage else {
+            return State::at_rest(model);
+        };
+        let mut state = State::settled(model, damage.displacement, damage.plastic);
+        state.set_accumulated_rotation(model, &damage.accumulated_rotation);
+        state
+    }
+
+    /// Whether its hinges 1a and 1b can be there on the column of these parameters.
+    #[must_use]
+    pub fn fits(&self, parameters: &Parameters) -> bool {
+        let p = parameters.column_properties();
+        let height = p.length_below + p.length_above;
+        (HEIGHT_TOLERANCE..=height - HEIGHT_TOLERANCE).contains(&self.impact_height)
+    }
+}
