@@ -98,7 +98,7 @@ pub(super) fn is_sure_enough(record: &EstimateRecord, settings: &EstimationSetti
 
 impl Estimates {
     /// Forgets everything that happened before an instant.
-    pub fn reset(&mut self, now: Nanos) {
+    pub(super) fn reset(&mut self, now: Nanos) {
         *self = Self {
             forgotten_until: now,
             ..Self::default()
@@ -106,26 +106,26 @@ impl Estimates {
     }
 
     /// The newest impact that the sensors have felt.
-    pub fn newest(&self) -> Option<&SensedImpact> {
+    pub(super) fn newest(&self) -> Option<&SensedImpact> {
         self.newest.as_ref()
     }
 
-    pub fn newest_mut(&mut self) -> Option<&mut SensedImpact> {
+    pub(super) fn newest_mut(&mut self) -> Option<&mut SensedImpact> {
         self.newest.as_mut()
     }
 
-    pub fn set_changed(&mut self) {
+    pub(super) fn set_changed(&mut self) {
         self.has_changed = true;
     }
 
     /// The newest impact, if it has changed since the last call.
-    pub fn take_changed(&mut self) -> Option<&SensedImpact> {
+    pub(super) fn take_changed(&mut self) -> Option<&SensedImpact> {
         let has_changed = std::mem::take(&mut self.has_changed);
         self.newest.as_ref().filter(|_| has_changed)
     }
 
     /// Takes an estimate; one of another impact is pending.
-    pub fn take(&mut self, record: &Arc<EstimateRecord>) -> Sequence {
+    pub(super) fn take(&mut self, record: &Arc<EstimateRecord>) -> Sequence {
         if contact(record) < self.forgotten_until {
             return Sequence::Late;
         }
@@ -149,13 +149,13 @@ impl Estimates {
     }
 
     /// The newest impact that the sensors have felt, if an event with this instant of contact is the same.
-    pub fn same_impact(&mut self, instant: Nanos, window: f64) -> Option<&mut SensedImpact> {
+    pub(super) fn same_impact(&mut self, instant: Nanos, window: f64) -> Option<&mut SensedImpact> {
         let newest = self.newest.as_mut()?;
         is_within(newest.contact(), instant, window).then_some(newest)
     }
 
     /// Remembers an accepted event, because an estimate of the same impact may follow.
-    pub fn remember(&mut self, event_id: Arc<str>, instant: Nanos) {
+    pub(super) fn remember(&mut self, event_id: Arc<str>, instant: Nanos) {
         if self.contacts.len() == MAX_CONTACTS {
             self.contacts.remove(0);
         }
@@ -163,7 +163,7 @@ impl Estimates {
     }
 
     /// Takes the event that is the same impact as one with this instant of contact: the nearest one.
-    pub fn take_event(&mut self, instant: Nanos, window: f64) -> Option<Arc<str>> {
+    pub(super) fn take_event(&mut self, instant: Nanos, window: f64) -> Option<Arc<str>> {
         let near = self.contacts.iter().enumerate();
         let near = near.filter(|(_, it)| is_within(it.instant, instant, window));
         let (index, _) = near.min_by_key(|(_, it)| it.instant.abs_diff(instant))?;

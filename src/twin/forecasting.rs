@@ -46,6 +46,7 @@ impl Twin {
                 impact,
                 timeline,
                 forecast,
+                ..
             } = response;
             let (virgin, stopwatch) = (&mut self.virgin, &self.stopwatch);
             let Some(completed) = forecast.advance(impact, virgin, budget, stopwatch, now, out)
