@@ -344,6 +344,59 @@ pub struct AssessmentCriterion {
     pub statement: String,
 }
 
+/// A quantity with its 90 % interval.
+///
+/// ```text
+#[doc = include_str!("../../msg/CredibleInterval.msg")]
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct CredibleInterval {
+    pub mean: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// What the sensors say about an impact.
+///
+/// ```text
+#[doc = include_str!("../../msg/ImpactEstimate.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ImpactEstimate {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub update: u32,
+    pub is_final: bool,
+    pub data_until: f64,
+    pub contact_time: CredibleInterval,
+    pub mass: CredibleInterval,
+    pub velocity: CredibleInterval,
+    pub momentum: CredibleInterval,
+    pub mass_velocity_correlation: f64,
+    pub peak_v1: CredibleInterval,
+    pub residual_v1: CredibleInterval,
+    pub capacity_ratio: CredibleInterval,
+    pub yielded: f64,
+    pub collapsed: f64,
+    pub vehicles: Vec<String>,
+    pub vehicle_probabilities: Vec<f64>,
+    pub severity_probabilities: [f64; 5],
+    pub effective_responses: f64,
+    pub reliable: bool,
+    pub doubtful_sensors: Vec<String>,
+    pub decision: u8,
+    pub merged_event_id: String,
+}
+
+impl ImpactEstimate {
+    pub const DECISION_PENDING: u8 = 0;
+    pub const DECISION_ACCEPTED: u8 = 1;
+    pub const DECISION_MERGED: u8 = 2;
+    pub const DECISION_REJECTED: u8 = 3;
+    pub const DECISION_REFUSED: u8 = 4;
+}
+
 /// The outcome of one impact.
 ///
 /// ```text
@@ -425,59 +478,6 @@ impl ImpactReport {
     pub const SEVERITY_PROP: u8 = 3;
     pub const SEVERITY_EVACUATE: u8 = 4;
     pub const SEVERITY_UNKNOWN: u8 = 255;
-}
-
-/// A quantity with its 90 % interval.
-///
-/// ```text
-#[doc = include_str!("../../msg/CredibleInterval.msg")]
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct CredibleInterval {
-    pub mean: f64,
-    pub low: f64,
-    pub high: f64,
-}
-
-/// What the sensors say about an impact.
-///
-/// ```text
-#[doc = include_str!("../../msg/ImpactEstimate.msg")]
-/// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct ImpactEstimate {
-    pub header: Header,
-    pub column_id: String,
-    pub event_id: String,
-    pub update: u32,
-    pub is_final: bool,
-    pub data_until: f64,
-    pub contact_time: CredibleInterval,
-    pub mass: CredibleInterval,
-    pub velocity: CredibleInterval,
-    pub momentum: CredibleInterval,
-    pub mass_velocity_correlation: f64,
-    pub peak_v1: CredibleInterval,
-    pub residual_v1: CredibleInterval,
-    pub capacity_ratio: CredibleInterval,
-    pub yielded: f64,
-    pub collapsed: f64,
-    pub vehicles: Vec<String>,
-    pub vehicle_probabilities: Vec<f64>,
-    pub severity_probabilities: [f64; 5],
-    pub effective_responses: f64,
-    pub reliable: bool,
-    pub doubtful_sensors: Vec<String>,
-    pub decision: u8,
-    pub merged_event_id: String,
-}
-
-impl ImpactEstimate {
-    pub const DECISION_PENDING: u8 = 0;
-    pub const DECISION_ACCEPTED: u8 = 1;
-    pub const DECISION_MERGED: u8 = 2;
-    pub const DECISION_REJECTED: u8 = 3;
-    pub const DECISION_REFUSED: u8 = 4;
 }
 
 /// State of the twin.
