@@ -100,7 +100,11 @@ pub(crate) mod pairs {
         pairs: &[(f64, f64)],
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(pairs.iter().map(|(a, b)| (Written::from(*a), Written::from(*b))))
+        serializer.collect_seq(
+            pairs
+                .iter()
+                .map(|(a, b)| (Written::from(*a), Written::from(*b))),
+        )
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(

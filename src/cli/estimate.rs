@@ -14,8 +14,8 @@ use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::Severity;
 use column_twin::senses::{
-    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError, RecordedImpact,
-    estimate_recorded,
+    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
+    RecordedImpact, estimate_recorded,
 };
 
 /// Arguments of `column-twin estimate`.

@@ -26,8 +26,8 @@ use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    Calibration, Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput, Status,
-    TwinPhase, WithdrawnForecast,
+    Calibration, Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput,
+    Status, TwinPhase, WithdrawnForecast,
 };
 use joint_states::JointStates;
 use markers::markers;

@@ -64,12 +64,11 @@ pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::SENSOR_PARAMETERS;
 pub use settings::{
     AcceptEstimates, AssessmentSettings, CapacitySettings, Compression, DampingSettings,
-    EstimationSettings, EventSettings,
-    GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
-    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, SensorSettings, SensorsSettings, Settings, SolverSettings,
-    SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings, TopSettings,
-    VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
+    RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
+    ResponseSettings, SectionSettings, SendersSettings, SensorSettings, SensorsSettings, Settings,
+    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
+    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

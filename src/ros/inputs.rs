@@ -326,7 +326,11 @@ impl Services {
                 &self.confirm_estimate,
                 counters,
                 |sender, request| {
-                    match admit(sender, &qos::CONFIRM_ESTIMATE, "a decision about an estimate") {
+                    match admit(
+                        sender,
+                        &qos::CONFIRM_ESTIMATE,
+                        "a decision about an estimate",
+                    ) {
                         Ok(()) => requests::confirm_estimate(twin, request),
                         Err(refusal) => requests::not_decided(&refusal),
                     }

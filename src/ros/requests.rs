@@ -53,8 +53,7 @@ pub(super) fn calibrate(twin: &LiveTwin, request: &CalibrateRequest) -> Calibrat
         CalibrateRequest::DISPLACEMENT => Quantity::Displacement,
         CalibrateRequest::ROTATION => Quantity::Rotation,
         other => {
-            let reason =
-                format!("quantity = {other}: expected 0 (DISPLACEMENT) or 1 (ROTATION)");
+            let reason = format!("quantity = {other}: expected 0 (DISPLACEMENT) or 1 (ROTATION)");
             let code = RefusalCode::MeasurementImplausible;
             return not_calibrated(&Refusal::new(code, reason));
         }

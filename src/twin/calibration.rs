@@ -121,7 +121,8 @@ fn calibrated(
         deviation,
         ..
     } = *measured;
-    let implausible = |reason: String| Err(Refusal::new(RefusalCode::MeasurementImplausible, reason));
+    let implausible =
+        |reason: String| Err(Refusal::new(RefusalCode::MeasurementImplausible, reason));
     if !matches!(quantity, Quantity::Displacement | Quantity::Rotation) {
         return implausible(format!(
             "the quantity is {quantity}; a column at rest is measured by its displacement or its rotation"

@@ -148,7 +148,8 @@ impl Twin {
     }
 
     fn check_decision(&self, decision: &EstimateDecision) -> Result<(), Refusal> {
-        let not_pending = |reason: String| Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
+        let not_pending =
+            |reason: String| Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
         let wanted = decision.event_id.as_str();
         let Some(newest) = self.estimates.newest() else {
             let reason = "the sensors have felt no impact since the start or the last reset";
@@ -417,7 +418,9 @@ fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
         return RIGID.into();
     }
     let names = record.estimate.vehicle_probabilities.iter();
-    let mut names = names.map(|(name, _)| name.as_str()).filter(|it| *it != RIGID);
+    let mut names = names
+        .map(|(name, _)| name.as_str())
+        .filter(|it| *it != RIGID);
     let name = names.next().and_then(CatalogueVehicle::named);
     name.map_or("", |it| it.name.as_str()).into()
 }

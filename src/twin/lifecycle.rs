@@ -216,18 +216,16 @@ impl Twin {
             }
             Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
             Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
-            Command::DecideEstimate(decision) => self
-                .decide_estimate(decision, now, out)
-                .map_err(|refusal| {
+            Command::DecideEstimate(decision) => {
+                self.decide_estimate(decision, now, out).map_err(|refusal| {
                     let what = RefusedInput::Estimate;
                     self.refuse_request(what, refusal, &decision.source, now, out)
-                }),
-            Command::Calibrate(measured) => {
-                self.calibrate(measured, now, out).map_err(|refusal| {
-                    let what = RefusedInput::Calibration;
-                    self.refuse_request(what, refusal, &measured.source, now, out)
                 })
             }
+            Command::Calibrate(measured) => self.calibrate(measured, now, out).map_err(|refusal| {
+                let what = RefusedInput::Calibration;
+                self.refuse_request(what, refusal, &measured.source, now, out)
+            }),
         };
         let refusal = result.as_ref().err().cloned();
         out.put(Output::Journal(

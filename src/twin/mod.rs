@@ -91,9 +91,7 @@ mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
 pub use calibration::{CALIBRATION_FACTORS, Calibration};
-pub use command::{
-    Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement,
-};
+pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
 pub use estimates::{Decision, Estimates};
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
@@ -102,8 +100,9 @@ pub use journal::{
 };
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
-    EstimateOutput, ForecastEnd, Lengths, MergedEvent, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput,
-    StateOutput, StrikingVehicle, WithdrawnForecast, WithdrawnImpact,
+    EstimateOutput, ForecastEnd, Lengths, MergedEvent, Notice, NoticeLevel, Output, Outputs,
+    ParametersChanged, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
+    WithdrawnImpact,
 };
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;

@@ -157,7 +157,10 @@ fn what_was_felt_and_measured_is_verified_by_recomputation() {
     assert_eq!(found.estimates.recorded, 7, "{found}");
     // The estimates of this test come from no measurements.
     assert!(
-        found.unchecked.iter().all(|it| it.contains("7 estimates were not computed again")),
+        found
+            .unchecked
+            .iter()
+            .all(|it| it.contains("7 estimates were not computed again")),
         "{found}"
     );
 }
@@ -237,7 +240,10 @@ fn forged_estimates_are_found() {
         })
     };
     let found = estimate(|it| it.momentum.mean = it.momentum.mean.next_up());
-    assert_eq!((first_field(&found), found.differences), ("momentum.mean", 1));
+    assert_eq!(
+        (first_field(&found), found.differences),
+        ("momentum.mean", 1)
+    );
     let found = estimate(|it| it.decision = EstimateMessage::DECISION_REJECTED);
     assert_eq!(first_field(&found), "decision");
     let found = estimate(|it| it.doubtful_sensors.clear());
@@ -300,5 +306,9 @@ fn an_estimate_that_was_removed_is_missing() {
     });
     let found = verify(&path).expect("can be verified");
     assert!(found.is_contradicted(), "{found}");
-    assert_eq!(found.topics[Topic::ImpactEstimate.index()].missing, 1, "{found}");
+    assert_eq!(
+        found.topics[Topic::ImpactEstimate.index()].missing,
+        1,
+        "{found}"
+    );
 }

@@ -149,7 +149,11 @@ fn a_genuine_recording_is_equal_in_both_modes() {
         assert_eq!(found.inputs_of.each_ref().map(|it| it.compared), [5, 1]);
         // Nothing was felt.
         let expected = Topic::ALL.map(|it| it != Topic::ImpactEstimate);
-        assert_eq!(found.topics.each_ref().map(|it| it.compared > 0), expected, "{found}");
+        assert_eq!(
+            found.topics.each_ref().map(|it| it.compared > 0),
+            expected,
+            "{found}"
+        );
     }
 }
 

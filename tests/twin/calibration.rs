@@ -1,12 +1,12 @@
 //! Corrections of the damage by what was measured on the column at rest.
 
+use column_twin::column::{Model, residual_state};
 use column_twin::parameters::Value;
 use column_twin::senses::{Probe, Quantity};
 use column_twin::twin::{
     Accepted, CALIBRATION_FACTORS, Calibration, Command, Output, Refusal, RefusalCode,
     ResidualMeasurement,
 };
-use column_twin::column::{Model, residual_state};
 
 use crate::{Bench, MS, START, event, fatal, parameters};
 
@@ -62,11 +62,16 @@ fn the_corrected_column_has_what_was_measured() {
         let probe = Probe::ideal(&model, quantity, at);
         let value = share * probe.read(&before.state);
         let deviation = 1e-3 * value.abs();
-        let found = bench.measure(quantity, at, value, deviation).expect("plausible");
+        let found = bench
+            .measure(quantity, at, value, deviation)
+            .expect("plausible");
         assert_eq!(found.before, probe.read(&before.state));
         let after = bench.twin.checkpoint(bench.now).expect("at rest").state;
         assert_eq!(found.after, probe.read(&after));
-        assert!((found.after - value).abs() <= 0.011 * deviation, "{found:?}");
+        assert!(
+            (found.after - value).abs() <= 0.011 * deviation,
+            "{found:?}"
+        );
         assert!((found.factor - share).abs() < 0.15, "{found:?}");
         let again = residual_state(&model, &after).expect("an equilibrium");
         assert!((again.displacement.v1 - after.displacement.v1).abs() < 1e-9);
@@ -102,7 +107,11 @@ fn a_correction_survives_a_restart_and_counts_for_the_next_impact() {
         .measure(Quantity::Displacement, height(), value, 1e-4)
         .expect("plausible");
     let capacity = |it: &Bench| it.status().assessed.expect("assessed").remaining.now;
-    let saved = bench.saved().last().map(|it| (***it).clone()).expect("saved");
+    let saved = bench
+        .saved()
+        .last()
+        .map(|it| (***it).clone())
+        .expect("saved");
     let restored = Bench::with(parameters(&[]), Some(&saved));
     assert_eq!(restored.status().last_calibration, Some(found));
     assert!((restored.status().residual_v1 - value).abs() < 1e-5);
@@ -128,7 +137,10 @@ fn a_measurement_that_agrees_changes_nothing() {
         .measure(Quantity::Displacement, height(), value + 0.9e-3, 1e-3)
         .expect("plausible");
     assert_eq!((found.factor, found.after), (1.0, found.before));
-    assert_eq!(bench.twin.checkpoint(bench.now).expect("at rest").state, before);
+    assert_eq!(
+        bench.twin.checkpoint(bench.now).expect("at rest").state,
+        before
+    );
     assert_eq!(bench.status().calibrations_since_reset, 1);
     // A virgin column that stands straight agrees too.
     let mut bench = Bench::new(&[]);
@@ -150,19 +162,73 @@ fn measurements_that_cannot_be_met_are_refused_with_the_reason() {
     };
     let [least, most] = CALIBRATION_FACTORS;
     for (quantity, at, value, deviation, words) in [
-        (Quantity::Displacement, height(), 1.2 * most * v1, 1e-4, "no factor"),
-        (Quantity::Displacement, height(), 0.8 * least * v1, 1e-4, "no factor"),
+        (
+            Quantity::Displacement,
+            height(),
+            1.2 * most * v1,
+            1e-4,
+            "no factor",
+        ),
+        (
+            Quantity::Displacement,
+            height(),
+            0.8 * least * v1,
+            1e-4,
+            "no factor",
+        ),
         (Quantity::Displacement, height(), -v1, 1e-4, "no factor"),
         (Quantity::Displacement, 0.0, v1, 1e-4, "no factor"),
         (Quantity::Displacement, -0.1, v1, 1e-4, "not on the column"),
-        (Quantity::Displacement, whole + 0.1, v1, 1e-4, "not on the column"),
-        (Quantity::Displacement, f64::NAN, v1, 1e-4, "not on the column"),
+        (
+            Quantity::Displacement,
+            whole + 0.1,
+            v1,
+            1e-4,
+            "not on the column",
+        ),
+        (
+            Quantity::Displacement,
+            f64::NAN,
+            v1,
+            1e-4,
+            "not on the column",
+        ),
         (Quantity::Displacement, height(), f64::NAN, 1e-4, "finite"),
-        (Quantity::Displacement, height(), f64::INFINITY, 1e-4, "finite"),
-        (Quantity::Displacement, height(), v1, 0.0, "standard deviation"),
-        (Quantity::Displacement, height(), v1, -1.0, "standard deviation"),
-        (Quantity::Displacement, height(), v1, f64::NAN, "standard deviation"),
-        (Quantity::BendingStrain, height(), v1, 1e-4, "displacement or its rotation"),
+        (
+            Quantity::Displacement,
+            height(),
+            f64::INFINITY,
+            1e-4,
+            "finite",
+        ),
+        (
+            Quantity::Displacement,
+            height(),
+            v1,
+            0.0,
+            "standard deviation",
+        ),
+        (
+            Quantity::Displacement,
+            height(),
+            v1,
+            -1.0,
+            "standard deviation",
+        ),
+        (
+            Quantity::Displacement,
+            height(),
+            v1,
+            f64::NAN,
+            "standard deviation",
+        ),
+        (
+            Quantity::BendingStrain,
+            height(),
+            v1,
+            1e-4,
+            "displacement or its rotation",
+        ),
     ] {
         let refusal = bench
             .measure(quantity, at, value, deviation)

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use column_twin::assessment::Severity;
 use column_twin::column::Impact;
 use column_twin::parameters::Value;
-use column_twin::senses::{
-    CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset,
-};
+use column_twin::senses::{CredibleInterval, Detection, EstimateRecord, ImpactEstimate, Onset};
 use column_twin::twin::{
     Accepted, Command, Decision, EstimateDecision, EstimateOutput, ImpactCommand, Journal, Nanos,
     Output, RefusalCode, RefusedInput, StateOutput,
@@ -99,7 +97,8 @@ fn accepting(accept: &str) -> Bench {
 impl Bench {
     fn feel(&mut self, record: EstimateRecord) -> Accepted {
         let command = Command::Estimate(Arc::new(record));
-        self.handle(command).expect("the twin takes it in every state")
+        self.handle(command)
+            .expect("the twin takes it in every state")
     }
 
     fn confirm(&mut self, id: &str, accept: bool) -> Result<Accepted, RefusalCode> {
@@ -159,7 +158,10 @@ fn assert_same_outcome(bench: &Bench, expected: &Bench) {
     let own = bench.twin.checkpoint(bench.now).expect("at rest");
     let other = expected.twin.checkpoint(bench.now).expect("at rest");
     assert_eq!(own.state, other.state);
-    assert_eq!(own.life.plastic_work_since_reset, other.life.plastic_work_since_reset);
+    assert_eq!(
+        own.life.plastic_work_since_reset,
+        other.life.plastic_work_since_reset
+    );
     assert_eq!(own.life.last_impact, other.life.last_impact);
     assert_eq!(own.life.impacts_since_reset, other.life.impacts_since_reset);
     let report = |it: &Bench| it.reports().last().expect("a report").report;
@@ -177,7 +179,11 @@ fn an_estimate_that_nobody_confirms_is_only_published() {
             let record = estimate("felt", update, START, RIGHT, true);
             bench.feel(if update == 2 { last_of(record) } else { record });
         }
-        let published: Vec<_> = bench.estimates().iter().map(|it| it.record.update).collect();
+        let published: Vec<_> = bench
+            .estimates()
+            .iter()
+            .map(|it| it.record.update)
+            .collect();
         assert_eq!(published, [0, 1, 2]);
         assert_eq!(bench.decision(), Decision::Pending);
         assert_eq!(bench.estimates()[0].stamp, START);
@@ -212,9 +218,8 @@ fn a_confirmed_estimate_is_an_impact_at_its_instant_of_contact() {
     expected.hit(of(RIGHT, "felt", contact));
     expected.rest();
     assert_same_outcome(&bench, &expected);
-    let values = |it: &Bench| -> Vec<_> {
-        it.states().iter().map(|it| (it.stamp, it.sample)).collect()
-    };
+    let values =
+        |it: &Bench| -> Vec<_> { it.states().iter().map(|it| (it.stamp, it.sample)).collect() };
     assert_eq!(values(&bench), values(&expected));
     assert_eq!(bench.impacts(), (1, 0, 0));
     assert_eq!(&*bench.status().event_id, "felt");
@@ -227,7 +232,10 @@ fn a_confirmed_estimate_is_an_impact_at_its_instant_of_contact() {
 #[test]
 fn a_rejected_estimate_is_none_and_may_be_confirmed_after_all() {
     let mut bench = accepting("confirmation");
-    assert_eq!(bench.confirm("", true), Err(RefusalCode::EstimateNotPending));
+    assert_eq!(
+        bench.confirm("", true),
+        Err(RefusalCode::EstimateNotPending)
+    );
     bench.feel(estimate("felt", 0, START, RIGHT, true));
     assert_eq!(
         bench.confirm("another", true),
@@ -300,11 +308,17 @@ fn a_later_estimate_replaces_the_impact_of_the_response() {
     assert_same_outcome(&bench, &expected);
     assert_eq!(bench.impacts(), (1, 0, 0));
     let stamps: Vec<_> = bench.states().iter().map(|it| it.stamp).collect();
-    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]), "{stamps:?}");
+    assert!(
+        stamps.windows(2).all(|pair| pair[0] < pair[1]),
+        "{stamps:?}"
+    );
     let later: Vec<&StateOutput> = bench.states().split_off(earlier);
     assert!(later.len() > 10);
     for state in later {
-        let same = expected.states().into_iter().find(|it| it.stamp == state.stamp);
+        let same = expected
+            .states()
+            .into_iter()
+            .find(|it| it.stamp == state.stamp);
         assert_eq!(state.sample, same.expect("the same instants").sample);
         assert_eq!(&*state.event_id, "felt");
     }
@@ -339,12 +353,17 @@ fn a_later_estimate_takes_back_a_response_that_is_over() {
     bench.rest();
     assert_same_outcome(&bench, &after_event(RIGHT, START));
     assert_eq!(bench.reports().len(), 2);
-    let taken_back = bench.out.iter().filter(
-        |it| matches!(it, Output::Journal(Journal::Command(record)) if record.taken_back),
-    );
+    let taken_back = bench
+        .out
+        .iter()
+        .filter(|it| matches!(it, Output::Journal(Journal::Command(record)) if record.taken_back));
     assert_eq!(taken_back.count(), 1);
     assert_eq!(
-        bench.saved().last().expect("saved").plastic_work_since_reset,
+        bench
+            .saved()
+            .last()
+            .expect("saved")
+            .plastic_work_since_reset,
         bench.status().plastic_work_since_reset
     );
 }
@@ -425,7 +444,10 @@ fn an_event_of_an_accepted_estimate_is_merged_with_it() {
         .collect();
     assert_eq!(merged.len(), 1);
     assert_eq!(merged[0].striking.impact, WRONG);
-    assert_eq!((&*merged[0].event_id, &*merged[0].estimate_id), ("camera", "felt"));
+    assert_eq!(
+        (&*merged[0].event_id, &*merged[0].estimate_id),
+        ("camera", "felt")
+    );
     assert!(bench.said("merged with \"felt\""));
     bench.hit(of(WRONG, "camera", START));
     assert_eq!(
@@ -452,8 +474,22 @@ fn an_invalid_event_is_refused_even_if_it_could_be_merged() {
     let mut bench = accepting("automatic");
     bench.feel(estimate("felt", 0, START, RIGHT, true));
     let faulty = [
-        of(Impact { mass: f64::NAN, ..RIGHT }, "a", START),
-        of(Impact { velocity: -1.0, ..RIGHT }, "b", START),
+        of(
+            Impact {
+                mass: f64::NAN,
+                ..RIGHT
+            },
+            "a",
+            START,
+        ),
+        of(
+            Impact {
+                velocity: -1.0,
+                ..RIGHT
+            },
+            "b",
+            START,
+        ),
         ImpactCommand {
             column_id: "another".to_owned(),
             ..of(RIGHT, "c", START)
@@ -535,7 +571,10 @@ fn a_reset_forgets_what_the_sensors_have_felt_before() {
     );
     assert!(!bench.twin.is_responding());
     assert_eq!(bench.status().impacts_since_reset, 0);
-    assert_eq!(bench.confirm("", true), Err(RefusalCode::EstimateNotPending));
+    assert_eq!(
+        bench.confirm("", true),
+        Err(RefusalCode::EstimateNotPending)
+    );
     bench.go_on(500 * MS);
     bench.feel(estimate("again", 0, bench.now, RIGHT, true));
     assert!(bench.twin.is_responding());
@@ -579,7 +618,9 @@ fn impossible_numbers_are_refused_and_read_back_from_the_journal() {
         bench.go_on(100 * MS);
         assert!(!bench.twin.is_responding());
         for output in &bench.out {
-            let Output::Journal(entry) = output else { continue };
+            let Output::Journal(entry) = output else {
+                continue;
+            };
             let text = serde_json::to_string(entry).expect("JSON");
             let read: Journal = serde_json::from_str(&text).expect("reads back");
             assert_eq!(serde_json::to_string(&read).expect("JSON"), text);
@@ -596,7 +637,13 @@ fn a_twin_from_a_checkpoint_knows_what_was_felt() {
     bench.hit(event("event", START));
     bench.rest();
     bench.go_on(2_000 * MS);
-    bench.feel(last_of(estimate("felt", 0, bench.now - 10 * MS, RIGHT, true)));
+    bench.feel(last_of(estimate(
+        "felt",
+        0,
+        bench.now - 10 * MS,
+        RIGHT,
+        true,
+    )));
     let checkpoint = bench.twin.checkpoint(bench.now).expect("at rest");
     let text = serde_json::to_string(&checkpoint).expect("JSON");
     let read = serde_json::from_str(&text).expect("reads back");
