@@ -122,6 +122,8 @@ endpoints! {
     IMPACT_FORECAST = "impact_forecast" "column_twin/msg/ImpactReport" Out Qos::latched(10);
     /// Outcome of an impact.
     IMPACT_REPORT = "impact_report" "column_twin/msg/ImpactReport" Out Qos::latched(10);
+    /// What the sensors say about an impact; latched, so that a late subscriber has the newest estimate, and no stale one.
+    IMPACT_ESTIMATE = "impact_estimate" "column_twin/msg/ImpactEstimate" Out Qos::latched(1);
     /// State of the twin.
     TWIN_STATUS = "twin_status" "column_twin/msg/TwinStatus" Out Qos::latched(1);
     /// The hinges as joints.
@@ -139,6 +141,10 @@ endpoints! {
     RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE;
     /// Predicts the outcome of an impact without executing it.
     PREDICT = "~/predict" "column_twin/srv/PredictImpact" Service SERVICE;
+    /// Accepts or rejects the newest impact that the sensors have felt.
+    CONFIRM_ESTIMATE = "~/confirm_estimate" "column_twin/srv/ConfirmEstimate" Service SERVICE;
+    /// Corrects the damage of the column at rest by a measurement.
+    CALIBRATE = "~/calibrate" "column_twin/srv/Calibrate" Service SERVICE;
     /// Parameter service.
     GET_PARAMETERS = "~/get_parameters" "rcl_interfaces/srv/GetParameters" Service SERVICE;
     /// Parameter service.

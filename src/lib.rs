@@ -21,6 +21,7 @@ pub mod assessment;
 pub mod endpoints;
 #[cfg(feature = "record")]
 pub mod evidence;
+mod exact_number;
 #[cfg(feature = "cli")]
 pub mod figures;
 mod hexadecimal;

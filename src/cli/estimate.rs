@@ -14,8 +14,8 @@ use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::Severity;
 use column_twin::senses::{
-    CredibleInterval, EstimatorError, ImpactEstimate, Readings, ReadingsError, RecordedImpact,
-    estimate_recorded,
+    CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
+    RecordedImpact, estimate_recorded,
 };
 
 /// Arguments of `column-twin estimate`.
@@ -281,7 +281,7 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             )),
         );
     }
-    if last.effective_responses < 20.0 {
+    if last.effective_responses < FEWEST_RESPONSES {
         let _ = writeln!(
             text,
             "\nWarning: the estimate rests on {:.0} effective responses; its intervals are unreliable.",

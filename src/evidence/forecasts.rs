@@ -1,6 +1,6 @@
 //! The forecasts that a recording has to contain, and the messages that a forecast no longer holds or will never be there. When
-//! each one was complete depends on the machine, so that only its place before the report of the same impact, and before the
-//! column is at rest, is fixed.
+//! each one was complete depends on the machine, so that only its place before the report of the same impact, before a later
+//! estimate of it, and before the column is at rest, is fixed.
 
 use std::collections::VecDeque;
 
@@ -55,6 +55,12 @@ impl Forecasts {
         if !self.given_up.iter().any(|it| is_same_impact(it, &forecast)) {
             push(&mut self.pending, forecast);
         }
+    }
+
+    /// A later estimate has replaced this impact: whether the forecasts of the earlier one were complete by then depends on the
+    /// machine, and they are not awaited any more.
+    pub fn replace(&mut self, event_id: &str) {
+        self.pending.retain(|it| it.event_id() != Some(event_id));
     }
 
     /// Whether a corresponding forecast is pending.

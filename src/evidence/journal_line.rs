@@ -13,7 +13,7 @@ use crate::twin::{Journal, Nanos, RefusalCode};
 pub const JOURNAL_FORMAT: &str = "column_twin journal";
 
 /// The format version that this program writes, and the only one that it reads.
-pub const JOURNAL_VERSION: u32 = 5;
+pub const JOURNAL_VERSION: u32 = 6;
 
 /// One line of a recorded journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

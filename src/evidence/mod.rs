@@ -11,6 +11,7 @@
 mod about;
 mod comparison;
 mod entry_encoder;
+mod estimates;
 mod forecasts;
 mod inputs;
 mod journal_line;

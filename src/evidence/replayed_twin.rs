@@ -125,6 +125,9 @@ impl ReplayedTwin {
         if let Output::State(state) = output {
             return self.due.push_back(Due::State(Box::new(state.clone())));
         }
+        if let Output::Replaced(event_id) = output {
+            return self.forecasts.replace(event_id);
+        }
         self.has_ended |= matches!(output, Output::Report(_));
         let (due, forecasts) = (&mut self.due, &mut self.forecasts);
         self.outgoing

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::comparison::{Difference, Place, seconds};
+use super::estimates::EstimateCheck;
 use super::lines::Gap;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
@@ -44,6 +45,7 @@ pub(super) struct Replayer {
     outputs: Vec<Output>,
     /// The last recorded status: its counters must not decrease.
     last_status: Option<TwinStatus>,
+    estimates: EstimateCheck,
     /// The recording declares losses, or is damaged: a message that is not expected may belong to what is missing.
     declares_losses: bool,
 }
@@ -207,6 +209,7 @@ impl Replayer {
                 let task = replayed.twin.critical_velocity_task();
                 check_critical_velocities(vehicles, task, &place, found)
             }
+            Command::Estimate(estimate) => self.estimates.command(estimate, found),
             other => other.clone(),
         };
         let Some(own) = replayed.execute(command, record.now) else {
@@ -464,6 +467,7 @@ impl Replayer {
             replayed.note_passed(place, found);
         }
         self.end_replay(!self.declares_losses && !is_continuation, found);
+        self.estimates.finish(found);
     }
 }
 

@@ -16,6 +16,7 @@ pub const RECORDED: [&Endpoint; 14] = [
     &endpoints::HINGE_FORCES,
     &endpoints::IMPACT_FORECAST,
     &endpoints::IMPACT_REPORT,
+    &endpoints::IMPACT_ESTIMATE,
     &endpoints::TWIN_STATUS,
     &endpoints::JOINT_STATES,
     &endpoints::MARKERS,

@@ -57,6 +57,8 @@ pub struct Verification {
     pub states_at_rest: u64,
     /// Commands that were executed again.
     pub inputs: u64,
+    /// The estimates in the journal: `compared` were computed again from the recorded measurements.
+    pub estimates: TopicCheck,
     /// Messages that the node rejected before they reached the twin.
     pub refused_by_node: u64,
     /// Missing entries of the journal, according to its consecutive numbers.
@@ -272,6 +274,19 @@ impl fmt::Display for Verification {
             "  {:<17} {:>9} {:>9}",
             "states at rest", self.checkpoints, self.states_at_rest
         )?;
+        let estimates = &self.estimates;
+        if estimates.recorded > 0 {
+            writeln!(
+                f,
+                "  {:<17} {:>9} {:>9} {:>9} {:>9} {:>11}",
+                "estimates",
+                estimates.recorded,
+                estimates.compared,
+                estimates.differing,
+                "",
+                estimates.unchecked
+            )?;
+        }
         if let Some((first, last)) = self.lines {
             writeln!(
                 f,

@@ -185,6 +185,10 @@ impl OutputQueues {
             Output::Forecast(_)
             | Output::Report(_)
             | Output::Withdrawn(_)
+            | Output::Estimate(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
             | Output::ParametersChanged(_) => results,
             Output::Status(_) | Output::Refused(_) | Output::Notice(_) | Output::Save(_) => {
                 messages

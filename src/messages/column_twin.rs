@@ -344,6 +344,59 @@ pub struct AssessmentCriterion {
     pub statement: String,
 }
 
+/// A quantity with its 90 % interval.
+///
+/// ```text
+#[doc = include_str!("../../msg/CredibleInterval.msg")]
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct CredibleInterval {
+    pub mean: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// What the sensors say about an impact.
+///
+/// ```text
+#[doc = include_str!("../../msg/ImpactEstimate.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ImpactEstimate {
+    pub header: Header,
+    pub column_id: String,
+    pub event_id: String,
+    pub update: u32,
+    pub is_final: bool,
+    pub data_until: f64,
+    pub contact_time: CredibleInterval,
+    pub mass: CredibleInterval,
+    pub velocity: CredibleInterval,
+    pub momentum: CredibleInterval,
+    pub mass_velocity_correlation: f64,
+    pub peak_v1: CredibleInterval,
+    pub residual_v1: CredibleInterval,
+    pub capacity_ratio: CredibleInterval,
+    pub yielded: f64,
+    pub collapsed: f64,
+    pub vehicles: Vec<String>,
+    pub vehicle_probabilities: Vec<f64>,
+    pub severity_probabilities: [f64; 5],
+    pub effective_responses: f64,
+    pub reliable: bool,
+    pub doubtful_sensors: Vec<String>,
+    pub decision: u8,
+    pub merged_event_id: String,
+}
+
+impl ImpactEstimate {
+    pub const DECISION_PENDING: u8 = 0;
+    pub const DECISION_ACCEPTED: u8 = 1;
+    pub const DECISION_MERGED: u8 = 2;
+    pub const DECISION_REJECTED: u8 = 3;
+    pub const DECISION_REFUSED: u8 = 4;
+}
+
 /// The outcome of one impact.
 ///
 /// ```text
@@ -453,6 +506,7 @@ pub struct TwinStatus {
     pub phase: u8,
     pub event_id: String,
     pub events_accepted: u64,
+    pub events_merged: u64,
     pub events_refused: u64,
     pub parameters_accepted: u64,
     pub parameters_refused: u64,
@@ -466,7 +520,12 @@ pub struct TwinStatus {
     pub dropped_states: u64,
     pub dropped_recording: u64,
     pub dropped_viewer: u64,
+    pub waiting_estimate: String,
     pub impacts_since_reset: u32,
+    pub calibrations_since_reset: u32,
+    pub calibration_before: f64,
+    pub calibration_measured: f64,
+    pub calibration_after: f64,
     pub residual_v1: f64,
     pub residual_u2: f64,
     pub plastic_work_since_reset: f64,
@@ -526,6 +585,9 @@ impl TwinStatus {
     pub const REFUSED_APPROACH_TOO_LONG: u16 = 23;
     pub const REFUSED_SENDER_NOT_ALLOWED: u16 = 24;
     pub const REFUSED_SENDER_TOO_FAST: u16 = 25;
+    pub const REFUSED_ESTIMATE_NOT_PENDING: u16 = 26;
+    pub const REFUSED_NOT_AT_REST: u16 = 27;
+    pub const REFUSED_MEASUREMENT_IMPLAUSIBLE: u16 = 28;
     pub const SEVERITY_NONE: u8 = 0;
     pub const SEVERITY_INSPECT: u8 = 1;
     pub const SEVERITY_RESTRICT: u8 = 2;
@@ -562,4 +624,60 @@ pub struct PredictImpactResponse {
     pub refusal_code: u16,
     pub message: String,
     pub report: ImpactReport,
+}
+
+/// Request for a decision about an estimate.
+///
+/// ```text
+#[doc = include_str!("../../srv/ConfirmEstimate.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ConfirmEstimateRequest {
+    pub event_id: String,
+    pub accept: bool,
+}
+
+/// What was decided.
+///
+/// ```text
+#[doc = include_str!("../../srv/ConfirmEstimate.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ConfirmEstimateResponse {
+    pub success: bool,
+    pub refusal_code: u16,
+    pub message: String,
+}
+
+/// A measurement on the column at rest.
+///
+/// ```text
+#[doc = include_str!("../../srv/Calibrate.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CalibrateRequest {
+    pub quantity: u8,
+    pub height: f64,
+    pub value: f64,
+    pub deviation: f64,
+}
+
+impl CalibrateRequest {
+    pub const DISPLACEMENT: u8 = 0;
+    pub const ROTATION: u8 = 1;
+}
+
+/// What the measurement has changed.
+///
+/// ```text
+#[doc = include_str!("../../srv/Calibrate.srv")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CalibrateResponse {
+    pub success: bool,
+    pub refusal_code: u16,
+    pub message: String,
+    pub before: f64,
+    pub after: f64,
+    pub factor: f64,
 }

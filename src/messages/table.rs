@@ -25,11 +25,17 @@ interfaces! {
     column_twin Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
     column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
     column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
+    column_twin Message CredibleInterval = CredibleInterval in "msg/CredibleInterval.msg";
     column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
+    column_twin Message ImpactEstimate = ImpactEstimate in "msg/ImpactEstimate.msg";
     column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
     column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
     column_twin Message Measurement = Measurement in "msg/Measurement.msg";
     column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
+    column_twin Request Calibrate = CalibrateRequest in "srv/Calibrate.srv";
+    column_twin Response Calibrate = CalibrateResponse in "srv/Calibrate.srv";
+    column_twin Request ConfirmEstimate = ConfirmEstimateRequest in "srv/ConfirmEstimate.srv";
+    column_twin Response ConfirmEstimate = ConfirmEstimateResponse in "srv/ConfirmEstimate.srv";
     column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
     column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
 

@@ -5,6 +5,7 @@
 //! only for display, and are published at a lower rate. The result depends only on the outputs since the last checkpoint.
 
 mod assessment;
+mod estimate;
 mod joint_states;
 mod markers;
 mod tap;
@@ -16,15 +17,17 @@ use crate::column::MAX_MASSES;
 use crate::endpoints::{self, Endpoint};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+use crate::messages::column_twin::{
+    ColumnState, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
+};
 use crate::messages::sensor_msgs::JointState;
 use crate::messages::std_msgs::Header;
 use crate::messages::visualization_msgs::MarkerArray;
 use crate::parameters::Parameters;
 use crate::shape::VehicleBody;
 use crate::twin::{
-    Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput, Status,
-    TwinPhase, WithdrawnForecast,
+    Calibration, Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput,
+    Status, TwinPhase, WithdrawnForecast,
 };
 use joint_states::JointStates;
 use markers::markers;
@@ -51,6 +54,8 @@ pub enum Topic {
     ImpactForecast,
     /// `impact_report`
     ImpactReport,
+    /// `impact_estimate`
+    ImpactEstimate,
     /// `twin_status`
     TwinStatus,
     /// `joint_states`
@@ -61,7 +66,7 @@ pub enum Topic {
 
 impl Topic {
     /// Number of topics.
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 8;
 
     /// All topics, each at its [`index`](Self::index).
     pub const ALL: [Self; Self::COUNT] = [
@@ -69,6 +74,7 @@ impl Topic {
         Self::HingeForces,
         Self::ImpactForecast,
         Self::ImpactReport,
+        Self::ImpactEstimate,
         Self::TwinStatus,
         Self::JointStates,
         Self::Markers,
@@ -88,6 +94,7 @@ impl Topic {
             Self::HingeForces => &endpoints::HINGE_FORCES,
             Self::ImpactForecast => &endpoints::IMPACT_FORECAST,
             Self::ImpactReport => &endpoints::IMPACT_REPORT,
+            Self::ImpactEstimate => &endpoints::IMPACT_ESTIMATE,
             Self::TwinStatus => &endpoints::TWIN_STATUS,
             Self::JointStates => &endpoints::JOINT_STATES,
             Self::Markers => &endpoints::MARKERS,
@@ -107,6 +114,8 @@ pub enum Message {
     ImpactForecast(ImpactReport),
     /// On `impact_report`.
     ImpactReport(ImpactReport),
+    /// On `impact_estimate`.
+    ImpactEstimate(ImpactEstimate),
     /// On `twin_status`, without the state of threads and queues, which the node adds.
     TwinStatus(TwinStatus),
     /// On `joint_states`.
@@ -124,6 +133,7 @@ impl Message {
             Self::HingeForces(_) => Topic::HingeForces,
             Self::ImpactForecast(_) => Topic::ImpactForecast,
             Self::ImpactReport(_) => Topic::ImpactReport,
+            Self::ImpactEstimate(_) => Topic::ImpactEstimate,
             Self::TwinStatus(_) => Topic::TwinStatus,
             Self::JointStates(_) => Topic::JointStates,
             Self::Markers(_) => Topic::Markers,
@@ -139,6 +149,7 @@ impl Message {
             Self::ColumnState(message) => cdr::encode(message),
             Self::HingeForces(message) => cdr::encode(message),
             Self::ImpactForecast(message) | Self::ImpactReport(message) => cdr::encode(message),
+            Self::ImpactEstimate(message) => cdr::encode(message),
             Self::TwinStatus(message) => cdr::encode(message),
             Self::JointStates(message) => cdr::encode(message),
             Self::Markers(message) => cdr::encode(message),
@@ -155,6 +166,7 @@ impl Message {
             Topic::HingeForces => Self::HingeForces(cdr::decode(bytes)?),
             Topic::ImpactForecast => Self::ImpactForecast(cdr::decode(bytes)?),
             Topic::ImpactReport => Self::ImpactReport(cdr::decode(bytes)?),
+            Topic::ImpactEstimate => Self::ImpactEstimate(cdr::decode(bytes)?),
             Topic::TwinStatus => Self::TwinStatus(cdr::decode(bytes)?),
             Topic::JointStates => Self::JointStates(cdr::decode(bytes)?),
             Topic::Markers => Self::Markers(cdr::decode(bytes)?),
@@ -168,6 +180,7 @@ impl Message {
             Self::ColumnState(message) => &message.header,
             Self::HingeForces(message) => &message.header,
             Self::ImpactForecast(message) | Self::ImpactReport(message) => &message.header,
+            Self::ImpactEstimate(message) => &message.header,
             Self::TwinStatus(message) => &message.header,
             Self::JointStates(message) => &message.header,
             Self::Markers(message) => &message.markers.first()?.header,
@@ -182,6 +195,7 @@ impl Message {
             Self::ColumnState(message) => Some(&message.event_id),
             Self::HingeForces(message) => Some(&message.event_id),
             Self::ImpactForecast(message) | Self::ImpactReport(message) => Some(&message.event_id),
+            Self::ImpactEstimate(message) => Some(&message.event_id),
             Self::TwinStatus(message) => Some(&message.event_id),
             Self::JointStates(_) | Self::Markers(_) => None,
         }
@@ -234,6 +248,13 @@ impl Outgoing {
             Output::Withdrawn(withdrawn) => {
                 put(Message::ImpactForecast(self.withdrawn(withdrawn)));
             }
+            Output::Estimate(estimate) => {
+                put(Message::ImpactEstimate(ImpactEstimate {
+                    header: self.header(estimate.stamp),
+                    column_id: self.column_id.clone(),
+                    ..ImpactEstimate::from(estimate)
+                }));
+            }
             Output::Status(status) => {
                 if let Some(resting) = &status.at_rest {
                     self.resting(status.stamp, resting, &mut put);
@@ -249,6 +270,9 @@ impl Outgoing {
             }
             Output::Journal(Journal::Command(_) | Journal::Status(_))
             | Output::Refused(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Save(_) => {}
@@ -339,12 +363,17 @@ impl Outgoing {
     }
 
     fn status(&self, status: &Status) -> TwinStatus {
+        let calibration = |of: fn(&Calibration) -> f64| {
+            let last = status.last_calibration.as_ref();
+            last.map_or(f64::NAN, of)
+        };
         TwinStatus {
             header: self.header(status.stamp),
             column_id: self.column_id.clone(),
             phase: phase_code(status.phase),
             event_id: status.event_id.to_string(),
             events_accepted: status.counts.events_accepted,
+            events_merged: status.counts.events_merged,
             events_refused: status.counts.events_refused,
             parameters_accepted: status.counts.parameters_accepted,
             parameters_refused: status.counts.parameters_refused,
@@ -354,7 +383,12 @@ impl Outgoing {
             last_refusal_reason: status.last_refusal_reason.to_string(),
             last_refusal_event_id: status.last_refusal_event_id.to_string(),
             fault: status.fault.to_string(),
+            waiting_estimate: status.waiting_estimate.to_string(),
             impacts_since_reset: status.impacts_since_reset,
+            calibrations_since_reset: status.calibrations_since_reset,
+            calibration_before: calibration(|it| it.before),
+            calibration_measured: calibration(|it| it.measured),
+            calibration_after: calibration(|it| it.after),
             residual_v1: status.residual_v1,
             residual_u2: status.residual_u2,
             plastic_work_since_reset: status.plastic_work_since_reset,

@@ -63,13 +63,12 @@ pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
 pub use settings::{
-    AssessmentSettings, CapacitySettings, Compression, DampingSettings, EventSettings,
-    GeometrySettings, HardeningSettings, HingeSettings, RateLawKind, RateSettings,
-    RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings, ResponseSettings,
-    SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings,
-    Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind,
-    SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    AcceptEstimates, AssessmentSettings, CapacitySettings, Compression, DampingSettings,
+    EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
+    RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
+    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings,
+    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
+    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;

@@ -32,6 +32,7 @@ pub struct Settings {
     pub vehicle: VehicleSettings,
     pub event: EventSettings,
     pub senders: SendersSettings,
+    pub estimation: EstimationSettings,
     pub rate: RateSettings,
     pub hardening: HardeningSettings,
     pub solver: SolverSettings,
@@ -120,6 +121,8 @@ groups! {
     EventSettings { max_age: f64, max_ahead: f64 }
     /// Who may send events, parameters and resets, and how often.
     SendersSettings { allowed: Vec<String>, max_rate: f64, burst: u32 }
+    /// When estimates from sensors become impacts.
+    EstimationSettings { accept: AcceptEstimates, momentum_width: f64, yield_certainty: f64, merge_window: f64 }
     /// Time stepping.
     SolverSettings { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.
@@ -202,6 +205,15 @@ words! {
         CowperSymonds,
         /// Of the CEB.
         Logarithmic,
+    }
+    /// When an estimate becomes an impact.
+    AcceptEstimates {
+        /// It is only published.
+        Never,
+        /// When somebody confirms it.
+        Confirmation,
+        /// As soon as it is sure enough.
+        Automatic,
     }
     /// What is recorded.
     RecordMode {

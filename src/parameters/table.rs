@@ -605,6 +605,45 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "number that a sender may send at once under senders.max_rate",
     },
     Parameter {
+        name: "estimation.accept",
+        unit: "",
+        default: DefaultValue::Text("confirmation"),
+        admissible: Admissible::Choice(&["never", "confirmation", "automatic"]),
+        applies: Applies::AtOnce,
+        meaning: "when an impact that the sensors have felt becomes an impact of the twin. never: it is only published; confirmation: \
+                  when ~/confirm_estimate accepts it; automatic: as soon as its estimate is sure enough, at the latest with the final one",
+    },
+    Parameter {
+        name: "estimation.momentum_width",
+        unit: "",
+        default: DefaultValue::Double(0.3),
+        admissible: Admissible::Real {
+            min: 0.01,
+            max: 10.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "largest width of the 90 % interval of the momentum, relative to its mean, of an estimate that is sure enough",
+    },
+    Parameter {
+        name: "estimation.yield_certainty",
+        unit: "",
+        default: DefaultValue::Double(0.9),
+        admissible: Admissible::Real { min: 0.5, max: 1.0 },
+        applies: Applies::AtOnce,
+        meaning: "probability with which it has to be known whether the column has yielded, of an estimate that is sure enough",
+    },
+    Parameter {
+        name: "estimation.merge_window",
+        unit: "s",
+        default: DefaultValue::Double(0.5),
+        admissible: Admissible::Real {
+            min: 0.0,
+            max: 60.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "largest difference of the instants of contact of an impact event and an estimate that are the same impact",
+    },
+    Parameter {
         name: "rate.law",
         unit: "",
         default: DefaultValue::Text("none"),

@@ -301,7 +301,8 @@ impl Gathered {
                 };
                 self.announced.insert(command.event_id.clone(), announced);
             }
-            other if is_at_rest => {
+            // What has led to an impact is not a change of the column at rest.
+            other if is_at_rest && record.impact.is_none() => {
                 if let Some(twin) = &mut self.at_rest {
                     // Without effect if it is refused, and it was accepted when it was recorded.
                     let _ = twin.handle(other.clone(), record.now, &mut Vec::new());
@@ -342,6 +343,9 @@ impl Gathered {
             .map_or((Vec::new(), None), |(_, samples, lengths)| {
                 (samples, lengths)
             });
+        // A later estimate of the same impact has another report.
+        self.finished
+            .retain(|it| it.output.event_id != output.event_id);
         self.finished.push_back(Finished {
             announced,
             output: output.clone(),

@@ -128,7 +128,12 @@ fn twin_status(twin: &TwinStatus, waiting: &[String]) -> DiagnosticStatus {
         ("phase", phase_name(twin.phase).to_owned()),
         ("event_id", twin.event_id.clone()),
         ("events accepted", twin.events_accepted.to_string()),
+        ("events merged", twin.events_merged.to_string()),
         ("events rejected", twin.events_refused.to_string()),
+        (
+            "impact that waits for ~/confirm_estimate",
+            twin.waiting_estimate.clone(),
+        ),
         (
             "parameter changes accepted",
             twin.parameters_accepted.to_string(),

@@ -12,7 +12,9 @@ use crate::incoming::{column_command, impact_command, nanos};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
 use crate::messages::column_twin::{
-    ColumnParameters, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
+    CalibrateRequest, CalibrateResponse, ColumnParameters, ConfirmEstimateRequest,
+    ConfirmEstimateResponse, ImpactEvent, ImpactReport, PredictImpactRequest,
+    PredictImpactResponse,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
@@ -29,6 +31,7 @@ use super::missed::Missed;
 use super::node::{Node, NodeError};
 use super::parameter_services as parameters;
 use super::qos::{self, Endpoint};
+use super::requests;
 use super::senders::{Rejected, Senders};
 use super::type_descriptions::{self, GetTypeDescriptionRequest, GetTypeDescriptionResponse};
 
@@ -223,6 +226,8 @@ pub(super) struct Services {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<TriggerRequest, TriggerResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
+    confirm_estimate: Server<ConfirmEstimateRequest, ConfirmEstimateResponse>,
+    calibrate: Server<CalibrateRequest, CalibrateResponse>,
     parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
@@ -252,6 +257,8 @@ impl Services {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET)?,
             predict: node.server(&qos::PREDICT)?,
+            confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
+            calibrate: node.server(&qos::CALIBRATE)?,
             parameters: ParameterServers {
                 get: node.server(&qos::GET_PARAMETERS)?,
                 types: node.server(&qos::GET_PARAMETER_TYPES)?,
@@ -337,6 +344,32 @@ impl Services {
             answer(&qos::PREDICT, &self.predict, counters, |request| predicted(
                 twin, &request
             )),
+            answer_from(
+                &qos::CONFIRM_ESTIMATE,
+                &self.confirm_estimate,
+                counters,
+                |sender, request| {
+                    match admit(
+                        sender,
+                        &qos::CONFIRM_ESTIMATE,
+                        "a decision about an estimate",
+                    ) {
+                        Ok(()) => requests::confirm_estimate(twin, request),
+                        Err(refusal) => requests::not_decided(&refusal),
+                    }
+                }
+            ),
+            answer_from(
+                &qos::CALIBRATE,
+                &self.calibrate,
+                counters,
+                |sender, request| {
+                    match admit(sender, &qos::CALIBRATE, "a calibration") {
+                        Ok(()) => requests::calibrate(twin, &request),
+                        Err(refusal) => requests::not_calibrated(&refusal),
+                    }
+                }
+            ),
             answer(&qos::GET_PARAMETERS, &get, counters, |request| {
                 parameters::get(&twin.parameters(), &request)
             }),

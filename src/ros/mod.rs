@@ -34,6 +34,7 @@ pub mod qos;
 mod raw;
 #[cfg(feature = "record")]
 pub mod replay;
+mod requests;
 mod rosout;
 mod run;
 pub mod security;

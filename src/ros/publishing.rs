@@ -192,6 +192,10 @@ impl Publishing {
             | Output::Forecast(_)
             | Output::Report(_)
             | Output::Withdrawn(_)
+            | Output::Estimate(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
             | Output::Status(_)
             | Output::Save(_) => {}
         }
@@ -248,12 +252,29 @@ impl Publishing {
                     Command::CriticalVelocities { vehicles } => {
                         format!("critical velocities of {} vehicles", vehicles.len())
                     }
+                    Command::Estimate(it) => format!("estimate {} of {:?}", it.update, it.event_id),
+                    Command::DecideEstimate(it) => match it.accept {
+                        true => format!("confirmation of {:?}", it.event_id),
+                        false => format!("rejection of {:?}", it.event_id),
+                    },
+                    Command::Calibrate(it) => format!("calibration by a {}", it.quantity),
                 };
                 let outcome = it.refusal.as_ref().map_or("accepted", |it| it.code.name());
                 let at = it.position;
                 tracing::debug!("command {}: {kind} at {at:?}: {outcome}", it.number);
             }
+            Output::Estimate(it) => tracing::debug!(
+                "estimate {} of {:?}: {} kg, {} m/s, {:?}",
+                it.record.update,
+                it.record.event_id,
+                it.record.estimate.mass.mean,
+                it.record.estimate.velocity.mean,
+                it.decision
+            ),
             Output::Journal(Journal::Status(_))
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
             | Output::Refused(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
@@ -421,6 +442,12 @@ fn log_refusal(refused: &Refused) {
         }
         RefusedInput::Parameters => {
             tracing::warn!("a change of parameters by {source} was rejected: {refusal}");
+        }
+        RefusedInput::Estimate => {
+            tracing::warn!("a decision about an estimate by {source} was rejected: {refusal}");
+        }
+        RefusedInput::Calibration => {
+            tracing::warn!("a calibration by {source} was rejected: {refusal}");
         }
     }
 }

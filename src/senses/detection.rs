@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sensor::{Quantity, Sensor};
+use crate::exact_number;
 
 /// Standard deviations of the noise beyond which a reading opens a candidate.
 const OPENING: f64 = 8.0;
@@ -82,8 +83,10 @@ const MAX_UNREST: f64 = 30.0;
 #[serde(deny_unknown_fields)]
 pub struct Onset {
     /// Instant of contact by this sensor \[s\].
+    #[serde(with = "exact_number")]
     pub time: f64,
     /// Its standard deviation \[s\].
+    #[serde(with = "exact_number")]
     pub deviation: f64,
 }
 
@@ -94,10 +97,12 @@ pub struct Detection {
     /// Instant of contact.
     pub contact: Onset,
     /// When it was confirmed: the data up to then were needed \[s\].
+    #[serde(with = "exact_number")]
     pub confirmed_at: f64,
     /// Sensor that confirmed it.
     pub sensor: usize,
     /// Zero of each sensor at that time, with its standard deviation.
+    #[serde(with = "exact_number::pairs")]
     pub zeros: Vec<(f64, f64)>,
 }
 

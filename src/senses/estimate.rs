@@ -3,23 +3,33 @@
 use serde::{Deserialize, Serialize};
 
 use crate::assessment::Severity;
+use crate::exact_number;
 
 /// A quantity with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CredibleInterval {
     /// Its mean.
+    #[serde(with = "exact_number")]
     pub mean: f64,
     /// Lower end of the 90 % interval.
+    #[serde(with = "exact_number")]
     pub low: f64,
     /// Upper end of the 90 % interval.
+    #[serde(with = "exact_number")]
     pub high: f64,
 }
 
+/// An estimate that rests on fewer effective responses is unreliable.
+pub const FEWEST_RESPONSES: f64 = 20.0;
+
 /// Probability outside of an interval, on each side.
+#[cfg(feature = "study")]
 const TAIL: f64 = 0.05;
 
 impl CredibleInterval {
     /// Of weighted values; NaN without any. Values that are not finite do not count.
+    #[cfg(feature = "study")]
     pub(super) fn of(values: impl Iterator<Item = (f64, f64)>) -> Self {
         let mut values: Vec<(f64, f64)> = values
             .filter(|(value, weight)| value.is_finite() && *weight > 0.0)
@@ -48,8 +58,10 @@ impl CredibleInterval {
 
 /// What struck the column and how it ends, by the data up to an instant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ImpactEstimate {
     /// Data up to this instant are used \[s\].
+    #[serde(with = "exact_number")]
     pub data_until: f64,
     /// Instant of contact \[s\].
     pub contact_time: CredibleInterval,
@@ -60,22 +72,28 @@ pub struct ImpactEstimate {
     /// Its momentum \[N s\].
     pub momentum: CredibleInterval,
     /// Correlation of the logarithms of mass and speed.
+    #[serde(with = "exact_number")]
     pub mass_velocity_correlation: f64,
     /// Largest `v1`, past or still to come \[m\].
     pub peak_v1: CredibleInterval,
     /// `v1` that remains \[m\]; among the responses after which the column stands.
     pub residual_v1: CredibleInterval,
     /// Probability that the column has yielded.
+    #[serde(with = "exact_number")]
     pub yielded: f64,
     /// Probability that it collapses or is torn.
+    #[serde(with = "exact_number")]
     pub collapsed: f64,
     /// Remaining axial capacity over that of the virgin column.
     pub capacity_ratio: CredibleInterval,
     /// Probability of each severity, the least severe first.
+    #[serde(with = "exact_number::labelled")]
     pub severity: Vec<(Severity, f64)>,
     /// Probabilities of the hypotheses, the most probable first.
+    #[serde(with = "exact_number::labelled")]
     pub vehicle_probabilities: Vec<(String, f64)>,
-    /// Effective number of responses behind the estimate; below about 20 the intervals are unreliable.
+    /// Effective number of responses behind the estimate; below [`FEWEST_RESPONSES`] the intervals are unreliable.
+    #[serde(with = "exact_number")]
     pub effective_responses: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
     /// read. As long as at least two others agree, they do not count.

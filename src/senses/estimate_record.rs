@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::detection::Detection;
 use super::estimate::ImpactEstimate;
 use super::standing_column::StandingColumn;
-use crate::column::Impact;
+use crate::column::{Impact, Vehicle};
+use crate::exact_number;
 use crate::twin::Nanos;
 
 /// One estimate of an impact, with what is needed to compute it again from recorded measurements, bit for bit.
@@ -45,5 +46,21 @@ pub struct EstimateRecord {
     pub estimate: ImpactEstimate,
     /// The single impact that explains the data best on the column as the parameters describe it, with its vehicle: what
     /// the twin follows once the estimate is accepted.
+    #[serde(with = "ExactImpact")]
     pub best: Impact,
+}
+
+/// An impact in JSON with numbers that read back to the last bit, whatever they are.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Impact", deny_unknown_fields)]
+struct ExactImpact {
+    #[serde(with = "exact_number")]
+    mass: f64,
+    #[serde(with = "exact_number")]
+    velocity: f64,
+    #[serde(with = "exact_number")]
+    gap: f64,
+    #[serde(with = "exact_number")]
+    restitution: f64,
+    vehicle: Option<Vehicle>,
 }

@@ -6,7 +6,7 @@
 //! uncertainty. `docs/estimation.md` describes the method.
 //!
 //! The modules read no clock and no file, and the same readings give the same bits. Without the feature `study` there are only
-//! the sensors.
+//! the sensors, what the model says that they read, detection, and estimates as data.
 
 mod batch;
 #[cfg(feature = "study")]
@@ -14,11 +14,8 @@ mod blocks;
 mod collector;
 #[cfg(feature = "study")]
 mod contradiction;
-#[cfg(feature = "study")]
 mod detection;
-#[cfg(feature = "study")]
 mod estimate;
-#[cfg(feature = "study")]
 mod estimate_record;
 #[cfg(feature = "study")]
 mod estimator;
@@ -33,7 +30,6 @@ mod model_error;
 mod population;
 #[cfg(feature = "study")]
 mod prediction;
-#[cfg(feature = "study")]
 mod probe;
 #[cfg(feature = "study")]
 mod random;
@@ -58,11 +54,8 @@ mod virgin_capacities;
 
 pub use batch::Batch;
 pub use collector::{BATCH_DURATION, Collected, Collector};
-#[cfg(feature = "study")]
 pub use detection::{Detection, Detector, Onset};
-#[cfg(feature = "study")]
-pub use estimate::{CredibleInterval, ImpactEstimate};
-#[cfg(feature = "study")]
+pub use estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use estimate_record::EstimateRecord;
 #[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
@@ -72,7 +65,6 @@ pub use intake::{
     BELIEVED, Intake, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER, PERIOD_TOLERANCE, RawBatch,
     Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth, Strays,
 };
-#[cfg(feature = "study")]
 pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};

@@ -35,24 +35,31 @@ impl Probe {
     /// A sensor on this column, whose height lies on it.
     #[must_use]
     pub fn new(model: &Model, sensor: &Sensor) -> Self {
+        Self {
+            fibre: sensor.fibre,
+            sign: if sensor.reversed { -1.0 } else { 1.0 },
+            ..Self::ideal(model, sensor.quantity, sensor.height)
+        }
+    }
+
+    /// An instrument without a direction or a fibre of its own, at a height on this column \[m above the base\].
+    #[must_use]
+    pub fn ideal(model: &Model, quantity: Quantity, height: f64) -> Self {
         let p = &model.properties;
-        let below = sensor.height <= p.length_below;
+        let below = height <= p.length_below;
         let (length, from_end) = match below {
-            true => (p.length_below, sensor.height),
-            false => (
-                p.length_above,
-                p.length_below + p.length_above - sensor.height,
-            ),
+            true => (p.length_below, height),
+            false => (p.length_above, p.length_below + p.length_above - height),
         };
         Self {
-            quantity: sensor.quantity,
+            quantity,
             below,
             position: from_end / length,
             length,
             bending_stiffness: p.bending_stiffness,
             axial_rigidity: p.axial_rigidity,
-            fibre: sensor.fibre,
-            sign: if sensor.reversed { -1.0 } else { 1.0 },
+            fibre: 0.0,
+            sign: 1.0,
         }
     }
 
@@ -91,6 +98,7 @@ impl Probe {
 }
 
 /// Reads one sensor step by step, relative to the column at rest.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone)]
 pub(super) struct SteppedProbe {
     probe: Probe,
@@ -100,6 +108,7 @@ pub(super) struct SteppedProbe {
     velocity: f64,
 }
 
+#[cfg(feature = "study")]
 impl SteppedProbe {
     /// A sensor on this column at rest.
     pub fn new(model: &Model, at_rest: &State, sensor: &Sensor) -> Self {

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::assessed::Assessed;
+use super::assessed::{Assessed, LastImpact};
 use super::command::Nanos;
 use super::forecast::Forecast;
 use super::output::{Lengths, Output, Outputs, ReportOutput, StateOutput, StrikingVehicle};
+use super::plant::Plant;
 use super::seconds;
 use super::status::TwinPhase;
 use super::timeline::Timeline;
@@ -29,16 +30,33 @@ pub(super) struct BegunImpact {
 #[derive(Debug)]
 pub(super) struct ActiveResponse {
     pub impact: BegunImpact,
+    /// The column without the impact: at rest, or in motion after an earlier one.
+    pub before: Plant,
     pub timeline: Timeline,
     pub forecast: Forecast,
+    /// Until this instant its samples are not given out, because an earlier estimate of the same impact has given out some.
+    pub silent_until: Option<Nanos>,
 }
 
 /// A response that is over.
 #[derive(Debug)]
 pub(super) struct LastResponse {
     pub response: ActiveResponse,
-    /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
-    pub resumable: Option<f64>,
+    /// The twin before it, as long as it can be resumed.
+    pub before: Option<BeforeResponse>,
+}
+
+/// What a response that is over has changed in the twin.
+#[derive(Debug)]
+pub(super) struct BeforeResponse {
+    /// Work dissipated before it since the last reset \[J\].
+    pub plastic_work: f64,
+    /// The column at rest.
+    pub at_rest: Plant,
+    /// Its assessment.
+    pub assessed: Option<Arc<Assessed>>,
+    /// The impact before.
+    pub last_impact: Option<LastImpact>,
 }
 
 impl BegunImpact {
@@ -66,6 +84,15 @@ impl BegunImpact {
 impl ActiveResponse {
     pub fn newton_iterations(&self) -> u64 {
         self.timeline.plant().state.newton_iterations
+    }
+
+    /// Gives out the sample that is due, unless it is to be silent.
+    pub fn put_due_state(&mut self, out: &mut impl Outputs) {
+        let instant = self.timeline.instant_of(self.timeline.step());
+        match self.silent_until.is_some_and(|until| instant <= until) {
+            true => drop(self.timeline.take_sample()),
+            false => self.put_state(None, out),
+        }
     }
 
     /// Gives out the state of the present step; `phase` where it is not that of the sample.

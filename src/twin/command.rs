@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::exact_number;
+use super::calibration::Calibration;
 use super::refusal::Refusal;
 use crate::column::ImpactSpecification;
+use crate::exact_number;
 use crate::parameters::Value;
+use crate::senses::{EstimateRecord, Quantity};
 use crate::study::VehicleLimits;
 
 /// Nanoseconds since the epoch of the clock that drives the twin: that of ROS, or simulated time.
@@ -54,6 +56,44 @@ pub enum Command {
         /// One entry for each vehicle.
         vehicles: Arc<[VehicleLimits]>,
     },
+    /// What the sensors say about an impact, which another thread has computed. It is a command, so that the journal tells
+    /// from when on, and what made it so.
+    Estimate(Arc<EstimateRecord>),
+    /// Somebody says whether an impact that the sensors have felt is one.
+    DecideEstimate(EstimateDecision),
+    /// The damage of the column at rest is to meet what was measured on the column.
+    Calibrate(ResidualMeasurement),
+}
+
+/// Whether an impact that the sensors have felt is an impact of the column.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EstimateDecision {
+    /// The impact; empty: the newest one.
+    pub event_id: String,
+    /// Whether it is.
+    pub accept: bool,
+    /// The sender, for logs.
+    pub source: Arc<str>,
+}
+
+/// What was measured on the column at rest, relative to the virgin column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResidualMeasurement {
+    /// [`Quantity::Displacement`] \[m\] or [`Quantity::Rotation`] \[rad\], positive as in the readings of sensors.
+    pub quantity: Quantity,
+    /// Above the base \[m\].
+    #[serde(with = "exact_number")]
+    pub height: f64,
+    /// What was measured.
+    #[serde(with = "exact_number")]
+    pub value: f64,
+    /// Its standard deviation, > 0.
+    #[serde(with = "exact_number")]
+    pub deviation: f64,
+    /// The sender, for logs.
+    pub source: Arc<str>,
 }
 
 /// An impact as its sender describes it. The twin checks every field.
@@ -91,12 +131,16 @@ struct ExactSpecification {
 }
 
 /// What an accepted command led to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accepted {
     /// All parameters had these values already.
     Unchanged,
     /// It holds now.
     Applied,
+    /// The damage was compared with a measurement, and corrected where it did not agree.
+    Calibrated(Calibration),
+    /// It is the same impact as one that the sensors have felt, and is kept as evidence.
+    Merged,
     /// It is valid and will be applied when the present response has ended, unless the column cannot take it then: another
     /// impact may have damaged it.
     Waiting,

@@ -46,6 +46,7 @@ impl Twin {
                 impact,
                 timeline,
                 forecast,
+                ..
             } = response;
             let (virgin, stopwatch) = (&mut self.virgin, &self.stopwatch);
             let Some(completed) = forecast.advance(impact, virgin, budget, stopwatch, now, out)
@@ -114,7 +115,7 @@ impl Twin {
         self.superseded.take(impact, forecast, end, reason);
         self.last = Some(LastResponse {
             response,
-            resumable: None,
+            before: None,
         });
     }
 }

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::{Command, Nanos};
+use super::estimates::Estimates;
 use super::plant::Condition;
 use super::refusal::Refusal;
 use super::registry::{Counts, LastRefusal, Life};
@@ -66,6 +67,8 @@ pub struct Checkpoint {
     pub condition: Condition,
     /// Its critical velocities; `None` if they are not known yet.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
+    /// What the sensors have felt.
+    pub estimates: Estimates,
     /// What it has been through since the last reset.
     pub life: Life,
     /// Counts since the start of the program.
@@ -90,7 +93,7 @@ pub struct CommandRecord {
     pub command: Command,
     /// Why it was refused; `None`: it was accepted.
     pub refusal: Option<Refusal>,
-    /// An accepted impact with what the parameters and the catalogue of vehicles have added, so that a program with another
+    /// An accepted impact, of an event or of an estimate, with what the parameters and the catalogue of vehicles have added, so that a program with another
     /// catalogue notices.
     pub impact: Option<Impact>,
     /// It belongs into a response that was over, which was taken up again.

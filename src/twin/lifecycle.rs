@@ -2,23 +2,24 @@
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
+use super::active_response::{ActiveResponse, BeforeResponse, LastResponse};
 use super::assessed::{Assessed, LastImpact, VirginCapacity, assess_at_once};
-use super::command::{Accepted, Command, ImpactCommand, Nanos};
+use super::command::{Accepted, Command, Nanos};
 use super::critical::KnownCriticalVelocities;
-use super::forecast::{Forecast, Foreseen, SupersededForecasts};
+use super::estimates::Estimates;
+use super::forecast::{Foreseen, SupersededForecasts};
+use super::impacts::NO_REPORT;
 use super::journal::{Journal, JournalClock, StatusRecord};
-use super::output::{ForecastEnd, NoticeLevel, Output, Outputs, Verdicts};
+use super::output::{NoticeLevel, Output, Outputs, Verdicts};
 use super::parameter_set::ParameterSet;
 use super::plant::{Condition, Plant, Struck, condition_after};
-use super::refusal::{Refusal, RefusalCode};
-use super::registry::{PendingImpact, Registry, check_column_id, check_stamp};
+use super::refusal::Refusal;
+use super::registry::{RefusedInput, Registry};
 use super::saved_state::SavedState;
 use super::status::{Judgement, Status, StatusClock, TwinPhase};
-use super::timeline::{Advanced, History, LookAhead, Timeline};
+use super::timeline::Advanced;
 use super::what_if::ColumnSnapshot;
 use super::{MAX_STEPS_PER_CALL, STATUS_PERIOD, seconds};
-use crate::assessment::imperfection;
 use crate::column::{End, ModelError, StepError};
 use crate::parameters::Parameters;
 
@@ -45,6 +46,8 @@ pub struct Twin {
     /// The last response that is over.
     pub(super) last: Option<LastResponse>,
     pub(super) journal: JournalClock,
+    /// What the sensors have felt.
+    pub(super) estimates: Estimates,
     pub(super) status: StatusClock,
     pub(super) solver: SolverStatistics,
     pub(super) stopwatch: Stopwatch,
@@ -58,10 +61,6 @@ pub struct SolverStatistics {
     /// Newton iterations of these steps.
     pub newton_iterations: u64,
 }
-
-/// What becomes of the report of an impact whose response another impact ends.
-const NO_REPORT: &str = "for which no report will follow";
-const OBSOLETE_REPORT: &str = "whose report no longer holds";
 
 impl Twin {
     /// The twin of the column with these parameters: virgin, or with the damage that [`state_file::load`](super::state_file::load) returned for
@@ -97,6 +96,7 @@ impl Twin {
             superseded: SupersededForecasts::new(),
             last: None,
             journal: JournalClock::new(now),
+            estimates: Estimates::default(),
             status: StatusClock::new(now),
             solver: SolverStatistics::default(),
             stopwatch,
@@ -173,7 +173,7 @@ impl Twin {
         self.snapshot_of(plant)
     }
 
-    fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
+    pub(super) fn snapshot_of(&self, plant: Plant) -> ColumnSnapshot {
         ColumnSnapshot {
             column_id: Arc::clone(self.registry.column_id()),
             parameters: Arc::clone(self.parameters.current()),
@@ -215,12 +215,24 @@ impl Twin {
                 Ok(Accepted::Applied)
             }
             Command::CriticalVelocities { vehicles } => Ok(self.take_critical_velocities(vehicles)),
+            Command::Estimate(record) => Ok(self.take_estimate(record, now, out)),
+            Command::DecideEstimate(decision) => {
+                self.decide_estimate(decision, now, out).map_err(|refusal| {
+                    let what = RefusedInput::Estimate;
+                    self.refuse_request(what, refusal, &decision.source, now, out)
+                })
+            }
+            Command::Calibrate(measured) => self.calibrate(measured, now, out).map_err(|refusal| {
+                let what = RefusedInput::Calibration;
+                self.refuse_request(what, refusal, &measured.source, now, out)
+            }),
         };
         let refusal = result.as_ref().err().cloned();
         out.put(Output::Journal(
             self.journal.command(command, refusal, position, now),
         ));
         self.superseded.put_withdrawn(out);
+        self.put_estimate(out);
         result
     }
 
@@ -282,6 +294,7 @@ impl Twin {
             &Judgement {
                 assessed: self.assessed.as_ref(),
                 critical: self.critical_velocities(),
+                waiting_estimate: self.waiting_estimate(),
             },
             struck,
             self.journal.responses,
@@ -324,191 +337,6 @@ impl Twin {
 
     pub(super) fn save(&self, now: Nanos, out: &mut impl Outputs) {
         out.put(Output::Save(Arc::new(self.saved_state(now))));
-    }
-
-    // Impacts
-
-    fn take_impact(
-        &mut self,
-        command: &ImpactCommand,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) -> Result<Accepted, Refusal> {
-        let ImpactCommand {
-            event_id,
-            column_id,
-            stamp,
-            vehicle,
-            impact: specification,
-        } = command;
-        check_column_id(self.registry.column_id(), column_id)?;
-        self.registry.check_event_id(event_id)?;
-        check_stamp(*stamp, now, self.parameters.current())?;
-        let snapshot = self.snapshot();
-        let striking = snapshot.complete(vehicle, specification)?;
-        let impact = striking.impact;
-        let struck = snapshot.strike(impact, specification.height)?;
-        let event_id: Arc<str> = event_id.as_str().into();
-        let pending = PendingImpact {
-            event_id: Arc::clone(&event_id),
-            stamp: *stamp,
-            striking,
-            height: specification.height,
-        };
-        let response = self.response.as_ref().map(|response| &response.timeline);
-        match response.map(|it| (it.origin(), it.step_at(*stamp), it.step())) {
-            None => match self.resume(*stamp, &struck) {
-                Some(step) => {
-                    self.hit_moving_column(pending, step, OBSOLETE_REPORT, now, out);
-                }
-                None => self.begin(pending, struck, now, out),
-            },
-            Some((_, Some(step), reached)) if step <= reached => {
-                self.hit_moving_column(pending, step, NO_REPORT, now, out);
-            }
-            Some((_, Some(_), _)) => self.registry.keep_pending(pending)?,
-            Some((first, None, _)) => {
-                let reason = format!(
-                    "the stamp is {} s before that of the impact to which the column is responding; \
-                     send impacts in the order of their stamps",
-                    seconds(first.abs_diff(*stamp))
-                );
-                return Err(Refusal::new(RefusalCode::StampOutOfOrder, reason));
-            }
-        }
-        self.registry.accept(event_id);
-        self.journal.impact = Some(impact);
-        self.status.set_changed();
-        Ok(Accepted::Applied)
-    }
-
-    /// Resumes the last response for an impact that is so late that it belongs there; the step where it does.
-    fn resume(&mut self, stamp: Nanos, struck: &Struck) -> Option<u64> {
-        let last = self.last.as_ref()?;
-        let plastic_work = last.resumable?;
-        let timeline = &last.response.timeline;
-        let step = timeline
-            .step_at(stamp)
-            .filter(|&step| step < timeline.step())?;
-        if timeline.plant().model != struck.model {
-            return None;
-        }
-        let response = self.last.take()?.response;
-        self.journal.taken_back = true;
-        self.registry.life.plastic_work_since_reset = plastic_work;
-        self.solver.newton_iterations -= response.newton_iterations();
-        self.response = Some(response);
-        Some(step)
-    }
-
-    /// The response to another impact ends where the column was at `step`.
-    fn hit_moving_column(
-        &mut self,
-        pending: PendingImpact,
-        step: u64,
-        earlier_report: &str,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        let Some(mut response) = self.response.take() else {
-            return;
-        };
-        response.timeline.rewind(step);
-        let Struck { model, state, .. } = *response.timeline.plant();
-        self.registry.life.plastic_work_since_reset += state.ledger.plastic_work;
-        self.solver.newton_iterations += response.newton_iterations();
-        let since = seconds(pending.stamp.abs_diff(response.timeline.origin()));
-        let text = format!(
-            "impact \"{}\" hits the column {since} s after impact \"{}\", {earlier_report}",
-            pending.event_id, response.impact.event_id,
-        );
-        out.notice(NoticeLevel::Info, now, text.clone());
-        self.end_early(response, ForecastEnd::Superseded, text);
-        let plant = Plant {
-            model,
-            state,
-            ..self.at_rest.clone()
-        };
-        // Its height was found to be that of these hinges when it was accepted.
-        let pending = PendingImpact {
-            height: Some(plant.impact_height()),
-            ..pending
-        };
-        self.begin_pending(plant, pending, now, out);
-    }
-
-    fn begin_pending(
-        &mut self,
-        plant: Plant,
-        pending: PendingImpact,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        let snapshot = self.snapshot_of(plant);
-        match snapshot.strike(pending.striking.impact, pending.height) {
-            Ok(struck) => self.begin(pending, struck, now, out),
-            Err(refusal) => {
-                self.registry.withdraw();
-                let reason = refusal.tagged();
-                self.superseded
-                    .take_none((&pending).into(), ForecastEnd::Rejected, &reason);
-                self.refuse_impact(&pending.event_id, refusal, now, out);
-            }
-        }
-    }
-
-    fn refuse_impact(
-        &mut self,
-        event_id: &str,
-        refusal: Refusal,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        self.status.set_changed();
-        let refused = self.registry.refuse_impact(event_id, refusal, now);
-        out.put(Output::Refused(refused));
-    }
-
-    fn begin(
-        &mut self,
-        pending: PendingImpact,
-        struck: Struck,
-        now: Nanos,
-        out: &mut impl Outputs,
-    ) {
-        let PendingImpact {
-            event_id,
-            stamp,
-            striking,
-            ..
-        } = pending;
-        out.notice(
-            NoticeLevel::Info,
-            now,
-            format!("impact \"{event_id}\" accepted"),
-        );
-        self.registry.life.last_event_id = Arc::clone(&event_id);
-        self.journal.responses += 1;
-        let period = 1e9 / self.parameters.current().settings().publish_rate;
-        let steps = period / struck.model.properties.step_nanos as f64;
-        let steps_per_sample = steps.round().max(1.0) as u64;
-        let history = self.last.take().map_or_else(History::default, |last| {
-            last.response.timeline.into_history()
-        });
-        let parameters = Arc::clone(self.parameters.current());
-        let ahead = LookAhead::new(struck, imperfection(&parameters), self.virgin);
-        self.response = Some(ActiveResponse {
-            impact: BegunImpact {
-                stamp,
-                event_id,
-                striking,
-                parameters,
-                step_nanos: struck.model.properties.step_nanos,
-            },
-            timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
-            forecast: Forecast::new(ahead),
-        });
-        self.status.set_changed();
     }
 
     // The response with the clock
@@ -566,7 +394,7 @@ impl Twin {
             let next_impact = next_impact.and_then(|stamp| response.timeline.step_at(stamp));
             let target = next_impact.unwrap_or(u64::MAX).min(now_step);
             if response.timeline.is_sample_due() {
-                response.put_state(None, out);
+                response.put_due_state(out);
             }
             if response.timeline.step() < target {
                 return Some(target);
@@ -622,11 +450,11 @@ impl Twin {
             assessed.as_deref(),
             now,
         );
-        self.registry.life.last_impact = Some(last);
         let parameters = Arc::clone(&response.impact.parameters);
         self.settle(
             response,
             settled,
+            last,
             now,
             |twin| {
                 // Another set of parameters may have come into force.
@@ -659,19 +487,23 @@ impl Twin {
         &mut self,
         response: ActiveResponse,
         settled: Plant,
+        last: LastImpact,
         now: Nanos,
         assess: impl FnOnce(&mut Self),
         out: &mut impl Outputs,
     ) {
-        let plastic_work = self.registry.life.plastic_work_since_reset;
         let added = response.timeline.plant().state.ledger.plastic_work;
-        self.registry.life.plastic_work_since_reset += added;
         self.solver.newton_iterations += response.newton_iterations();
-        self.at_rest = settled;
         self.last = Some(LastResponse {
             response,
-            resumable: Some(plastic_work),
+            before: Some(BeforeResponse {
+                plastic_work: self.registry.life.plastic_work_since_reset,
+                at_rest: std::mem::replace(&mut self.at_rest, settled),
+                assessed: self.assessed.clone(),
+                last_impact: self.registry.life.last_impact.replace(last),
+            }),
         });
+        self.registry.life.plastic_work_since_reset += added;
         self.status.set_changed();
         self.journal.set_checkpoint_due();
         self.apply_waiting_parameters(now, out);
@@ -696,6 +528,7 @@ impl Twin {
 
 #[cfg(test)]
 mod tests {
+    use super::super::command::ImpactCommand;
     use super::*;
     use crate::column::ImpactSpecification;
 

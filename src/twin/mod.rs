@@ -13,6 +13,10 @@
 //! | `forecast` | the forecasts, also of responses that have ended before their time | |
 //! | `assessed` | remaining capacity and assessment of the column at rest | clock, identifiers |
 //! | `critical` | critical velocities of the column at rest: what is to be computed, and the result | clock, identifiers |
+//! | `impacts` | how an impact meets the column: at rest, in motion, or in a response that is over | |
+//! | `estimates` | what the sensors have felt, and what has become of it | mechanics, clock |
+//! | `estimation` | from an estimate to an impact | threads, sensors |
+//! | `calibration` | corrects the damage by a measurement on the column at rest | |
 //! | `registry` | identifiers, refusals, counts, impacts that are still to come | mechanics |
 //! | `parameter_set` | the parameters that hold and those that wait | mechanics, clock |
 //! | `journal` | what a recording needs, numbered | what the entries mean |
@@ -43,16 +47,32 @@
 //! - Parameters that apply after the response wait for its end, together with all others of the same request. The
 //!   properties to which a damage belongs cannot change while the column is damaged, nor during a response that will
 //!   damage it.
-//! - A reset makes the column virgin and forgets the identifiers of its impacts. The last sample of a response that a
+//! - An impact that the sensors have felt becomes one of the twin as `estimation.accept` says, with the identifier, the mean
+//!   instant of contact and the best single impact of its estimate, at the height of the parameters, or at that of damaged
+//!   hinges. It meets the column as a late event would.
+//! - A later estimate of an accepted impact replaces it under the same identifier: the column goes back to what it was
+//!   before the impact and responds to the new one. Samples up to the instant that was reached before are not given out
+//!   again; forecasts and a report of before no longer hold ([`Output::Replaced`]). This ends with the final estimate, and
+//!   when another impact, a reset, a calibration or a change of the column comes after the response. On a column that was
+//!   moving already, the instant of contact stays that of the first accepted estimate.
+//! - An event whose instant of contact is within `estimation.merge_window` of that of an accepted estimate is the same
+//!   impact: it is counted as merged, its identifier is remembered, and the twin goes on with the estimate. An event for an
+//!   estimate that was not accepted is the impact, and the estimate is decided with it.
+//! - A calibration multiplies the plastic deformation of all hinges of the column at rest by one factor; it changes neither
+//!   the counts nor the work of the impacts.
+//! - A reset makes the column virgin and forgets the identifiers of its impacts, and what the sensors have felt before. The last sample of a response that a
 //!   reset ends is not followed by another one.
 
 mod active_response;
 mod assessed;
+mod calibration;
 mod command;
 mod critical;
-mod exact_number;
+mod estimates;
+mod estimation;
 mod forecast;
 mod forecasting;
+mod impacts;
 mod journal;
 mod lifecycle;
 mod output;
@@ -70,16 +90,19 @@ mod timeline;
 mod what_if;
 
 pub use assessed::{Assessed, LastImpact};
-pub use command::{Accepted, Command, ImpactCommand, Nanos};
+pub use calibration::{CALIBRATION_FACTORS, Calibration};
+pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
+pub use estimates::{Decision, Estimates};
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,
 };
 pub use lifecycle::{SolverStatistics, Stopwatch, Twin};
 pub use output::{
-    ForecastEnd, Lengths, Notice, NoticeLevel, Output, Outputs, ParametersChanged, ReportOutput,
-    StateOutput, StrikingVehicle, WithdrawnForecast, WithdrawnImpact,
+    EstimateOutput, ForecastEnd, Lengths, MergedEvent, Notice, NoticeLevel, Output, Outputs,
+    ParametersChanged, ReportOutput, StateOutput, StrikingVehicle, WithdrawnForecast,
+    WithdrawnImpact,
 };
 #[cfg(all(test, feature = "record"))]
 pub(crate) use plant::failing_step;

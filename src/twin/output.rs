@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::assessed::Assessed;
+use super::calibration::Calibration;
 use super::command::{Accepted, Nanos};
+use super::estimates::Decision;
 use super::journal::Journal;
 use super::registry::Refused;
 use super::saved_state::SavedState;
@@ -12,6 +14,7 @@ use super::what_if::Striking;
 use crate::assessment;
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
+use crate::senses::EstimateRecord;
 
 /// One thing that leaves the twin. All of them are about the twin's one column.
 #[derive(Debug, Clone)]
@@ -25,6 +28,15 @@ pub enum Output {
     Report(ReportOutput),
     /// The forecast of an accepted impact no longer holds, or there will be none; in both cases no report follows.
     Withdrawn(WithdrawnForecast),
+    /// What the sensors say about an impact: with every estimate, and when it was decided whether it is an impact of the twin.
+    Estimate(EstimateOutput),
+    /// The impact with this identifier is another one than was known so far: its estimate has changed. Forecasts and a report
+    /// that were given out before no longer hold, and others follow.
+    Replaced(Arc<str>),
+    /// An event is the same impact as one that the sensors have felt: evidence for its estimate.
+    Merged(MergedEvent),
+    /// The damage of the column was compared with a measurement.
+    Calibrated(Calibration),
     /// The state of the twin itself: on every change, and at least once per [`STATUS_PERIOD`](super::STATUS_PERIOD).
     Status(Status),
     /// A command was refused and has changed nothing.
@@ -111,6 +123,32 @@ pub struct WithdrawnForecast {
     pub end: ForecastEnd,
     /// For people.
     pub reason: Arc<str>,
+}
+
+/// What the sensors say about an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimateOutput {
+    /// Its mean instant of contact.
+    pub stamp: Nanos,
+    /// The newest estimate, and what made it so.
+    pub record: Arc<EstimateRecord>,
+    /// What has become of it.
+    pub decision: Decision,
+    /// The event that is the same impact, if there is one: the impact itself if the decision is [`Decision::Merged`].
+    pub merged_event_id: Option<Arc<str>>,
+}
+
+/// An event that is the same impact as one that the sensors have felt.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MergedEvent {
+    /// Its identifier.
+    pub event_id: Arc<str>,
+    /// That of the estimate.
+    pub estimate_id: Arc<str>,
+    /// Its instant of contact.
+    pub contact: Nanos,
+    /// What its sender saw.
+    pub striking: Striking,
 }
 
 /// An accepted impact that has no report.

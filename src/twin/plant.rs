@@ -166,22 +166,7 @@ impl Plant {
         impact: Impact,
         max_duration: f64,
     ) -> Result<Struck, Refusal> {
-        match &self.condition {
-            Condition::Standing => {}
-            Condition::Collapsed => {
-                let reason = "the column has collapsed; reset the twin first (~/reset)";
-                return Err(Refusal::new(RefusalCode::ColumnCollapsed, reason));
-            }
-            Condition::Severed => {
-                let reason = "a hinge of the column is severed; reset the twin first (~/reset)";
-                return Err(Refusal::new(RefusalCode::ColumnSevered, reason));
-            }
-            Condition::Faulted(fault) => {
-                let reason =
-                    format!("the twin cannot continue ({fault}); reset it first (~/reset)");
-                return Err(Refusal::new(RefusalCode::TwinFaulted, reason));
-            }
-        }
+        self.check_standing()?;
         let (model, mut state) = self.with_hinges_at_impact(properties)?;
         let response = Response::begin(&model, &mut state, impact, max_duration)
             .map_err(|error| Refusal::new(RefusalCode::ImpactOutOfRange, error))?;
@@ -189,6 +174,51 @@ impl Plant {
             model,
             state,
             response,
+        })
+    }
+
+    /// # Errors
+    /// The column does not stand.
+    pub fn check_standing(&self) -> Result<(), Refusal> {
+        let (code, reason) = match &self.condition {
+            Condition::Standing => return Ok(()),
+            Condition::Collapsed => (
+                RefusalCode::ColumnCollapsed,
+                "the column has collapsed; reset the twin first (~/reset)".to_owned(),
+            ),
+            Condition::Severed => (
+                RefusalCode::ColumnSevered,
+                "a hinge of the column is severed; reset the twin first (~/reset)".to_owned(),
+            ),
+            Condition::Faulted(fault) => (
+                RefusalCode::TwinFaulted,
+                format!("the twin cannot continue ({fault}); reset it first (~/reset)"),
+            ),
+        };
+        Err(Refusal::new(code, reason))
+    }
+
+    /// The column at rest with the plastic deformation of all hinges multiplied by a factor, in the equilibrium that this
+    /// gives; `None` if there is none in which no hinge yields any further.
+    pub fn with_damage_scaled(&self, factor: f64) -> Option<Self> {
+        let times = |pair: [f64; 2]| pair.map(|it| factor * it);
+        let scaled = |flow: &PlasticFlow| PlasticFlow {
+            elongation: times(flow.elongation),
+            rotation: times(flow.rotation),
+        };
+        let (mut state, accumulated) = (self.state, self.state.accumulated_rotation());
+        state.plastic = PerBar {
+            below: scaled(&state.plastic.below),
+            above: scaled(&state.plastic.above),
+        };
+        let accumulated = PerBar {
+            below: times(accumulated.below),
+            above: times(accumulated.above),
+        };
+        state.set_accumulated_rotation(&self.model, &accumulated);
+        Some(Self {
+            state: equilibrium(&self.model, &state)?,
+            ..self.clone()
         })
     }
 

@@ -119,7 +119,7 @@ impl Twin {
 
     pub(super) fn forbid_resuming(&mut self) {
         if let Some(last) = &mut self.last {
-            last.resumable = None;
+            last.before = None;
         }
     }
 
@@ -187,6 +187,7 @@ impl Twin {
             out.notice(NoticeLevel::Warning, now, text);
         }
         self.registry.reset();
+        self.estimates.reset(now);
         // The parameters were checked when they came; if they failed now, the old model would still be a column.
         let properties = self.parameters.current().column_properties();
         self.at_rest =

@@ -84,6 +84,12 @@ refusal_codes! {
     SenderNotAllowed = 24 "sender_not_allowed";
     /// The sender exceeds `senders.max_rate`.
     SenderTooFast = 25 "sender_too_fast";
+    /// There is no such estimate, or nothing is left to be decided about it.
+    EstimateNotPending = 26 "estimate_not_pending";
+    /// The column is responding to an impact.
+    NotAtRest = 27 "not_at_rest";
+    /// The measurement is not one of this column, or differs so much from the model that its damage cannot be corrected.
+    MeasurementImplausible = 28 "measurement_implausible";
 }
 
 impl RefusalCode {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::assessed::LastImpact;
+use super::calibration::Calibration;
 use super::command::Nanos;
 use super::output::WithdrawnImpact;
 use super::refusal::{Refusal, RefusalCode, truncated};
@@ -21,12 +22,16 @@ pub const MAX_EVENT_ID_CHARS: usize = 255;
 /// Most accepted impacts that may be still to come while the column is responding to another one.
 pub const MAX_IMPACTS_AHEAD: usize = 8;
 
+const CHECK_CLOCKS: &str = "check that the sender and the twin have the same clock";
+
 /// What was accepted and refused since the start of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
     /// Impact events accepted.
     pub events_accepted: u64,
+    /// Impact events that are the same impact as one that the sensors have felt: neither accepted nor refused.
+    pub events_merged: u64,
     /// Impact events refused.
     pub events_refused: u64,
     /// Changes of parameters accepted.
@@ -49,6 +54,10 @@ pub struct Life {
     /// The last impact whose response has ended; `None` before the first.
     #[serde(default)]
     pub last_impact: Option<LastImpact>,
+    /// Measurements by which the damage was corrected or confirmed since the last reset.
+    pub calibrations_since_reset: u32,
+    /// The last of them.
+    pub last_calibration: Option<Calibration>,
 }
 
 /// The last refusal since the start of the program.
@@ -68,6 +77,10 @@ pub enum RefusedInput {
     Impact,
     /// A change of parameters.
     Parameters,
+    /// A decision about an impact that the sensors have felt. It is not counted.
+    Estimate,
+    /// A correction of the damage. It is not counted.
+    Calibration,
 }
 
 /// A command that was refused and has changed nothing.
@@ -81,7 +94,7 @@ pub struct Refused {
     pub refusal: Refusal,
     /// Identifier of a refused impact, shortened where it is too long; otherwise empty.
     pub event_id: Arc<str>,
-    /// The sender of a change of parameters; otherwise empty.
+    /// The sender of anything but an impact; otherwise empty.
     pub source: Arc<str>,
 }
 
@@ -170,6 +183,12 @@ impl Registry {
         self.life.impacts_since_reset = self.life.impacts_since_reset.saturating_add(1);
     }
 
+    /// Takes note of an event that is the same impact as one that the sensors have felt.
+    pub fn merge(&mut self, event_id: Arc<str>) {
+        self.seen.remember(event_id);
+        self.counts.events_merged += 1;
+    }
+
     /// Takes an acceptance back: the impact was still to come and is refused after all, so that no impact is counted
     /// twice.
     pub fn withdraw(&mut self) {
@@ -192,6 +211,17 @@ impl Registry {
         self.counts.parameters_refused += 1;
         let source = Arc::clone(source);
         self.refuse(RefusedInput::Parameters, refusal, "".into(), source, now)
+    }
+
+    /// Keeps a refused request, whose sender has an answer, as the last refusal.
+    pub fn refuse_request(
+        &mut self,
+        what: RefusedInput,
+        refusal: Refusal,
+        source: &Arc<str>,
+        now: Nanos,
+    ) -> Refused {
+        self.refuse(what, refusal, "".into(), Arc::clone(source), now)
     }
 
     fn refuse(
@@ -243,6 +273,12 @@ impl Registry {
         self.pending.iter()
     }
 
+    /// The impact with this identifier, if it is still to come.
+    pub fn pending_mut(&mut self, event_id: &str) -> Option<&mut PendingImpact> {
+        let mut pending = self.pending.iter_mut();
+        pending.find(|it| *it.event_id == *event_id)
+    }
+
     pub fn take_pending(&mut self) -> Option<PendingImpact> {
         (!self.pending.is_empty()).then(|| self.pending.remove(0))
     }
@@ -292,7 +328,6 @@ pub(super) fn check_stamp(
 ) -> Result<(), Refusal> {
     let tolerance = &parameters.settings().event;
     let off = seconds(stamp.abs_diff(now));
-    let check = "check that the sender and the twin have the same clock";
     if stamp == 0 && now != 0 && off > tolerance.max_age {
         let reason = "the stamp is zero, as in a message in which it was not set; set header.stamp to the time of the impact \
                       (with ros2 topic pub: `stamp: now`)";
@@ -300,18 +335,30 @@ pub(super) fn check_stamp(
     }
     if stamp <= now && off > tolerance.max_age {
         let reason = format!(
-            "the stamp is {off} s old; event.max_age is {} s; {check}",
+            "the stamp is {off} s old; event.max_age is {} s; {CHECK_CLOCKS}",
             tolerance.max_age
         );
         return Err(Refusal::new(RefusalCode::StampTooOld, reason));
     }
+    check_not_ahead(stamp, now, parameters)
+}
+
+/// # Errors
+/// The stamp is too far ahead.
+pub(super) fn check_not_ahead(
+    stamp: Nanos,
+    now: Nanos,
+    parameters: &Parameters,
+) -> Result<(), Refusal> {
+    let tolerance = &parameters.settings().event;
+    let off = seconds(stamp.abs_diff(now));
     if now == 0 && off > tolerance.max_ahead {
         let reason = "the clock of the twin is zero: use_sim_time is true, but no message on /clock has arrived";
         return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));
     }
     if stamp > now && off > tolerance.max_ahead {
         let reason = format!(
-            "the stamp is {off} s ahead; event.max_ahead is {} s; {check}",
+            "the stamp is {off} s ahead; event.max_ahead is {} s; {CHECK_CLOCKS}",
             tolerance.max_ahead
         );
         return Err(Refusal::new(RefusalCode::StampTooFarAhead, reason));

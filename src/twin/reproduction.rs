@@ -31,6 +31,7 @@ impl Twin {
         twin.registry.life = from.life.clone();
         twin.registry.counts = from.counts;
         twin.registry.last_refusal = from.last_refusal.clone();
+        twin.estimates = from.estimates.clone();
         twin.journal = JournalClock::continuing(from);
         twin.assess();
         twin.restore_critical_velocities(from.critical_velocities.as_ref());
@@ -54,6 +55,7 @@ impl Twin {
             state: self.at_rest.state,
             condition: self.at_rest.condition.clone(),
             critical_velocities: self.critical_velocities().map(Arc::clone),
+            estimates: self.estimates.clone(),
             life: self.registry.life.clone(),
             counts: self.registry.counts,
             last_refusal: self.registry.last_refusal.clone(),

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::assessed::LastImpact;
+use super::calibration::Calibration;
 use super::command::Nanos;
 use super::plant::{Condition, Plant, make_of};
 use super::registry::{Life, Registry, printable};
@@ -55,6 +56,12 @@ pub struct SavedState {
     /// The last impact; `None` before the first, and in files of version 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_impact: Option<LastImpact>,
+    /// Measurements by which the damage was corrected or confirmed since the last reset.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub calibrations_since_reset: u32,
+    /// The last of them; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_calibration: Option<Calibration>,
     /// Identifiers of accepted impacts, the oldest first, at most [`MAX_SEEN_IDS`](super::MAX_SEEN_IDS).
     pub seen_ids: Vec<Arc<str>>,
 }
@@ -125,6 +132,8 @@ impl SavedState {
             plastic_work_since_reset,
             last_event_id,
             last_impact,
+            calibrations_since_reset,
+            last_calibration,
         } = registry.life.clone();
         Self {
             column_id: Arc::clone(registry.column_id()),
@@ -140,6 +149,8 @@ impl SavedState {
             refused_since_reset,
             last_event_id,
             last_impact,
+            calibrations_since_reset,
+            last_calibration,
             seen_ids: registry.seen_ids(),
         }
     }
@@ -152,6 +163,8 @@ impl SavedState {
             plastic_work_since_reset: self.plastic_work_since_reset,
             last_event_id: Arc::clone(&self.last_event_id),
             last_impact: self.last_impact.clone(),
+            calibrations_since_reset: self.calibrations_since_reset,
+            last_calibration: self.last_calibration,
         }
     }
 
@@ -210,6 +223,15 @@ impl SavedState {
         }
         Ok(read.content)
     }
+}
+
+/// Files without a calibration are those of programs that know none.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 /// Digest of the properties to which a damage belongs: lengths, section, steel, resistances, hinges and supports.

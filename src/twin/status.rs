@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::STATUS_PERIOD;
 use super::assessed::Assessed;
+use super::calibration::Calibration;
 use super::command::Nanos;
 use super::output::Lengths;
 use super::plant::{Condition, Plant, Struck};
@@ -77,8 +78,14 @@ pub struct Status {
     pub last_refusal_event_id: Arc<str>,
     /// Why the twin cannot continue; empty unless `phase` is `Faulted`.
     pub fault: Arc<str>,
+    /// The impact that the sensors have felt and that waits for somebody to confirm it; empty if there is none.
+    pub waiting_estimate: Arc<str>,
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
+    /// Measurements by which the damage was corrected or confirmed since the last reset.
+    pub calibrations_since_reset: u32,
+    /// The last of them; `None` without one.
+    pub last_calibration: Option<Calibration>,
     /// `v1` of the column at rest: the visible damage \[m\].
     pub residual_v1: f64,
     /// `u2` of the column at rest \[m\].
@@ -112,13 +119,15 @@ pub struct RestingColumn {
     pub is_unseen: bool,
 }
 
-/// What is known about the column at rest.
+/// What is known about the column at rest, and about what the sensors have felt.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Judgement<'a> {
     /// Its assessment.
     pub assessed: Option<&'a Arc<Assessed>>,
     /// Its critical velocities.
     pub critical: Option<&'a Arc<[VehicleLimits]>>,
+    /// The impact that waits for somebody to confirm it.
+    pub waiting_estimate: Option<&'a Arc<str>>,
 }
 
 impl Status {
@@ -158,7 +167,10 @@ impl Status {
                 Condition::Faulted(reason) => Arc::clone(reason),
                 Condition::Standing | Condition::Collapsed | Condition::Severed => Arc::default(),
             },
+            waiting_estimate: judgement.waiting_estimate.cloned().unwrap_or_default(),
             impacts_since_reset: life.impacts_since_reset,
+            calibrations_since_reset: life.calibrations_since_reset,
+            last_calibration: life.last_calibration,
             residual_v1: sample_at_rest.v1,
             residual_u2: sample_at_rest.u2,
             plastic_work_since_reset: life.plastic_work_since_reset + plastic_work,

@@ -37,6 +37,13 @@ pub struct Striking {
     pub impact: Impact,
 }
 
+impl Striking {
+    /// Time until the vehicle touches a column that stands still \[ns\].
+    pub(super) fn approach_nanos(&self) -> i64 {
+        (1e9 * self.impact.gap / self.impact.velocity).round() as i64
+    }
+}
+
 /// The forecast of an impact that has not happened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
@@ -167,6 +174,14 @@ impl ColumnSnapshot {
         let impact = specification
             .complete(&self.parameters.impact(), vehicle)
             .map_err(|error| invalid(error.to_string()))?;
+        self.checked(name, impact)
+    }
+
+    /// A complete impact, every number checked against the one table.
+    ///
+    /// # Errors
+    /// All numbers that are not finite or out of range; the vehicle is too far away.
+    pub(super) fn checked(&self, vehicle: Arc<str>, impact: Impact) -> Result<Striking, Refusal> {
         // A mass that is left open is that of a compliant vehicle, which is complete by now.
         let open = (impact.mass == 0.0 || impact.mass.is_nan()).then(|| {
             let mass = impact.mass;
@@ -186,10 +201,15 @@ impl ColumnSnapshot {
             return Err(Refusal::new(RefusalCode::ImpactOutOfRange, faults));
         }
         self.check_approach(&impact)?;
-        Ok(Striking {
-            vehicle: name,
-            impact,
-        })
+        Ok(Striking { vehicle, impact })
+    }
+
+    /// Where an impact that the sensors have felt meets the column \[m above the base\]: at the hinges, if they are damaged;
+    /// `None`: where the parameters have it.
+    pub(super) fn height_of_estimates(&self) -> Option<f64> {
+        let properties = self.parameters.column_properties();
+        let moved = self.plant.with_hinges_at_impact(&properties);
+        moved.is_err().then(|| self.plant.impact_height())
     }
 
     /// # Errors

@@ -93,6 +93,12 @@ impl ViewerItem {
                     RefusedInput::Parameters => {
                         format!("parameter change rejected: {}", it.refusal)
                     }
+                    RefusedInput::Estimate => {
+                        format!("decision about an estimate rejected: {}", it.refusal)
+                    }
+                    RefusedInput::Calibration => {
+                        format!("calibration rejected: {}", it.refusal)
+                    }
                 },
             },
             Output::Notice(it) => Self::Line {
@@ -109,7 +115,14 @@ impl ViewerItem {
                 ),
             },
             Output::ParametersChanged(it) => Self::Parameters(it.parameters),
-            Output::Status(_) | Output::Save(_) | Output::Journal(_) => return None,
+            // Notices tell in words what has happened.
+            Output::Estimate(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
+            | Output::Status(_)
+            | Output::Save(_)
+            | Output::Journal(_) => return None,
         })
     }
 

@@ -438,7 +438,7 @@ fn a_journal_of_version_1_is_refused_with_the_version_that_recorded_it() {
     );
     let text = error.to_string();
     assert!(
-        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 5"),
+        text.contains("version 1, recorded by \"column_twin 0.1.0\"") && text.contains("version 6"),
         "{text}"
     );
     let mut commands = vec!["verify"];

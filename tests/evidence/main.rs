@@ -9,6 +9,7 @@ mod critical;
 #[path = "../ros/domain.rs"]
 mod domain;
 mod dropped;
+mod estimates;
 mod forgeries;
 #[allow(dead_code)] // the tests of the recordings use the rest
 #[path = "../../crates/recording/tests/recording/forging.rs"]

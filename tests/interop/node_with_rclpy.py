@@ -37,6 +37,7 @@ TOPICS = {
     "/hinge_forces": "column_twin/msg/HingeForces",
     "/impact_forecast": "column_twin/msg/ImpactReport",
     "/impact_report": "column_twin/msg/ImpactReport",
+    "/impact_estimate": "column_twin/msg/ImpactEstimate",
     "/twin_status": "column_twin/msg/TwinStatus",
     "/joint_states": "sensor_msgs/msg/JointState",
     "/markers": "visualization_msgs/msg/MarkerArray",
@@ -44,7 +45,12 @@ TOPICS = {
     "/rosout": "rcl_interfaces/msg/Log",
     "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
 }
-SERVICES = {"/column_twin/reset": "std_srvs/srv/Trigger", "/column_twin/predict": "column_twin/srv/PredictImpact"}
+SERVICES = {
+    "/column_twin/reset": "std_srvs/srv/Trigger",
+    "/column_twin/predict": "column_twin/srv/PredictImpact",
+    "/column_twin/confirm_estimate": "column_twin/srv/ConfirmEstimate",
+    "/column_twin/calibrate": "column_twin/srv/Calibrate",
+}
 
 faults = []
 

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use column_twin::messages::column_twin::{
-    ColumnParameters, ColumnState, HingeForces, ImpactReport, ParameterEntry, TwinStatus,
+    CalibrateRequest, ColumnParameters, ColumnState, HingeForces, ImpactEstimate, ImpactReport,
+    ParameterEntry, TwinStatus,
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticStatus;
 use column_twin::messages::rcl_interfaces::Log;
@@ -120,6 +121,10 @@ fn every_constant_has_the_value_of_its_definition() {
     }
     same_constants! {
         ColumnState { IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED }
+        ImpactEstimate {
+            DECISION_PENDING, DECISION_ACCEPTED, DECISION_MERGED, DECISION_REJECTED, DECISION_REFUSED,
+        }
+        CalibrateRequest { DISPLACEMENT, ROTATION }
         HingeForces { HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, ELASTIC, PLASTIC, UNLOADED }
         ImpactReport {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, FORECAST, RESULT, PREDICTION, WITHDRAWN, NO_FORECAST,
@@ -131,6 +136,7 @@ fn every_constant_has_the_value_of_its_definition() {
         TwinStatus {
             HINGE_1A, HINGE_1B, HINGE_2, HINGE_3, IDLE, APPROACH, CONTACT, FREE, REST, COLLAPSED, FAULTED, SEVERED,
             REFUSED_NONE, REFUSED_OTHER_COLUMN, REFUSED_EVENT_ID_INVALID, REFUSED_EVENT_ID_REPEATED, REFUSED_STAMP_TOO_OLD, REFUSED_STAMP_TOO_FAR_AHEAD, REFUSED_STAMP_OUT_OF_ORDER, REFUSED_TOO_MANY_IMPACTS_AHEAD, REFUSED_IMPACT_OUT_OF_RANGE, REFUSED_HEIGHT_NOT_POSSIBLE, REFUSED_COLUMN_COLLAPSED, REFUSED_TWIN_FAULTED, REFUSED_COLUMN_IMPOSSIBLE, REFUSED_PARAMETERS_INVALID, REFUSED_PARAMETERS_READ_ONLY, REFUSED_COLUMN_DAMAGED, REFUSED_NO_EQUILIBRIUM, REFUSED_NOT_COMPUTED, REFUSED_QUEUE_FULL, REFUSED_NO_ANSWER, REFUSED_STOPPING, REFUSED_VEHICLE_INVALID, REFUSED_COLUMN_SEVERED, REFUSED_APPROACH_TOO_LONG, REFUSED_SENDER_NOT_ALLOWED, REFUSED_SENDER_TOO_FAST,
+            REFUSED_ESTIMATE_NOT_PENDING, REFUSED_NOT_AT_REST, REFUSED_MEASUREMENT_IMPLAUSIBLE,
             SEVERITY_NONE, SEVERITY_INSPECT, SEVERITY_RESTRICT, SEVERITY_PROP, SEVERITY_EVACUATE, SEVERITY_UNKNOWN,
         }
         DiagnosticStatus { OK, WARN, ERROR, STALE }
@@ -145,7 +151,7 @@ fn every_constant_has_the_value_of_its_definition() {
         .iter()
         .filter(|interface| !interface.specification().unwrap().constants.is_empty())
         .count();
-    assert_eq!(with_constants, 8, "a type with constants is missing above");
+    assert_eq!(with_constants, 10, "a type with constants is missing above");
 }
 
 /// `HingeForces` and the others index their arrays in the order of the column itself.

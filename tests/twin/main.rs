@@ -1,9 +1,11 @@
 //! The twin under a mock clock: no test waits for real time.
 
 mod bad_input;
+mod calibration;
 mod clock;
 mod critical;
 mod damage;
+mod estimates;
 mod forecasts;
 mod memory;
 mod parameters;

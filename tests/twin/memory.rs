@@ -28,6 +28,10 @@ impl Outputs for Counted {
             Output::Status(_) => self.statuses += 1,
             Output::Save(_) => self.saved += 1,
             Output::Withdrawn(_)
+            | Output::Estimate(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
             | Output::ParametersChanged(_)
             | Output::Notice(_)
             | Output::Journal(_) => {}

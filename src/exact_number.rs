@@ -46,17 +46,17 @@ impl From<Written> for f64 {
 }
 
 /// For `#[serde(with)]` of an `f64`.
-pub(super) fn serialize<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     Written::from(*number).serialize(serializer)
 }
 
 /// For `#[serde(with)]` of an `f64`.
-pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Written::deserialize(deserializer).map(f64::from)
 }
 
 /// For `#[serde(with)]` of an `Option<f64>`.
-pub(super) mod option {
+pub(crate) mod option {
     use super::{Deserialize, Deserializer, Serialize, Serializer, Written};
 
     pub fn serialize<S: Serializer>(
@@ -73,8 +73,50 @@ pub(super) mod option {
     }
 }
 
+/// For `#[serde(with)]` of pairs whose second element is a number.
+pub(crate) mod labelled {
+    use super::{Deserialize, Deserializer, Serialize, Serializer, Written};
+
+    pub fn serialize<T: Serialize, S: Serializer>(
+        pairs: &[(T, f64)],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(pairs.iter().map(|(first, it)| (first, Written::from(*it))))
+    }
+
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<(T, f64)>, D::Error> {
+        let pairs = Vec::<(T, Written)>::deserialize(deserializer)?.into_iter();
+        Ok(pairs.map(|(first, it)| (first, it.into())).collect())
+    }
+}
+
+/// For `#[serde(with)]` of pairs of numbers.
+pub(crate) mod pairs {
+    use super::{Deserialize, Deserializer, Serializer, Written};
+
+    pub fn serialize<S: Serializer>(
+        pairs: &[(f64, f64)],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(
+            pairs
+                .iter()
+                .map(|(a, b)| (Written::from(*a), Written::from(*b))),
+        )
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<(f64, f64)>, D::Error> {
+        let pairs = Vec::<(Written, Written)>::deserialize(deserializer)?.into_iter();
+        Ok(pairs.map(|(a, b)| (a.into(), b.into())).collect())
+    }
+}
+
 /// For `#[serde(with)]` of parameter changes.
-pub(super) mod changes {
+pub(crate) mod changes {
     use super::{Deserialize, Deserializer, Serialize, Serializer, Value, Word, Written};
 
     /// The form of a value in JSON, with replacements for numbers that are not finite.
@@ -149,6 +191,10 @@ mod tests {
         other: Option<f64>,
         #[serde(with = "super::changes")]
         changes: Vec<(String, Value)>,
+        #[serde(with = "super::pairs")]
+        pairs: Vec<(f64, f64)>,
+        #[serde(with = "super::labelled")]
+        labelled: Vec<(String, f64)>,
     }
 
     #[test]
@@ -171,6 +217,8 @@ mod tests {
                     ("a".to_owned(), Value::Double(number)),
                     ("b".to_owned(), Value::from(vec![1.0, number])),
                 ],
+                pairs: vec![(number, 1.0), (2.0, number)],
+                labelled: vec![("a".to_owned(), number)],
             };
             let text = serde_json::to_string(&both).expect("JSON");
             let read: Both = serde_json::from_str(&text).expect("the same");
@@ -179,7 +227,9 @@ mod tests {
                 panic!("{text}");
             };
             assert_eq!((array.len(), array[0]), (2, 1.0));
-            for back in [read.one, read.other.expect("given"), *changed, array[1]] {
+            let (first, second, named) = (read.pairs[0].0, read.pairs[1].1, read.labelled[0].1);
+            let other = read.other.expect("given");
+            for back in [read.one, other, *changed, array[1], first, second, named] {
                 assert_eq!(back.to_bits(), number.to_bits(), "{text}");
             }
         }
@@ -198,6 +248,8 @@ mod tests {
             one: 1.0,
             other: None,
             changes: changes.map(|value| ("a".to_owned(), value)).to_vec(),
+            pairs: Vec::new(),
+            labelled: Vec::new(),
         };
         let text = serde_json::to_string(&both).expect("JSON");
         let read: Both = serde_json::from_str(&text).expect("the same");

@@ -1,0 +1,78 @@
+//! What the sensors say about an impact as a message.
+
+use crate::messages::column_twin::{CredibleInterval, ImpactEstimate};
+use crate::senses::{self, FEWEST_RESPONSES};
+use crate::twin::{Decision, EstimateOutput};
+
+impl From<senses::CredibleInterval> for CredibleInterval {
+    fn from(interval: senses::CredibleInterval) -> Self {
+        let senses::CredibleInterval { mean, low, high } = interval;
+        Self { mean, low, high }
+    }
+}
+
+impl CredibleInterval {
+    /// The interval with another origin.
+    fn relative_to(self, origin: f64) -> Self {
+        Self {
+            mean: self.mean - origin,
+            low: self.low - origin,
+            high: self.high - origin,
+        }
+    }
+}
+
+impl From<&EstimateOutput> for ImpactEstimate {
+    /// Leaves header and column empty.
+    fn from(output: &EstimateOutput) -> Self {
+        let EstimateOutput {
+            record,
+            decision,
+            merged_event_id,
+            ..
+        } = output;
+        let estimate = &record.estimate;
+        let contact = estimate.contact_time.mean;
+        let vehicles = &estimate.vehicle_probabilities;
+        let severities = estimate.severity.iter();
+        let mut severity_probabilities = [0.0; 5];
+        for (severity, probability) in severities {
+            severity_probabilities[*severity as usize] = *probability;
+        }
+        Self {
+            event_id: record.event_id.to_string(),
+            update: record.update,
+            is_final: record.is_final,
+            data_until: estimate.data_until - contact,
+            contact_time: CredibleInterval::from(estimate.contact_time).relative_to(contact),
+            mass: estimate.mass.into(),
+            velocity: estimate.velocity.into(),
+            momentum: estimate.momentum.into(),
+            mass_velocity_correlation: estimate.mass_velocity_correlation,
+            peak_v1: estimate.peak_v1.into(),
+            residual_v1: estimate.residual_v1.into(),
+            capacity_ratio: estimate.capacity_ratio.into(),
+            yielded: estimate.yielded,
+            collapsed: estimate.collapsed,
+            vehicles: vehicles.iter().map(|(name, _)| name.clone()).collect(),
+            vehicle_probabilities: vehicles.iter().map(|(_, it)| *it).collect(),
+            severity_probabilities,
+            effective_responses: estimate.effective_responses,
+            reliable: estimate.effective_responses >= FEWEST_RESPONSES,
+            doubtful_sensors: estimate.doubtful_sensors.clone(),
+            decision: decision_code(*decision),
+            merged_event_id: merged_event_id.as_deref().unwrap_or_default().to_owned(),
+            ..Self::default()
+        }
+    }
+}
+
+fn decision_code(decision: Decision) -> u8 {
+    match decision {
+        Decision::Pending => ImpactEstimate::DECISION_PENDING,
+        Decision::Accepted => ImpactEstimate::DECISION_ACCEPTED,
+        Decision::Merged => ImpactEstimate::DECISION_MERGED,
+        Decision::Rejected => ImpactEstimate::DECISION_REJECTED,
+        Decision::Refused => ImpactEstimate::DECISION_REFUSED,
+    }
+}

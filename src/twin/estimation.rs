@@ -1,0 +1,426 @@
+//! From an estimate to an impact: acceptance, following, and events that are the same impact.
+
+use std::sync::Arc;
+
+use super::active_response::ActiveResponse;
+use super::command::{Accepted, EstimateDecision, Nanos};
+use super::estimates::{Decision, Sequence, contact, is_sure_enough};
+use super::lifecycle::Twin;
+use super::output::{EstimateOutput, MergedEvent, NoticeLevel, Output, Outputs};
+use super::plant::Struck;
+use super::refusal::{Refusal, RefusalCode};
+use super::registry::{PendingImpact, RefusedInput, check_not_ahead, printable};
+use super::what_if::Striking;
+use crate::column::Phase;
+use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
+use crate::senses::EstimateRecord;
+
+impl Twin {
+    fn estimation(&self) -> &EstimationSettings {
+        &self.parameters.current().settings().estimation
+    }
+
+    /// Takes an estimate. One that comes late, because a later or the final one is known, is left aside.
+    pub(super) fn take_estimate(
+        &mut self,
+        record: &Arc<EstimateRecord>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Accepted {
+        let sequence = self.estimates.take(record);
+        match sequence {
+            Sequence::Late => return Accepted::Unchanged,
+            Sequence::First => self.tell_first(record, now, out),
+            Sequence::Update => {}
+        }
+        self.link_with_event(now, out);
+        let (accept, is_sure) = (
+            self.estimation().accept,
+            is_sure_enough(record, self.estimation()),
+        );
+        match self.decision() {
+            Decision::Accepted => self.follow(record, now, out),
+            Decision::Pending
+                if accept == AcceptEstimates::Automatic && (is_sure || record.is_final) =>
+            {
+                // A refusal was counted and given out.
+                let _ = self.accept_newest(now, out);
+            }
+            _ => {}
+        }
+        self.estimates.set_changed();
+        self.status.set_changed();
+        if record.is_final {
+            // A recording that begins at rest needs no estimate before it.
+            self.journal.set_checkpoint_due();
+        }
+        Accepted::Applied
+    }
+
+    fn tell_first(&self, record: &EstimateRecord, now: Nanos, out: &mut impl Outputs) {
+        let next = match self.estimation().accept {
+            AcceptEstimates::Never => "it is only published (estimation.accept is never)",
+            AcceptEstimates::Confirmation => {
+                "it becomes an impact when ~/confirm_estimate accepts it"
+            }
+            AcceptEstimates::Automatic => {
+                "it becomes an impact when its estimate is sure enough, at the latest with the final one"
+            }
+        };
+        let text = format!(
+            "the sensors have felt an impact, \"{}\"; {next}",
+            record.event_id
+        );
+        out.notice(NoticeLevel::Warning, now, text);
+    }
+
+    /// What has become of the newest impact that the sensors have felt.
+    fn decision(&self) -> Decision {
+        let newest = self.estimates.newest();
+        newest.map_or(Decision::Rejected, |it| it.decision)
+    }
+
+    fn decide(&mut self, decision: Decision) {
+        if let Some(newest) = self.estimates.newest_mut() {
+            newest.decision = decision;
+        }
+        self.estimates.set_changed();
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+    }
+
+    /// The impact that waits for somebody to confirm it.
+    pub(super) fn waiting_estimate(&self) -> Option<&Arc<str>> {
+        let waits = self.estimation().accept == AcceptEstimates::Confirmation;
+        let newest = self.estimates.newest();
+        newest
+            .filter(|it| waits && it.decision == Decision::Pending)
+            .map(|it| &it.record.event_id)
+    }
+
+    /// Gives out the newest estimate with what has become of it, if anything of that has changed.
+    pub(super) fn put_estimate(&mut self, out: &mut impl Outputs) {
+        if let Some(newest) = self.estimates.take_changed() {
+            out.put(Output::Estimate(EstimateOutput {
+                stamp: newest.contact(),
+                record: Arc::clone(&newest.record),
+                decision: newest.decision,
+                merged_event_id: newest.event_id.clone(),
+            }));
+        }
+    }
+
+    // Acceptance
+
+    /// Executes what somebody has decided.
+    ///
+    /// # Errors
+    /// There is nothing to decide, or the column cannot take the impact.
+    pub(super) fn decide_estimate(
+        &mut self,
+        decision: &EstimateDecision,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<Accepted, Refusal> {
+        self.check_decision(decision)?;
+        let outcome = match decision.accept {
+            true => self.accept_newest(now, out),
+            false => {
+                self.decide(Decision::Rejected);
+                Ok(())
+            }
+        };
+        if let Some(newest) = self.estimates.newest() {
+            let verdict = match (decision.accept, &outcome) {
+                (true, Ok(())) => "confirmed",
+                (true, Err(_)) => "confirmed, but cannot be taken,",
+                (false, _) => "rejected",
+            };
+            let id = &newest.record.event_id;
+            let text = format!(
+                "the impact \"{id}\" that the sensors have felt is {verdict} by {}",
+                decision.source
+            );
+            out.notice(NoticeLevel::Info, now, text);
+        }
+        self.estimates.set_changed();
+        outcome.map(|()| Accepted::Applied)
+    }
+
+    fn check_decision(&self, decision: &EstimateDecision) -> Result<(), Refusal> {
+        let not_pending =
+            |reason: String| Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
+        let wanted = decision.event_id.as_str();
+        let Some(newest) = self.estimates.newest() else {
+            let reason = "the sensors have felt no impact since the start or the last reset";
+            return not_pending(reason.to_owned());
+        };
+        let id = &newest.record.event_id;
+        if !wanted.is_empty() && *wanted != **id {
+            return not_pending(format!(
+                "the newest impact that the sensors have felt is \"{id}\", not \"{}\"; only the newest can be decided",
+                printable(wanted)
+            ));
+        }
+        match (&newest.event_id, newest.decision) {
+            _ if self.estimation().accept == AcceptEstimates::Never => not_pending(format!(
+                "the parameter estimation.accept is never, so that estimates do not become impacts; \
+                 set it to confirmation to decide about \"{id}\""
+            )),
+            (_, Decision::Accepted) => not_pending(format!(
+                "\"{id}\" is an impact of the twin already; only a reset takes it back (~/reset)"
+            )),
+            (event, Decision::Merged) => not_pending(format!(
+                "\"{id}\" is the same impact as the event \"{}\", which the twin follows",
+                event.as_deref().unwrap_or_default()
+            )),
+            (_, Decision::Pending | Decision::Rejected | Decision::Refused) => Ok(()),
+        }
+    }
+
+    /// Makes the newest impact that the sensors have felt an impact of the twin, or counts and gives out why that cannot be.
+    fn accept_newest(&mut self, now: Nanos, out: &mut impl Outputs) -> Result<(), Refusal> {
+        let Some(newest) = self.estimates.newest() else {
+            return Ok(());
+        };
+        let record = Arc::clone(&newest.record);
+        match self.meet_estimate(&record, now, out) {
+            Ok(()) => {
+                self.decide(Decision::Accepted);
+                Ok(())
+            }
+            Err(refusal) => {
+                self.decide(Decision::Refused);
+                self.refuse_impact(&record.event_id, refusal.clone(), now, out);
+                Err(refusal)
+            }
+        }
+    }
+
+    fn meet_estimate(
+        &mut self,
+        record: &EstimateRecord,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Result<(), Refusal> {
+        let stamp = contact(record);
+        self.registry.check_event_id(&record.event_id)?;
+        check_not_ahead(stamp, now, self.parameters.current())?;
+        let snapshot = self.snapshot();
+        let striking = snapshot.checked(vehicle_name(record), record.best)?;
+        let height = snapshot.height_of_estimates();
+        let struck = snapshot.strike(striking.impact, height)?;
+        let pending = PendingImpact {
+            event_id: Arc::clone(&record.event_id),
+            stamp,
+            striking,
+            height,
+        };
+        self.meet(pending, struck, now, out)
+    }
+
+    // Following
+
+    /// Replaces the impact of an accepted estimate by that of a later one, as long as its response is the last one and the
+    /// column has not been changed since.
+    fn follow(&mut self, record: &EstimateRecord, now: Nanos, out: &mut impl Outputs) {
+        let of_it = |it: &ActiveResponse| it.impact.event_id == record.event_id;
+        let last = self.last.as_ref().filter(|it| it.before.is_some());
+        let found = self.response.as_ref().or(last.map(|it| &it.response));
+        let replaced = match found.filter(|it| of_it(it)) {
+            Some(response) => self.replacement(response, record),
+            None => self.replace_pending(record),
+        };
+        match replaced {
+            Ok(Some((pending, struck))) => self.replace(pending, struck, now, out),
+            Ok(None) => {}
+            Err(refusal) => {
+                let text = format!(
+                    "a later estimate of impact \"{}\" cannot be followed: {refusal}",
+                    record.event_id
+                );
+                out.notice(NoticeLevel::Warning, now, text);
+            }
+        }
+    }
+
+    /// The impact of a later estimate, and the column as it was before with it on its way; `None` if it is the same as that
+    /// of the response. On a column that was moving already, the instant of contact remains: how the column moved without the
+    /// impact is not known beyond it.
+    fn replacement(
+        &self,
+        response: &ActiveResponse,
+        record: &EstimateRecord,
+    ) -> Result<Option<(PendingImpact, Struck)>, Refusal> {
+        let before = &response.before;
+        let is_at_rest = before.state.sample(&before.model).phase == Phase::Idle;
+        let stamp = match is_at_rest {
+            true => contact(record),
+            false => response.impact.stamp,
+        };
+        let snapshot = self.snapshot_of(before.clone());
+        let striking = snapshot.checked(vehicle_name(record), record.best)?;
+        if stamp == response.impact.stamp && striking == response.impact.striking {
+            return Ok(None);
+        }
+        let properties = &response.timeline.plant().model.properties;
+        let height = Some(properties.length_below);
+        let struck = snapshot.strike(striking.impact, height)?;
+        let pending = PendingImpact {
+            event_id: Arc::clone(&record.event_id),
+            stamp,
+            striking,
+            height,
+        };
+        Ok(Some((pending, struck)))
+    }
+
+    /// Replaces the impact of an estimate that has not begun yet.
+    fn replace_pending(
+        &mut self,
+        record: &EstimateRecord,
+    ) -> Result<Option<(PendingImpact, Struck)>, Refusal> {
+        let striking = self.snapshot().checked(vehicle_name(record), record.best)?;
+        let Some(pending) = self.registry.pending_mut(&record.event_id) else {
+            let reason =
+                "another impact, a reset or a change of the column has come after its response";
+            return Err(Refusal::new(RefusalCode::EstimateNotPending, reason));
+        };
+        pending.striking = striking;
+        Ok(None)
+    }
+
+    fn replace(
+        &mut self,
+        pending: PendingImpact,
+        struck: Struck,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        let mut text = format!(
+            "impact \"{}\" is replaced by its later estimate: {} kg, {} m/s",
+            pending.event_id, pending.striking.impact.mass, pending.striking.impact.velocity
+        );
+        if self.response.is_none()
+            && let Some(last) = self.last.take()
+        {
+            if let Some(before) = last.before {
+                self.at_rest = before.at_rest;
+                self.assessed = before.assessed;
+                self.registry.life.last_impact = before.last_impact;
+                self.take_back(last.response, before.plastic_work);
+            }
+            self.forget_other_critical_velocities();
+            text += "; its report no longer holds";
+        }
+        out.notice(NoticeLevel::Info, now, text);
+        if let Some(response) = self.response.take() {
+            self.begin_once_more(response, pending, struck, out);
+        }
+    }
+
+    // Events that are the same impact
+
+    /// Whether an event is the same impact as an accepted one that the sensors have felt. It is kept as evidence then.
+    pub(super) fn merge(
+        &mut self,
+        event_id: &Arc<str>,
+        contact: Nanos,
+        striking: &Striking,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> bool {
+        let window = self.estimation().merge_window;
+        let same = self.estimates.same_impact(contact, window);
+        let Some(sensed) = same.filter(|it| it.decision == Decision::Accepted) else {
+            return false;
+        };
+        sensed.event_id = Some(Arc::clone(event_id));
+        let estimate_id = Arc::clone(&sensed.record.event_id);
+        self.registry.merge(Arc::clone(event_id));
+        self.status.set_changed();
+        self.journal.set_checkpoint_due();
+        let text = format!(
+            "impact event \"{event_id}\" is merged with \"{estimate_id}\", the same impact, which the sensors have felt"
+        );
+        out.notice(NoticeLevel::Info, now, text);
+        out.put(Output::Merged(MergedEvent {
+            event_id: Arc::clone(event_id),
+            estimate_id,
+            contact,
+            striking: striking.clone(),
+        }));
+        self.estimates.set_changed();
+        true
+    }
+
+    /// An event was accepted: it is the impact that the sensors have felt or may still report.
+    pub(super) fn link(
+        &mut self,
+        event_id: &Arc<str>,
+        contact: Nanos,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) {
+        self.estimates.remember(Arc::clone(event_id), contact);
+        self.link_with_event(now, out);
+    }
+
+    /// Links an impact that the sensors have felt, and that was not decided, with the event that is the same impact, if there
+    /// is one.
+    fn link_with_event(&mut self, now: Nanos, out: &mut impl Outputs) {
+        let window = self.estimation().merge_window;
+        let open = |it: Decision| matches!(it, Decision::Pending | Decision::Refused);
+        let Some(contact) = self
+            .estimates
+            .newest()
+            .filter(|it| open(it.decision))
+            .map(|it| it.contact())
+        else {
+            return;
+        };
+        let Some(event_id) = self.estimates.take_event(contact, window) else {
+            return;
+        };
+        if let Some(newest) = self.estimates.newest_mut() {
+            let text = format!(
+                "the impact \"{}\" that the sensors have felt is that of impact event \"{event_id}\", which the twin follows",
+                newest.record.event_id
+            );
+            out.notice(NoticeLevel::Info, now, text);
+            newest.event_id = Some(event_id);
+        }
+        self.decide(Decision::Merged);
+    }
+
+    /// Refuses a request whose sender gets an answer.
+    pub(super) fn refuse_request(
+        &mut self,
+        what: RefusedInput,
+        refusal: Refusal,
+        source: &Arc<str>,
+        now: Nanos,
+        out: &mut impl Outputs,
+    ) -> Refusal {
+        self.status.set_changed();
+        let refused = self
+            .registry
+            .refuse_request(what, refusal.clone(), source, now);
+        out.put(Output::Refused(refused));
+        refusal
+    }
+}
+
+/// The name of the vehicle that follows an estimate: the most probable one that is no rigid mass; empty where it is none of
+/// the catalogue.
+fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
+    if record.best.vehicle.is_none() {
+        return RIGID.into();
+    }
+    let names = record.estimate.vehicle_probabilities.iter();
+    let mut names = names
+        .map(|(name, _)| name.as_str())
+        .filter(|it| *it != RIGID);
+    let name = names.next().and_then(CatalogueVehicle::named);
+    name.map_or("", |it| it.name.as_str()).into()
+}
