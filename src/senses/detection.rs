@@ -64,6 +64,9 @@ const WITNESS_RATE: f64 = 200.0;
 /// A sensor without a sample for so long, by the times of the others, is not waited for \[s\].
 const ABSENCE: f64 = 0.5;
 
+/// Share of its declared noise that a sensor has to show, for it to count that it feels nothing.
+const WORKING_NOISE: f64 = 0.5;
+
 /// Standard deviation of an instant of contact that one sample shows \[s\]: waves need some tenths of a millisecond from the
 /// impact to the sensor.
 const LEAST_DEVIATION: f64 = 0.2e-3;
@@ -247,18 +250,17 @@ impl Detector {
         let mut witnesses = 0;
         let mut may_follow = false;
         for (index, channel) in self.channels.iter().enumerate() {
-            if index == sensor
-                || !channel.is_witness
-                || !channel.is_judged()
-                || channel.last_time < confirmed_at - ABSENCE
-            {
+            if index == sensor || !channel.is_witness {
                 continue;
             }
-            witnesses += 1;
             let is_common = |other: Onset| (other.time - onset.time).abs() <= COMMON_IMPACT;
             if channel.onset.is_some_and(is_common) {
                 return Some(true);
             }
+            if !channel.is_working() || channel.last_time < confirmed_at - ABSENCE {
+                continue;
+            }
+            witnesses += 1;
             may_follow |= channel.last_time < onset.time + COMMON_IMPACT;
         }
         match (witnesses, may_follow) {
@@ -390,6 +392,12 @@ impl Channel {
 
     fn is_judged(&self) -> bool {
         self.samples >= LEAST_SAMPLES
+    }
+
+    /// Whether its silence says something: it is judged, and shows its noise, which a sensor that is stuck does not.
+    fn is_working(&self) -> bool {
+        let declared = WORKING_NOISE * self.declared_noise / (self.averaging as f64).sqrt();
+        self.is_judged() && self.variance > declared * declared
     }
 
     /// Returns whether this sample confirms an impact.

@@ -275,3 +275,34 @@ fn a_step_of_one_sensor_alone_is_no_impact() {
     assert_eq!(detections.len(), 1);
     assert!((detections[0].contact.time - 8.0).abs() < 1e-3);
 }
+
+/// The silence of a sensor that is stuck, or has stopped, does not outvote the others.
+#[test]
+fn a_sensor_that_is_stuck_or_dead_does_not_veto_an_impact() {
+    let sensors = industrial();
+    for dead in [false, true] {
+        let mut detector = Detector::new(&sensors);
+        let mut normal = Normal::new(4);
+        let mut detections = Vec::new();
+        for sample in 0..51_000_usize {
+            let time = sample as f64 * 1e-4;
+            let since = (time - 5.0).max(0.0);
+            for (k, size) in [20.0 * since.signum(), 0.5 * since, 0.02 * since]
+                .into_iter()
+                .enumerate()
+            {
+                // Only the laser works from 1 s on.
+                let is_broken = k != 1 && time > 1.0;
+                if is_broken && dead {
+                    continue;
+                }
+                let works = sensors[k].noise * normal.next() + if time > 5.0 { size } else { 0.0 };
+                let value = if is_broken { 0.0 } else { works };
+                detections.extend(detector.push(k, time, value));
+            }
+        }
+        assert_eq!(detections.len(), 1, "{dead}");
+        assert_eq!(detections[0].sensor, 1);
+        assert!((detections[0].contact.time - 5.0).abs() < 1e-3);
+    }
+}
