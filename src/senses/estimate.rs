@@ -78,6 +78,6 @@ pub struct ImpactEstimate {
     /// Effective number of responses behind the estimate; below about 20 the intervals are unreliable.
     pub effective_responses: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
-    /// read. As long as at least two others agree, they do not count.
+    /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,
 }
