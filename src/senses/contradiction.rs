@@ -36,8 +36,8 @@ pub(super) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
 }
 
 /// The sensors whose readings no response explains that the other sensors consider plausible, and those of them that
-/// do not count any more. The sensor without which the others agree best is the one in doubt; where two fit the rest
-/// equally well or badly, as with only two sensors, both are, and both count.
+/// do not count any more. The sensor without which the others are explained best is the one in doubt; where that holds for two
+/// alike, both are, and both count.
 pub(super) fn contradictions(
     members: &[Member],
     observed: &[Observed],
@@ -95,7 +95,7 @@ pub(super) fn contradictions(
         for &sensor in &suspects {
             found[0][sensor] = true;
         }
-        let ([culprit], 3..) = (suspects.as_slice(), active.len()) else {
+        let [culprit] = suspects.as_slice() else {
             break;
         };
         found[1][*culprit] = true;

@@ -96,6 +96,6 @@ pub struct ImpactEstimate {
     #[serde(with = "exact_number")]
     pub effective_responses: f64,
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
-    /// read. As long as at least two others agree, they do not count.
+    /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,
 }
