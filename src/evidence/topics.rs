@@ -7,7 +7,7 @@ use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
 /// The endpoints that are recorded.
-pub const RECORDED: [&Endpoint; 14] = [
+pub const RECORDED: [&Endpoint; 15] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
     &endpoints::COLUMN_PARAMETERS,

@@ -37,7 +37,7 @@ pub use notifier::Notifier;
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 #[cfg(feature = "study")]
-pub use sensing::{Deliver, LiveSensing, SENSING_THREAD};
+pub use sensing::{Deliver, SENSING_THREAD};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
 pub use state_writer::STATE_WRITER_THREAD;
 
@@ -63,9 +63,9 @@ pub struct LiveOptions {
     pub outputs: Vec<OutputQueue>,
     /// The queue of measurements; `None` without sensors.
     pub measurements: Option<Arc<MeasurementQueue>>,
-    /// Feeling impacts with the sensors of the parameters; `None`: without sensors.
+    /// Takes the estimates of impacts that the sensors have felt; `None`: the twin.
     #[cfg(feature = "study")]
-    pub sensing: Option<LiveSensing>,
+    pub estimates: Option<Deliver>,
 }
 
 impl Default for LiveOptions {
@@ -76,7 +76,7 @@ impl Default for LiveOptions {
             outputs: vec![OutputQueue::ros()],
             measurements: None,
             #[cfg(feature = "study")]
-            sensing: None,
+            estimates: None,
         }
     }
 }
@@ -143,7 +143,7 @@ impl Live {
             shared: Arc::clone(&shared),
             state_writer: None,
             solver: None,
-            measurements: options.measurements,
+            measurements: options.measurements.clone(),
             #[cfg(feature = "study")]
             sensing: None,
             real_time: RealTimeGrants::default(),
@@ -167,6 +167,16 @@ impl Live {
             parameters,
             column_changes: Arc::clone(&shared.column_changes),
             unnotified: false,
+        };
+        #[cfg(feature = "study")]
+        let to_the_twin = {
+            let shared = Arc::clone(&shared);
+            Deliver::new(move |record| {
+                shared.inbox.submit(Request::Command {
+                    command: Command::Estimate(Arc::new(record)),
+                    reply: Reply::none(),
+                })
+            })
         };
         #[cfg(feature = "study")]
         let surroundings = Surroundings {
@@ -201,8 +211,9 @@ impl Live {
         );
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
         #[cfg(feature = "study")]
-        if let Some(sensing) = options.sensing {
-            handle.sensing = Some(SensingThread::start(sensing, surroundings)?);
+        if let Some(measurements) = options.measurements {
+            let deliver = options.estimates.unwrap_or(to_the_twin);
+            handle.sensing = Some(SensingThread::start(measurements, deliver, surroundings)?);
         }
         Ok(handle)
     }

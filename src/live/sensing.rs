@@ -33,23 +33,24 @@ const MAX_WAIT: Duration = Duration::from_millis(100);
 /// Time between two attempts to get a column that is at rest \[ns\].
 const ATTEMPT_PERIOD: Nanos = 100_000_000;
 
-/// Feeling impacts with sensors.
+/// Takes an estimate, or says why not. The estimates come in the order in which they are made; it must not block for long.
 #[derive(Clone)]
-pub struct LiveSensing {
-    /// Where the measurements come from.
-    pub measurements: Arc<MeasurementQueue>,
-    /// Takes the estimates, in the order in which they are made. It must not block for long.
-    pub deliver: Deliver,
+pub struct Deliver(Arc<TakeEstimate>);
+
+type TakeEstimate = dyn Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync;
+
+impl Deliver {
+    /// Passes every estimate to `take`.
+    pub fn new(
+        take: impl Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync + 'static,
+    ) -> Self {
+        Self(Arc::new(take))
+    }
 }
 
-/// Takes an estimate, or says why not.
-pub type Deliver = Arc<dyn Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync>;
-
-impl fmt::Debug for LiveSensing {
+impl fmt::Debug for Deliver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("LiveSensing")
-            .field("measurements", &self.measurements)
-            .finish_non_exhaustive()
+        f.debug_struct("Deliver").finish_non_exhaustive()
     }
 }
 
@@ -79,12 +80,16 @@ pub(super) struct SensingThread {
 }
 
 impl SensingThread {
-    pub fn start(options: LiveSensing, surroundings: Surroundings) -> std::io::Result<Self> {
+    pub fn start(
+        measurements: Arc<MeasurementQueue>,
+        deliver: Deliver,
+        surroundings: Surroundings,
+    ) -> std::io::Result<Self> {
         let (stop, lost) = (Arc::<AtomicBool>::default(), Arc::<AtomicU64>::default());
-        let measurements = Arc::clone(&options.measurements);
         let processors = allowed(&surroundings.reserved);
         let loop_ = Loop {
-            options,
+            measurements: Arc::clone(&measurements),
+            deliver,
             surroundings,
             stop: Arc::clone(&stop),
             lost: Arc::clone(&lost),
@@ -133,7 +138,8 @@ fn allowed(reserved: &[usize]) -> Option<CpuSet> {
 }
 
 struct Loop {
-    options: LiveSensing,
+    measurements: Arc<MeasurementQueue>,
+    deliver: Deliver,
     surroundings: Surroundings,
     stop: Arc<AtomicBool>,
     lost: Arc<AtomicU64>,
@@ -159,7 +165,7 @@ impl Loop {
             });
             match work {
                 Work::More { .. } => {}
-                Work::Idle => self.options.measurements.wait(MAX_WAIT),
+                Work::Idle => self.measurements.wait(MAX_WAIT),
                 Work::Estimate(record) => self.deliver(*record),
                 Work::Missed(reason) => {
                     let text =
@@ -172,7 +178,7 @@ impl Loop {
 
     fn take_batches(&mut self) {
         for _ in 0..MAX_BATCHES_PER_SLICE {
-            let Some((number, batch)) = self.options.measurements.pop() else {
+            let Some((number, batch)) = self.measurements.pop() else {
                 return;
             };
             if let Some(sensing) = &mut self.sensing {
@@ -183,7 +189,7 @@ impl Loop {
 
     fn deliver(&mut self, record: EstimateRecord) {
         let (event_id, update) = (Arc::clone(&record.event_id), record.update);
-        if let Err(refusal) = (self.options.deliver)(record) {
+        if let Err(refusal) = (self.deliver.0)(record) {
             self.lost.fetch_add(1, Ordering::Relaxed);
             let text = format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
             self.say(NoticeLevel::Error, text);
@@ -305,16 +311,14 @@ mod tests {
         measurements: &Arc<MeasurementQueue>,
     ) -> (super::super::LiveHandle, Receiver<EstimateRecord>) {
         let (sender, estimates) = channel();
-        let deliver: Deliver = Arc::new(move |record| {
+        let deliver = Deliver::new(move |record| {
             let _ = sender.send(record);
             Ok(())
         });
         let twin = Twin::new(parameters(), None, Box::new(|| 0), 0).expect("stands");
         let options = LiveOptions {
-            sensing: Some(LiveSensing {
-                measurements: Arc::clone(measurements),
-                deliver,
-            }),
+            measurements: Some(Arc::clone(measurements)),
+            estimates: Some(deliver),
             ..LiveOptions::default()
         };
         let live = Live::start(twin, SimClock::new(0), options).expect("threads");
@@ -372,10 +376,8 @@ mod tests {
             reserved: Vec::new(),
         };
         let mut sensing = Loop {
-            options: LiveSensing {
-                measurements: Arc::default(),
-                deliver: Arc::new(|_| Ok(())),
-            },
+            measurements: Arc::default(),
+            deliver: Deliver::new(|_| Ok(())),
             surroundings,
             stop: Arc::default(),
             lost: Arc::default(),

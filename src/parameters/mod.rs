@@ -66,9 +66,10 @@ pub use settings::{
     AcceptEstimates, AssessmentSettings, CapacitySettings, Compression, DampingSettings,
     EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
     RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
-    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings, SensorsSettings, Settings,
-    SolverSettings, SpringSettings, StateSettings, SteelSettings, SupportKind, SupportSettings,
-    TopSettings, VehicleSettings, ViewerMode, ViewerSettings, YieldSurfaceSettings,
+    ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
+    SensorsSettings, Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
+    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
+    YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
