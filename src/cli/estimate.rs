@@ -179,6 +179,7 @@ fn estimate_fields(estimate: &ImpactEstimate) -> Map<String, Json> {
         "severity": named(&mut estimate.severity.iter().map(severity)),
         "vehicle_probabilities": named(&mut estimate.vehicle_probabilities.iter().cloned()),
         "effective_responses": estimate.effective_responses,
+        "doubtful_sensors": estimate.doubtful_sensors,
     });
     match fields {
         Json::Object(fields) => fields,
@@ -286,6 +287,13 @@ fn summary(impact: &RecordedImpact, sensor: &str) -> String {
             text,
             "\nWarning: the estimate rests on {:.0} effective responses; its intervals are unreliable.",
             last.effective_responses
+        );
+    }
+    if !last.doubtful_sensors.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nWarning: {} contradicts the other sensors; check its scale, sign and position.",
+            last.doubtful_sensors.join(", ")
         );
     }
     text += "\nThe estimate knows the model's own error as docs/estimation.md describes it, and the column as it was when new.\n";

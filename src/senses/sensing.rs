@@ -238,7 +238,7 @@ impl Sensing {
         let base = *self.base.get_or_insert(batch.first);
         let sensor = usize::from(batch.sensor);
         for (time, value) in batch.samples() {
-            let since = (time - base) as f64 / NANOS;
+            let since = time.saturating_sub(base) as f64 / NANOS;
             let Some(mut detection) = self.detector.push(sensor, since, f64::from(value)) else {
                 continue;
             };
@@ -261,7 +261,7 @@ impl Sensing {
             }
         }
         if let Phase::Settling(since) = self.phase
-            && batch.end() - since > QUIET
+            && batch.end().saturating_sub(since) > QUIET
         {
             self.phase = Phase::Armed;
         }
@@ -333,7 +333,8 @@ impl Sensing {
             feed(&mut self.estimator, origin, &batch);
         }
         let newest = self.ends.iter().flatten().max().copied();
-        let is_alive = |end: &Option<Nanos>| *end > newest.map(|newest| newest - ALIVE);
+        let is_alive =
+            |end: &Option<Nanos>| *end > newest.map(|newest| newest.saturating_sub(ALIVE));
         self.phase = Phase::Impact(Box::new(CurrentImpact {
             event_id: format!("felt-{origin}").into(),
             origin,
@@ -432,11 +433,13 @@ impl CurrentImpact {
         let mut until = newest;
         for (awaited, end) in self.awaited.iter_mut().zip(ends) {
             match end {
-                Some(end) if *awaited && newest - end <= MAX_WAIT => until = until.min(*end),
+                Some(end) if *awaited && newest.saturating_sub(*end) <= MAX_WAIT => {
+                    until = until.min(*end)
+                }
                 _ => *awaited = false,
             }
         }
-        (until - self.origin) as f64 / NANOS
+        until.saturating_sub(self.origin) as f64 / NANOS
     }
 
     fn record(
@@ -477,7 +480,7 @@ fn is_due(last: f64, available: f64) -> bool {
 /// Lets the estimator take a batch of an impact with contact at `origin`.
 pub(super) fn feed(estimator: &mut Estimator, origin: Nanos, batch: &Batch) {
     for (time, value) in batch.samples() {
-        let since = (time - origin) as f64 / NANOS;
+        let since = time.saturating_sub(origin) as f64 / NANOS;
         estimator.push(usize::from(batch.sensor), since, f64::from(value));
     }
 }

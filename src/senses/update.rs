@@ -24,7 +24,7 @@ pub(super) struct Refinement {
 #[derive(Debug, Clone)]
 enum Stage {
     Plan,
-    Compute(Round),
+    Compute(Box<Round>),
     Weigh,
     Over,
 }
@@ -73,7 +73,7 @@ impl Refinement {
                     // There is nothing to draw from.
                     Stage::Over
                 } else {
-                    Stage::Compute(round)
+                    Stage::Compute(Box::new(round))
                 }
             }
             Stage::Compute(mut round) if may_draw && !round.is_complete() => {
@@ -82,7 +82,7 @@ impl Refinement {
                 Stage::Compute(round)
             }
             Stage::Compute(round) => {
-                estimator.add(round);
+                estimator.add(*round);
                 Stage::Weigh
             }
             Stage::Weigh => match estimator.weigh_some(WEIGHED) {
