@@ -97,8 +97,7 @@ pub fn send_measurements(
         })?;
         let due = batches(options);
         let duration = due.last().map_or(0.0, |last| last.at);
-        // Written so that NaN is rejected.
-        if !(duration <= MAX_DURATION) {
+        if duration.is_nan() || duration > MAX_DURATION {
             return Err(ClientError::TooLong {
                 found: duration,
                 most: MAX_DURATION,

@@ -360,8 +360,7 @@ impl Channel {
             return Err(Rejection::TooLong { found: count });
         }
         let deviation = (raw.sample_period * self.sensor.rate - 1.0).abs();
-        // Written so that NaN is rejected.
-        if !(deviation <= PERIOD_TOLERANCE) {
+        if deviation.is_nan() || deviation > PERIOD_TOLERANCE {
             return Err(Rejection::Period {
                 sensor: self.sensor.name.clone(),
                 found: raw.sample_period,
