@@ -280,7 +280,7 @@ fn no_estimator(error: &EstimatorError) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::{Receiver, channel};
+    use std::sync::mpsc::{Receiver, sync_channel};
 
     use super::super::clock::SimClock;
     use super::super::queue::{OutputQueue, Receiver as OutputReceiver};
@@ -310,7 +310,7 @@ mod tests {
     fn sensing(
         measurements: &Arc<MeasurementQueue>,
     ) -> (super::super::LiveHandle, Receiver<EstimateRecord>) {
-        let (sender, estimates) = channel();
+        let (sender, estimates) = sync_channel(1_000);
         let deliver = Deliver::new(move |record| {
             let _ = sender.send(record);
             Ok(())
