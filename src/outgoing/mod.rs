@@ -483,6 +483,7 @@ mod tests {
             Message::HingeForces(HingeForces::default()),
             Message::ImpactForecast(ImpactReport::default()),
             Message::ImpactReport(ImpactReport::default()),
+            Message::ImpactEstimate(ImpactEstimate::default()),
             Message::TwinStatus(TwinStatus::default()),
             Message::JointStates(JointState::default()),
             Message::Markers(MarkerArray::default()),
