@@ -474,6 +474,7 @@ mod tests {
             HingeForces::INTERFACE,
             ImpactReport::INTERFACE,
             ImpactReport::INTERFACE,
+            ImpactEstimate::INTERFACE,
             TwinStatus::INTERFACE,
             JointState::INTERFACE,
             MarkerArray::INTERFACE,
