@@ -23,6 +23,7 @@ pub mod endpoints;
 pub mod evidence;
 #[cfg(feature = "cli")]
 pub mod figures;
+pub mod fleet;
 mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;

@@ -19,7 +19,7 @@ use crate::twin::{Command, CriticalVelocityTask, Twin};
 pub const BACKGROUND_THREAD: &str = "column_twin/critical"; // the system shows the first 15 characters
 
 /// The stack of the thread \[B\]: a response needs a few kilobytes, and the memory may be locked.
-const STACK: usize = 512 << 10;
+pub(super) const STACK: usize = 512 << 10;
 
 /// The computation of critical velocities in the background.
 #[derive(Debug)]

@@ -11,6 +11,7 @@ mod clock;
 mod inbox;
 mod lateness;
 mod notifier;
+mod pool;
 pub(crate) mod queue;
 mod real_time;
 mod solver;
@@ -30,6 +31,7 @@ pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use notifier::Notifier;
+pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THREADS};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, request_for_publisher};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
@@ -37,7 +39,7 @@ pub use state_writer::STATE_WRITER_THREAD;
 
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, RefusalCode, Twin};
+use crate::twin::{Accepted, ColumnSnapshot, Command, Prediction, Refusal, Twin};
 use background::Background;
 use inbox::{Reply, Request};
 use queue::OutputQueues;
@@ -157,6 +159,7 @@ impl Live {
             background: Background::new(),
             latest: None,
             completing_cycles: 0,
+            planned: None,
         };
         let (sender, grants) = sync_channel(1);
         let real_time = options.real_time;
@@ -208,13 +211,9 @@ impl LiveHandle {
     fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
         let (reply, answer) = Reply::channel();
         self.shared.inbox.submit(request(reply))?;
-        answer.wait(ANSWER_TIMEOUT).map_err(|_| {
-            let reason = format!(
-                "the solver did not answer within {} s; the command may still be executed, see twin_status",
-                ANSWER_TIMEOUT.as_secs()
-            );
-            Refusal::new(RefusalCode::NoAnswer, reason)
-        })
+        answer
+            .wait(ANSWER_TIMEOUT)
+            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
     }
 
     /// The outputs for the reader with this name; `None` if there is no such queue, or its receiver was taken before.

@@ -25,12 +25,16 @@ interfaces! {
     column_twin Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
     column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
     column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
+    column_twin Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";
+    column_twin Message FleetStatus = FleetStatus in "msg/FleetStatus.msg";
     column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
     column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
     column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
     column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
     column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
     column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
+    column_twin Request ResetColumn = ResetColumnRequest in "srv/ResetColumn.srv";
+    column_twin Response ResetColumn = ResetColumnResponse in "srv/ResetColumn.srv";
 
     builtin_interfaces Message Duration = Duration in "msg/deps/builtin_interfaces/Duration.msg";
     builtin_interfaces Message Time = Time in "msg/deps/builtin_interfaces/Time.msg";

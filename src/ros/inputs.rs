@@ -123,7 +123,7 @@ impl Subscriptions {
 }
 
 /// Passes every message to `handle`. Messages that cannot be read, or were lost before, are counted and logged.
-async fn each<M: serde::de::DeserializeOwned + 'static>(
+pub(super) async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
     endpoint: &Endpoint,
     counters: &NodeCounters,
@@ -157,10 +157,10 @@ async fn each<M: serde::de::DeserializeOwned + 'static>(
 }
 
 /// Most characters of an identifier that a log names before it was checked.
-const MAX_NAMED_CHARS: usize = 64;
+pub(super) const MAX_NAMED_CHARS: usize = 64;
 
 /// Logs and records that a message of a sender was rejected.
-fn tell(
+pub(super) fn tell(
     recording: &Option<Arc<dyn RecordingTap>>,
     endpoint: &Endpoint,
     what: &str,
@@ -349,7 +349,7 @@ impl Services {
 }
 
 /// Answers every request with the result of `reply`.
-async fn answer<Request, Response>(
+pub(super) async fn answer<Request, Response>(
     endpoint: &Endpoint,
     server: &Server<Request, Response>,
     counters: &NodeCounters,
@@ -362,7 +362,7 @@ async fn answer<Request, Response>(
 }
 
 /// Answers every request with the result of `reply`, which is given the sender too.
-async fn answer_from<Request, Response>(
+pub(super) async fn answer_from<Request, Response>(
     endpoint: &Endpoint,
     server: &Server<Request, Response>,
     counters: &NodeCounters,

@@ -156,7 +156,7 @@ impl TwinNode {
     }
 }
 
-fn publish_log(
+pub(super) fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
@@ -193,7 +193,7 @@ fn publish_log(
     })
 }
 
-fn spawn(
+pub(super) fn spawn(
     name: &'static str,
     run: impl FnOnce() + Send + 'static,
 ) -> Result<JoinHandle<()>, NodeError> {

@@ -36,7 +36,7 @@ pub(super) struct ActiveResponse {
 /// A response that is over.
 #[derive(Debug)]
 pub(super) struct LastResponse {
-    pub response: ActiveResponse,
+    pub response: Box<ActiveResponse>,
     /// Work dissipated before it \[J\], as long as it can be resumed for a late impact.
     pub resumable: Option<f64>,
 }

@@ -51,6 +51,7 @@ mod assessed;
 mod command;
 mod critical;
 mod exact_number;
+mod fleet_member;
 mod forecast;
 mod forecasting;
 mod journal;
