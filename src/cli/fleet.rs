@@ -35,7 +35,8 @@ Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &FleetArgs, ros: RosArguments) -> Result<(), Failure> {
-    if arguments.params_file.is_empty() && arguments.columns.is_none() && ros.parameters.is_empty() {
+    if arguments.params_file.is_empty() && arguments.columns.is_none() && ros.parameters.is_empty()
+    {
         return Err(Failure::plain(
             Exit::BadInput,
             "a fleet needs columns: give --params-file FILE, --columns FILE, or both",

@@ -8,5 +8,7 @@ mod status;
 mod table;
 
 pub use start::{FleetStartError, make_twins};
-pub use status::{MAX_STATUSES_PER_MESSAGE, ROUND_PERIOD, STATUS_SPACING, StatusBatch, StatusBoard};
+pub use status::{
+    MAX_STATUSES_PER_MESSAGE, ROUND_PERIOD, STATUS_SPACING, StatusBatch, StatusBoard,
+};
 pub use table::{TableSize, table};

@@ -81,7 +81,11 @@ pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> 
     lines.push(row(&|(title, ..)| (*title).to_owned()));
     let room = size.height.saturating_sub(OTHER_LINES);
     let shown = order.len().min(room);
-    lines.extend(order[..shown].iter().map(|it| row(&|(_, _, text)| text(it))));
+    lines.extend(
+        order[..shown]
+            .iter()
+            .map(|it| row(&|(_, _, text)| text(it))),
+    );
     if shown < order.len() {
         lines.push(cut(&format!("and {} more columns", order.len() - shown)));
     }
@@ -153,7 +157,9 @@ mod tests {
 
     #[test]
     fn the_table_fits_the_terminal_and_shows_the_worst_first() {
-        let mut columns: Vec<_> = (0..2000).map(|it| column(it, TwinStatus::IDLE, 0)).collect();
+        let mut columns: Vec<_> = (0..2000)
+            .map(|it| column(it, TwinStatus::IDLE, 0))
+            .collect();
         columns[1500] = column(1500, TwinStatus::COLLAPSED, TwinStatus::SEVERITY_EVACUATE);
         columns[700] = column(700, TwinStatus::IDLE, TwinStatus::SEVERITY_INSPECT);
         columns[900] = column(900, TwinStatus::FREE, 0);
@@ -166,7 +172,14 @@ mod tests {
             assert!(lines.len() <= height);
             assert!(lines.iter().all(|it| it.chars().count() <= width));
         }
-        let lines = table(&fleet, &columns, TableSize { width: 80, height: 24 });
+        let lines = table(
+            &fleet,
+            &columns,
+            TableSize {
+                width: 80,
+                height: 24,
+            },
+        );
         assert_eq!(lines.len(), 24);
         for (line, name) in lines[2..].iter().zip(["c1500", "c0700", "c0900", "c0000"]) {
             assert!(line.starts_with(name), "{line}");
@@ -181,7 +194,10 @@ mod tests {
             event_id: "e\u{202e}".to_owned(),
             ..ColumnStatus::default()
         };
-        let size = TableSize { width: 120, height: 9 };
+        let size = TableSize {
+            width: 120,
+            height: 9,
+        };
         let lines = table(&FleetStatus::default(), &[bad], size);
         assert!(lines.iter().all(|it| !it.contains(['\u{1b}', '\u{202e}'])));
     }

@@ -283,7 +283,8 @@ impl<'a> Reader<'a> {
                 }
                 Given::Row(_) | Given::All(_) => false,
             });
-            let mut indices: Vec<usize> = matching.chain(&named.own).chain(&shared).copied().collect();
+            let mut indices: Vec<usize> =
+                matching.chain(&named.own).chain(&shared).copied().collect();
             indices.sort_unstable();
             let mut draft = Draft::of_defaults();
             let own_name = Assignment::direct((COLUMN_ID, bare.into()));
@@ -384,7 +385,9 @@ impl<'a> Reader<'a> {
                 None => {
                     first.insert(id, &column.name);
                 }
-                Some(other) => wrong.push((column.name.clone(), id.to_owned(), (*other).to_owned())),
+                Some(other) => {
+                    wrong.push((column.name.clone(), id.to_owned(), (*other).to_owned()))
+                }
             }
         }
         for (name, id, other) in wrong {

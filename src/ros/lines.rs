@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::column::HINGE_NAMES;
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+use crate::messages::column_twin::{
+    ColumnState, FleetStatus, HingeForces, ImpactReport, TwinStatus,
+};
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -19,13 +21,15 @@ pub enum Seen {
     Report(ImpactReport),
     /// Status of the twin.
     Status(TwinStatus),
+    /// Status of columns of a fleet.
+    Fleet(FleetStatus),
 }
 
 impl Seen {
     /// Topic, column and stamp \[ns\] of a message that publishers keep for late joiners; `None` for the others.
     fn kept(&self) -> Option<(u8, &str, Option<i64>)> {
         let (topic, header, column_id) = match self {
-            Seen::State(_) | Seen::Forces(_) => return None,
+            Seen::State(_) | Seen::Forces(_) | Seen::Fleet(_) => return None,
             Seen::Forecast(report) => (0, &report.header, &report.column_id),
             Seen::Report(report) => (1, &report.header, &report.column_id),
             Seen::Status(status) => (2, &status.header, &status.column_id),
@@ -161,7 +165,7 @@ impl WatchLines {
             )),
             Seen::Forecast(report) => Some(report_line("forecast", report)),
             Seen::Report(report) => Some(report_line("result", report)),
-            Seen::Forces(_) => None,
+            Seen::Forces(_) | Seen::Fleet(_) => None,
             Seen::Status(status) => {
                 let state = (
                     status.phase,

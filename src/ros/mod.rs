@@ -44,7 +44,9 @@ mod type_descriptions;
 mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
-pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};
+pub use client::{
+    ClientError, ImpactOptions, ImpactOutcome, Shown, follow_impact, send_impact, watch,
+};
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
 pub use fresh_domain::FreshDomain;

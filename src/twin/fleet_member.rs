@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use super::command::Nanos;
 use super::critical::CriticalVelocityTask;
+use super::forecast::SupersededForecasts;
 use super::journal::JournalClock;
 use super::lifecycle::{SolverStatistics, Stopwatch, Twin};
 use super::parameter_set::ParameterSet;
 use super::plant::Condition;
 use super::registry::Registry;
 use super::status::StatusClock;
-use super::forecast::SupersededForecasts;
 
 impl Twin {
     /// The twin of another virgin column that differs from this virgin one by its names only, without computing its equilibrium

@@ -245,11 +245,7 @@ impl FleetHandle {
         Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn ask<T>(
-        &self,
-        column: u32,
-        request: impl FnOnce(Reply<T>) -> Request,
-    ) -> Result<T, Refusal> {
+    fn ask<T>(&self, column: u32, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
         let (reply, answer) = Reply::channel();
         self.request(column, request(reply))?;
         answer

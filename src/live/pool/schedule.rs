@@ -125,7 +125,11 @@ impl<I> Schedule<I> {
 
     /// Lets every column that has a deadline be stepped at once, because the clock was set back.
     pub fn make_all_due(&mut self) {
-        let planned: Vec<_> = self.plans.iter().map(|(column, plan)| (*column, *plan)).collect();
+        let planned: Vec<_> = self
+            .plans
+            .iter()
+            .map(|(column, plan)| (*column, *plan))
+            .collect();
         for (column, plan) in planned {
             let deadline = plan.deadline.map(|_| Nanos::MIN);
             self.plan(column, Plan { deadline, ..plan });
@@ -185,7 +189,10 @@ mod tests {
         schedule.give_back(2, plan(5, None, false));
         assert_eq!(schedule.take(4), Some((1, Job::Advance(2))));
         assert_eq!(schedule.take(4), Some((3, Job::Advance(3))));
-        assert_eq!((schedule.take(4), schedule.next_deadline()), (None, Some(5)));
+        assert_eq!(
+            (schedule.take(4), schedule.next_deadline()),
+            (None, Some(5))
+        );
     }
 
     #[test]
@@ -211,7 +218,10 @@ mod tests {
         assert_eq!(taken, Some((1, Job::Forecast)));
         schedule.give_back(1, Plan::default());
         assert_eq!(schedule.active(), 0);
-        assert_eq!((schedule.next_deadline(), schedule.has_work(99)), (None, false));
+        assert_eq!(
+            (schedule.next_deadline(), schedule.has_work(99)),
+            (None, false)
+        );
     }
 
     #[test]

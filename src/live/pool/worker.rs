@@ -184,7 +184,11 @@ impl Shared {
     }
 
     fn take_news(&self, agreed: &mut Agreed, now: Nanos) {
-        let back = agreed.latest.replace(now).unwrap_or(now).saturating_sub(now);
+        let back = agreed
+            .latest
+            .replace(now)
+            .unwrap_or(now)
+            .saturating_sub(now);
         if back > MAX_CLOCK_STEP_BACK {
             agreed.jumps += 1;
             agreed.last_jump = back.unsigned_abs();

@@ -102,11 +102,17 @@ fn summary(
     let (level, message) = match (errors, warnings) {
         (0, 0) => (
             DiagnosticStatus::OK,
-            format!("{} columns, none damaged so that something has to be done", columns.len()),
+            format!(
+                "{} columns, none damaged so that something has to be done",
+                columns.len()
+            ),
         ),
         (0, _) => (
             DiagnosticStatus::WARN,
-            format!("{warnings} of {} columns have to be inspected", columns.len()),
+            format!(
+                "{warnings} of {} columns have to be inspected",
+                columns.len()
+            ),
         ),
         _ => (
             DiagnosticStatus::ERROR,
@@ -121,7 +127,10 @@ fn summary(
         ("columns that respond or are computed", active),
         ("columns with an error", errors),
         ("columns with a warning", warnings),
-        ("columns that are not listed", worst.len().saturating_sub(MAX_SHOWN)),
+        (
+            "columns that are not listed",
+            worst.len().saturating_sub(MAX_SHOWN),
+        ),
         ("solver threads", threads),
     ];
     let mut values: Vec<_> = values
@@ -141,10 +150,16 @@ fn column_status(level: u8, column: &ColumnStatus) -> DiagnosticStatus {
     let values = [
         ("phase", phase_name(column.phase).to_owned()),
         ("event_id", column.event_id.clone()),
-        ("impacts since reset", column.impacts_since_reset.to_string()),
+        (
+            "impacts since reset",
+            column.impacts_since_reset.to_string(),
+        ),
         ("residual v1 [m]", column.residual_v1.to_string()),
         ("deciding criterion", column.deciding_criterion.clone()),
-        ("residual capacity [N]", column.residual_capacity.to_string()),
+        (
+            "residual capacity [N]",
+            column.residual_capacity.to_string(),
+        ),
         ("reserve", column.reserve.to_string()),
     ];
     let values = values.map(|(key, value)| (key.to_owned(), value));

@@ -77,7 +77,9 @@ fn check_offered(node: &Parameters) -> Result<(), FleetTwinError> {
     if settings.record.mode != RecordMode::Off {
         return Err(FleetTwinError::NotInAFleet {
             name: "record.mode",
-            value: node.get("record.mode").map_or_else(String::new, |it| it.plain()),
+            value: node
+                .get("record.mode")
+                .map_or_else(String::new, |it| it.plain()),
             what: "recordings",
             done: "recorded",
         });
@@ -85,7 +87,9 @@ fn check_offered(node: &Parameters) -> Result<(), FleetTwinError> {
     if settings.viewer.mode != ViewerMode::Off {
         return Err(FleetTwinError::NotInAFleet {
             name: "viewer.mode",
-            value: node.get("viewer.mode").map_or_else(String::new, |it| it.plain()),
+            value: node
+                .get("viewer.mode")
+                .map_or_else(String::new, |it| it.plain()),
             what: "viewer",
             done: "shown",
         });
@@ -157,7 +161,10 @@ impl FleetTwin {
             simulated,
             by_id: column_ids.iter().map(Arc::clone).zip(0..).collect(),
             column_ids,
-            initial: columns.iter().map(|it| Arc::clone(&it.parameters)).collect(),
+            initial: columns
+                .iter()
+                .map(|it| Arc::clone(&it.parameters))
+                .collect(),
             node: Arc::new(node.clone()),
         };
         Ok((Arc::new(fleet), receiver))

@@ -63,7 +63,8 @@ impl FleetNode {
         let log = log
             .map(|queue| publish_log(&mut node, queue, &counters, None, &stop_log))
             .transpose()?;
-        let publishing = FleetPublishing::new(&mut node, Arc::clone(&fleet), Arc::clone(&counters))?;
+        let publishing =
+            FleetPublishing::new(&mut node, Arc::clone(&fleet), Arc::clone(&counters))?;
         let subscriptions =
             FleetSubscriptions::new(&mut node, settings.use_sim_time, Arc::clone(&senders))?;
         let describes = settings.start_type_description_service;

@@ -86,6 +86,8 @@ impl FleetPublishing {
         counters: Arc<NodeCounters>,
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
+        // First, so that others know that it is a fleet when they know of its other topics.
+        let fleet_status = node.publisher(&qos::FLEET_STATUS)?;
         let mut of_columns = Vec::new();
         for topic in TOPICS {
             let publisher = node.publisher(&kept_of_all(topic.endpoint(), columns))?;
@@ -93,7 +95,7 @@ impl FleetPublishing {
         }
         Ok(Self {
             of_columns,
-            fleet_status: node.publisher(&qos::FLEET_STATUS)?,
+            fleet_status,
             diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
             matches: node.matches(),
             board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
@@ -121,7 +123,9 @@ impl FleetPublishing {
             if is_stopping {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !std::mem::replace(&mut self.is_over, true) {
-                    tracing::error!("some outputs could not be published before the end; they are lost");
+                    tracing::error!(
+                        "some outputs could not be published before the end; they are lost"
+                    );
                 }
             }
             match outputs.try_next_of() {
@@ -178,7 +182,8 @@ impl FleetPublishing {
         outgoing.convert(&output, |message| messages.push(message));
         for message in messages {
             if let Message::TwinStatus(status) = &message {
-                self.board.update(column as usize, ColumnStatus::from(status));
+                self.board
+                    .update(column as usize, ColumnStatus::from(status));
             }
             self.send(&message);
         }
