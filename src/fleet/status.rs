@@ -32,6 +32,8 @@ pub struct StatusBatch {
 pub struct StatusBoard {
     columns: Vec<ColumnStatus>,
     changed: BTreeSet<usize>,
+    /// The columns of which no status has come, and which no message contains.
+    unknown: BTreeSet<usize>,
     last_message: Option<Duration>,
     last_round: Option<Duration>,
     /// The next column of the round that is being sent.
@@ -46,8 +48,10 @@ impl StatusBoard {
             column_id,
             ..ColumnStatus::default()
         };
+        let columns: Vec<_> = column_ids.into_iter().map(status).collect();
         Self {
-            columns: column_ids.into_iter().map(status).collect(),
+            unknown: (0..columns.len()).collect(),
+            columns,
             changed: BTreeSet::new(),
             last_message: None,
             last_round: None,
@@ -69,7 +73,7 @@ impl StatusBoard {
         };
         // Numbers that are not known are NaN, which equals nothing.
         let bytes = |status: &ColumnStatus| cdr::encode(status).ok();
-        if bytes(known) != bytes(&status) {
+        if self.unknown.remove(&column) || bytes(known) != bytes(&status) {
             *known = status;
             self.changed.insert(column);
         }
@@ -88,7 +92,9 @@ impl StatusBoard {
         let is_round_due = self
             .last_round
             .is_none_or(|last| now.saturating_sub(last) >= ROUND_PERIOD);
-        if self.round_at.is_none() && (is_round_due || self.is_round_wanted) {
+        // At the start the first round waits for all columns, but not for ever.
+        let is_known = self.unknown.is_empty() || now >= ROUND_PERIOD;
+        if self.round_at.is_none() && is_known && (is_round_due || self.is_round_wanted) {
             self.round_at = Some(0);
             self.is_round_wanted = false;
             self.last_round = Some(now);
@@ -102,7 +108,10 @@ impl StatusBoard {
             self.changed.retain(|it| !(from..to).contains(it));
             batches.push(StatusBatch {
                 of_all: true,
-                columns: self.columns[from..to].to_vec(),
+                columns: (from..to)
+                    .filter(|it| !self.unknown.contains(it))
+                    .map(|it| self.columns[it].clone())
+                    .collect(),
             });
             self.round_at = (to < self.columns.len()).then_some(to);
         }
@@ -132,8 +141,10 @@ impl StatusBoard {
         let until = |last: Option<Duration>, period: Duration| {
             last.map_or(Duration::ZERO, |last| (last + period).saturating_sub(now))
         };
-        match self.round_at.is_some() || self.is_round_wanted || !self.changed.is_empty() {
+        let is_waiting = self.round_at.is_some() || !self.changed.is_empty();
+        match is_waiting || (self.is_round_wanted && self.unknown.is_empty()) {
             true => until(self.last_message, STATUS_SPACING),
+            false if !self.unknown.is_empty() => STATUS_SPACING,
             false => until(self.last_round, ROUND_PERIOD),
         }
     }
@@ -143,8 +154,18 @@ impl StatusBoard {
 mod tests {
     use super::*;
 
+    /// A board on which every column is known.
     fn board(columns: usize) -> StatusBoard {
-        StatusBoard::new((0..columns).map(|number| format!("c{number}")))
+        let id = |number| format!("c{number}");
+        let mut board = StatusBoard::new((0..columns).map(id));
+        for number in 0..columns {
+            let status = ColumnStatus {
+                column_id: id(number),
+                ..ColumnStatus::default()
+            };
+            board.update(number, status);
+        }
+        board
     }
 
     fn at(milliseconds: u64) -> Duration {
@@ -184,6 +205,24 @@ mod tests {
         for columns in [1, 100, 101, 2000] {
             after_the_first_round(columns);
         }
+    }
+
+    #[test]
+    fn a_column_of_which_nothing_is_known_is_in_no_message() {
+        let mut board = StatusBoard::new(["c0", "c1"].map(str::to_owned));
+        board.update(1, damaged(1));
+        let ids = |batches: Vec<StatusBatch>| -> Vec<(bool, Vec<String>)> {
+            let ids = |it: StatusBatch| it.columns.into_iter().map(|it| it.column_id).collect();
+            batches.into_iter().map(|it| (it.of_all, ids(it))).collect()
+        };
+        let c = |number: usize| format!("c{number}");
+        assert_eq!(ids(board.due(at(0))), [(false, vec![c(1)])]);
+        board.update(0, damaged(0));
+        assert_eq!(ids(board.due(at(200))), [(true, vec![c(0), c(1)])]);
+        // One that stays unknown does not keep the others back.
+        let mut board = StatusBoard::new(["c0", "c1"].map(str::to_owned));
+        board.update(1, damaged(1));
+        assert_eq!(ids(board.due(at(10_000))), [(true, vec![c(1)])]);
     }
 
     #[test]

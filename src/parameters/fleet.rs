@@ -249,7 +249,7 @@ impl<'a> Reader<'a> {
             self.fault(None, place, message);
             return self.failed();
         }
-        self.report_parameters_of_the_node();
+        self.report_misplaced();
         if self.columns.is_empty() {
             let message = "the fleet has no column; name each in a parameter file as a section without a wildcard, such as \
                            `/garage/a3:`, or in a row of a table (--columns)";
@@ -352,25 +352,29 @@ impl<'a> Reader<'a> {
         Ok((Parameters::of(settings), warnings))
     }
 
-    /// Parameters of the node that are given for some columns only.
-    fn report_parameters_of_the_node(&mut self) {
+    /// Parameters of the node that are given for some columns only, and names that are given for several columns.
+    fn report_misplaced(&mut self) {
         let mut wrong = Vec::new();
-        for given in &self.given {
-            let assignments = match given {
-                Given::Section(section)
-                    if !self.is_for_any(section) && !self.is_for_all(section) =>
-                {
-                    &section.assignments
+        for (index, given) in self.given.iter().enumerate() {
+            let (is_for_all, is_for_one) = match given {
+                Given::Section(it) => {
+                    let is_for_all = self.is_for_any(it) || self.is_for_all(it);
+                    (is_for_all, !is_for_all && !is_wildcard(&it.name))
                 }
-                Given::Row(assignments) => assignments,
-                Given::Section(_) | Given::All(_) => continue,
+                Given::Row(_) => (false, true),
+                Given::All(_) => (true, false),
             };
-            let of_the_node = assignments.iter().filter(|it| is_of_the_fleet(&it.name));
-            wrong.extend(of_the_node.map(|it| (it.name.clone(), it.name_place.clone())));
+            for it in self.assignments(index) {
+                if it.name == COLUMN_ID && !is_for_one {
+                    let message = "is given for several columns; give it in the section or row of each column";
+                    wrong.push((it.name, it.name_place, message));
+                } else if is_of_the_fleet(&it.name) && !is_for_all {
+                    let message = "belongs to the node, which all columns share; give it in the section `/**:`";
+                    wrong.push((it.name, it.name_place, message));
+                }
+            }
         }
-        for (name, place) in wrong {
-            let message =
-                "belongs to the node, which all columns share; give it in the section `/**:`";
+        for (name, place, message) in wrong {
             self.fault(Some(&name), place, message.to_owned());
         }
     }

@@ -191,7 +191,7 @@ pub fn send_impact(
     let subscribed = Subscribed {
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        fleet: Some(node.subscription(&qos::FLEET_STATUS)?),
+        fleet: fleet_subscription(&mut node)?,
         ..Subscribed::default()
     };
     converse(
@@ -225,7 +225,7 @@ pub fn watch(
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        fleet: Some(node.subscription(&qos::FLEET_STATUS)?),
+        fleet: fleet_subscription(&mut node)?,
         ..Subscribed::default()
     };
     let topic = node
@@ -315,6 +315,14 @@ pub fn follow_impact(
         },
     );
     ended?
+}
+
+/// The status of a fleet. An enclave that was made before there were fleets does not permit it, and needs it only for a fleet.
+fn fleet_subscription(node: &mut Node) -> Result<Option<Subscription<FleetStatus>>, NodeError> {
+    match node.subscription(&qos::FLEET_STATUS) {
+        Err(_) if node.protection().has_enclave() => Ok(None),
+        subscription => subscription.map(Some),
+    }
 }
 
 /// An event that the client has sent.

@@ -210,7 +210,7 @@ fn columns_of_a_fleet_respond_as_single_twins_bit_for_bit() {
                 "column {column}, {threads} threads"
             );
         }
-        assert!(bits(&fleet.received[&1]).len() > 100);
+        assert!(bits(&fleet.received[&1]).len() > 40);
         fleet.handle.stop().expect("no panic");
     }
 }
@@ -237,7 +237,8 @@ fn columns_that_are_hit_at_once_lose_no_state_in_real_time() {
                 _ => None,
             })
             .collect();
-        assert!(stamps.len() > 50, "{}", stamps.len());
+        assert!(stamps.len() > 5, "{}", stamps.len());
+        assert_eq!(stamps[0], stamp);
         // The last state is where the response ends.
         let spacing: Vec<_> = stamps.windows(2).map(|it| it[1] - it[0]).collect();
         let (_, regular) = spacing.split_last().expect("states");

@@ -65,6 +65,14 @@ pub struct Agreed {
     last_jump: u64,
 }
 
+/// A job, and what the clock has done until it was taken.
+struct Task {
+    column: u32,
+    job: Job<Input>,
+    jumps: u64,
+    last_jump: u64,
+}
+
 impl Agreed {
     pub fn new() -> Self {
         Self {
@@ -131,23 +139,17 @@ impl Shared {
 
     /// The content of solver thread number `me`.
     pub fn work(&self, me: usize) {
-        while let Some((column, job)) = self.next_job(me) {
-            let plan = self.perform(column, job);
-            let mut agreed = self.agreed();
-            agreed.schedule.give_back(column, plan);
-            let is_alone = agreed.watcher.is_none() && agreed.schedule.next_deadline().is_some();
-            let has_work = is_alone || agreed.schedule.has_work(self.clock.now());
-            drop(agreed);
-            if has_work {
-                self.wake_one();
-            }
+        while let Some(task) = self.next_task(me) {
+            let column = task.column;
+            let plan = self.perform(task);
+            self.agreed().schedule.give_back(column, plan);
         }
         // The others may wait for this thread to watch the deadlines.
         self.wake_all();
     }
 
     /// Waits for the next job; `None` at a stop.
-    fn next_job(&self, me: usize) -> Option<(u32, Job<Input>)> {
+    fn next_task(&self, me: usize) -> Option<Task> {
         let bit = 1_u64 << me;
         loop {
             let mut agreed = self.agreed();
@@ -158,8 +160,21 @@ impl Shared {
             }
             let now = self.clock.now();
             self.take_news(&mut agreed, now);
-            if let Some(job) = agreed.schedule.take(now) {
-                return Some(job);
+            if let Some((column, job)) = agreed.schedule.take(now) {
+                let task = Task {
+                    column,
+                    job,
+                    jumps: agreed.jumps,
+                    last_jump: agreed.last_jump,
+                };
+                let next = agreed.schedule.next_deadline();
+                let is_unwatched = agreed.watcher.is_none() && next.is_some();
+                let others_can_help = is_unwatched || agreed.schedule.has_work(now);
+                drop(agreed);
+                if others_can_help {
+                    self.wake_one();
+                }
+                return Some(task);
             }
             if agreed.schedule.active() == 0 {
                 // While nothing responds, a clock that has been set may jump.
@@ -204,11 +219,13 @@ impl Shared {
     }
 
     /// Does a job; what the column needs next.
-    fn perform(&self, column: u32, job: Job<Input>) -> Plan {
-        let (jumps, last_jump) = {
-            let agreed = self.agreed();
-            (agreed.jumps, agreed.last_jump)
-        };
+    fn perform(&self, task: Task) -> Plan {
+        let Task {
+            column,
+            job,
+            jumps,
+            last_jump,
+        } = task;
         let slot = &self.slots[column as usize];
         let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
         let slot = &mut *slot;
