@@ -1,6 +1,7 @@
 //! A fleet as a table that fits a terminal: the worst columns first.
 
 use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::words::{phase_word, severity_word};
 use crate::printable::Printable;
 
 /// Size of a terminal in characters.
@@ -22,7 +23,7 @@ type Field = (&'static str, usize, fn(&ColumnStatus) -> String);
 const FIELDS: [Field; 7] = [
     ("column", 16, |it| Printable(&it.column_id).to_string()),
     ("phase", 9, |it| phase_word(it.phase).to_owned()),
-    ("severity", 8, |it| severity_name(it.severity).to_owned()),
+    ("severity", 8, |it| severity_word(it.severity).to_owned()),
     ("v1 mm", 9, |it| format!("{:.2}", 1e3 * it.residual_v1)),
     ("reserve", 8, |it| match it.reserve.is_finite() {
         true => format!("{:.2}", it.reserve),
@@ -64,7 +65,7 @@ pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> 
     let mut lines = vec![cut(&format!(
         "{columns_total} columns, {} known: {} out of service, {} with a severity, {} hit, {columns_active} active; {lost} lost, {ignored} for others",
         columns.len(),
-        count(|it| is_out_of_service(it)),
+        count(|it| it.is_out_of_service()),
         count(|it| it.severity != TwinStatus::SEVERITY_NONE),
         count(|it| it.impacts_since_reset > 0),
     ))];
@@ -93,13 +94,6 @@ pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> 
     lines
 }
 
-fn is_out_of_service(column: &ColumnStatus) -> bool {
-    matches!(
-        column.phase,
-        TwinStatus::COLLAPSED | TwinStatus::FAULTED | TwinStatus::SEVERED
-    )
-}
-
 fn is_moving(column: &ColumnStatus) -> bool {
     matches!(
         column.phase,
@@ -110,35 +104,10 @@ fn is_moving(column: &ColumnStatus) -> bool {
 /// How much a column matters: out of service, then by severity, then in motion.
 fn rank(column: &ColumnStatus) -> (bool, u8, bool) {
     (
-        is_out_of_service(column),
+        column.is_out_of_service(),
         column.severity,
         is_moving(column),
     )
-}
-
-fn phase_word(phase: u8) -> &'static str {
-    match phase {
-        TwinStatus::IDLE => "idle",
-        TwinStatus::APPROACH => "approach",
-        TwinStatus::CONTACT => "contact",
-        TwinStatus::FREE => "free",
-        TwinStatus::REST => "rest",
-        TwinStatus::COLLAPSED => "collapsed",
-        TwinStatus::SEVERED => "severed",
-        TwinStatus::FAULTED => "faulted",
-        _ => "unknown",
-    }
-}
-
-fn severity_name(severity: u8) -> &'static str {
-    match severity {
-        TwinStatus::SEVERITY_NONE => "none",
-        TwinStatus::SEVERITY_INSPECT => "inspect",
-        TwinStatus::SEVERITY_RESTRICT => "restrict",
-        TwinStatus::SEVERITY_PROP => "prop",
-        TwinStatus::SEVERITY_EVACUATE => "evacuate",
-        _ => "unknown",
-    }
 }
 
 #[cfg(test)]

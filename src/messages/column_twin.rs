@@ -580,6 +580,17 @@ impl From<&TwinStatus> for ColumnStatus {
     }
 }
 
+impl ColumnStatus {
+    /// Whether the column takes no impact before it is reset: it has collapsed, is severed, or cannot be computed.
+    #[must_use]
+    pub fn is_out_of_service(&self) -> bool {
+        matches!(
+            self.phase,
+            TwinStatus::COLLAPSED | TwinStatus::FAULTED | TwinStatus::SEVERED
+        )
+    }
+}
+
 /// The status of a fleet.
 ///
 /// ```text

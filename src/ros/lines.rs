@@ -7,6 +7,8 @@ use crate::column::HINGE_NAMES;
 use crate::messages::column_twin::{
     ColumnState, FleetStatus, HingeForces, ImpactReport, TwinStatus,
 };
+use crate::messages::words::phase_word;
+pub use crate::messages::words::severity_word;
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -248,19 +250,6 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     )
 }
 
-/// The word for a severity in `ImpactReport` and `TwinStatus`.
-#[must_use]
-pub fn severity_word(severity: u8) -> &'static str {
-    match severity {
-        ImpactReport::SEVERITY_NONE => "none",
-        ImpactReport::SEVERITY_INSPECT => "inspect",
-        ImpactReport::SEVERITY_RESTRICT => "RESTRICT",
-        ImpactReport::SEVERITY_PROP => "PROP",
-        ImpactReport::SEVERITY_EVACUATE => "EVACUATE",
-        _ => "unknown",
-    }
-}
-
 fn vehicle_word(name: &str) -> &str {
     match name {
         "" => "by numbers",
@@ -332,20 +321,6 @@ fn critical_line(column_id: &str, critical: &[CriticalVelocities]) -> String {
         "{column_id} critical velocities for RESTRICT/EVACUATE in m/s: {}",
         vehicles.join(", ")
     )
-}
-
-fn phase_word(phase: u8) -> &'static str {
-    match phase {
-        ColumnState::IDLE => "idle",
-        ColumnState::APPROACH => "approach",
-        ColumnState::CONTACT => "contact",
-        ColumnState::FREE => "free",
-        ColumnState::REST => "rest",
-        ColumnState::COLLAPSED => "COLLAPSED",
-        ColumnState::FAULTED => "FAULTED",
-        ColumnState::SEVERED => "SEVERED",
-        _ => "unknown",
-    }
 }
 
 #[cfg(test)]

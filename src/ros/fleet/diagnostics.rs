@@ -49,7 +49,9 @@ pub(super) fn fleet_diagnostics(
         .map(|it| (level(it), it))
         .filter(|(level, _)| *level > DiagnosticStatus::OK)
         .collect();
-    worst.sort_by_key(|(level, it)| std::cmp::Reverse((*level, out_of_service(it), it.severity)));
+    worst.sort_by_key(|(level, it)| {
+        std::cmp::Reverse((*level, it.is_out_of_service(), it.severity))
+    });
     let mut status = vec![
         summary(columns, &worst, active, threads, counters),
         solver_status(health),
@@ -70,17 +72,10 @@ pub(super) fn fleet_diagnostics(
     DiagnosticArray { header, status }
 }
 
-fn out_of_service(column: &ColumnStatus) -> bool {
-    matches!(
-        column.phase,
-        TwinStatus::COLLAPSED | TwinStatus::FAULTED | TwinStatus::SEVERED
-    )
-}
-
 /// ERROR if the column is out of service, has to be propped or evacuated, or could not be assessed; WARN to inspect or restrict.
 fn level(column: &ColumnStatus) -> u8 {
     match column.severity {
-        _ if out_of_service(column) => DiagnosticStatus::ERROR,
+        _ if column.is_out_of_service() => DiagnosticStatus::ERROR,
         TwinStatus::SEVERITY_NONE => DiagnosticStatus::OK,
         TwinStatus::SEVERITY_INSPECT | TwinStatus::SEVERITY_RESTRICT => DiagnosticStatus::WARN,
         _ => DiagnosticStatus::ERROR,
