@@ -46,9 +46,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
     match error {
         RunError::Parameters(faults) => faults.into(),
         error @ (RunError::SealKey(_)
-        | RunError::Fleet(FleetTwinError::NotInAFleet { .. } | FleetTwinError::Columns(_))) => {
-            Failure::plain(Exit::BadInput, error)
-        }
+        | RunError::Fleet(
+            FleetTwinError::NotInAFleet { .. } | FleetTwinError::Columns(_),
+        )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),

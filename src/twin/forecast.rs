@@ -283,8 +283,7 @@ impl SupersededForecasts {
         }
         if self.waiting.len() == MAX_SUPERSEDED_FORECASTS {
             let oldest = self.waiting.pop_front();
-            self.withdrawn
-                .extend(oldest.and_then(|it| it.withdrawn()));
+            self.withdrawn.extend(oldest.and_then(|it| it.withdrawn()));
         }
         self.waiting.push_back(Box::new(superseded));
     }

@@ -237,7 +237,9 @@ impl FleetPublishing {
             ignored: self.counters.ignored.load(Ordering::Relaxed),
             dropped_inputs: health.dropped_inputs + self.counters.rejected_senders(),
             dropped_states: health.dropped_states,
-            dropped_outputs: health.dropped_recording.saturating_sub(health.dropped_states),
+            dropped_outputs: health
+                .dropped_recording
+                .saturating_sub(health.dropped_states),
             late_states: health.overruns,
             worst_lateness: health.worst_lateness,
             columns: batch.columns,
