@@ -126,6 +126,8 @@ endpoints! {
     IMPACT_ESTIMATE = "impact_estimate" "column_twin/msg/ImpactEstimate" Out Qos::latched(1);
     /// State of the twin.
     TWIN_STATUS = "twin_status" "column_twin/msg/TwinStatus" Out Qos::latched(1);
+    /// Status of the columns of a fleet; as many messages are kept for late joiners as one round of all columns takes.
+    FLEET_STATUS = "fleet_status" "column_twin/msg/FleetStatus" Out Qos::latched(20);
     /// The hinges as joints.
     JOINT_STATES = "joint_states" "sensor_msgs/msg/JointState" Out Qos::reliable(10);
     /// The deformed column; latched, so that late viewers show it as the last response left it. Nothing is published
@@ -139,6 +141,8 @@ endpoints! {
     PARAMETER_EVENTS = "/parameter_events" "rcl_interfaces/msg/ParameterEvent" Out Qos::reliable(1000);
     /// Returns to the virgin column.
     RESET = "~/reset" "std_srvs/srv/Trigger" Service SERVICE;
+    /// Returns to one virgin column of a fleet.
+    RESET_COLUMN = "~/reset_column" "column_twin/srv/ResetColumn" Service SERVICE;
     /// Predicts the outcome of an impact without executing it.
     PREDICT = "~/predict" "column_twin/srv/PredictImpact" Service SERVICE;
     /// Accepts or rejects the newest impact that the sensors have felt.

@@ -24,6 +24,7 @@ pub mod evidence;
 mod exact_number;
 #[cfg(feature = "cli")]
 pub mod figures;
+pub mod fleet;
 mod hexadecimal;
 #[cfg(any(feature = "ros", feature = "record"))]
 pub mod incoming;

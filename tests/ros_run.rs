@@ -14,7 +14,7 @@ use std::thread;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, run, send_impact, watch,
+    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, Shown, run, send_impact, watch,
 };
 use signal_hook::consts::SIGTERM;
 
@@ -38,8 +38,10 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     let (sender, lines) = channel();
     let (watched, watch_rules) = (environment.clone(), rules.clone());
     let watcher = thread::spawn(move || {
-        watch(&watched, &watch_rules, &mut |line| {
-            let _ = sender.send(line.to_owned());
+        watch(&watched, &watch_rules, &mut |shown| {
+            if let Shown::Line(line) = shown {
+                let _ = sender.send(line.to_owned());
+            }
             ControlFlow::Continue(())
         })
     });

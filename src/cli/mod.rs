@@ -9,6 +9,8 @@ mod estimate;
 #[cfg(feature = "record")]
 mod export;
 mod failure;
+#[cfg(feature = "ros")]
+mod fleet;
 mod history;
 #[cfg(feature = "ros")]
 mod idl;
@@ -92,6 +94,9 @@ enum CliCommand {
     /// Run the twin as a ROS 2 node, until Ctrl-C
     #[cfg(feature = "ros")]
     Run(run::RunArgs),
+    /// Run many columns as one ROS 2 node, until Ctrl-C
+    #[cfg(feature = "ros")]
+    Fleet(fleet::FleetArgs),
     /// Publish one impact event and print the forecast of the twin
     #[cfg(feature = "ros")]
     Impact(impact::ImpactArgs),
@@ -171,6 +176,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Verify(arguments) => verify::run(arguments, &mut shown()),
         #[cfg(feature = "ros")]
         CliCommand::Run(arguments) => run::run(arguments, ros),
+        #[cfg(feature = "ros")]
+        CliCommand::Fleet(arguments) => fleet::run(arguments, ros),
         #[cfg(feature = "ros")]
         CliCommand::Impact(arguments) => impact::run(arguments, &ros, &mut shown()),
         #[cfg(feature = "ros")]

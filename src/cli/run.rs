@@ -6,7 +6,9 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use column_twin::ros::security::protection;
-use column_twin::ros::{self, Environment, RosArguments, RunError, RunOptions};
+use column_twin::ros::{
+    self, Environment, FleetTwinError, RosArguments, RunEnd, RunError, RunOptions,
+};
 
 /// Arguments of `column-twin run`, besides the ROS arguments.
 #[derive(Debug, Args)]
@@ -36,13 +38,25 @@ pub fn run(arguments: &RunArgs, ros: RosArguments) -> Result<(), Failure> {
         ros,
         parameter_files: arguments.config.clone(),
     };
-    let end = ros::run(&options).map_err(|error| match error {
+    end_of_run(ros::run(&options).map_err(failure_of_run)?)
+}
+
+/// The failure of a node that cannot start.
+pub(super) fn failure_of_run(error: RunError) -> Failure {
+    match error {
         RunError::Parameters(faults) => faults.into(),
-        error @ RunError::SealKey(_) => Failure::plain(Exit::BadInput, error),
+        error @ (RunError::SealKey(_)
+        | RunError::Fleet(
+            FleetTwinError::NotInAFleet { .. } | FleetTwinError::Columns(_),
+        )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),
         error => Failure::plain(Exit::Failed, error),
-    })?;
+    }
+}
+
+/// How the program ends after the node.
+pub(super) fn end_of_run(end: RunEnd) -> Result<(), Failure> {
     if end.has_panicked {
         return Err(Failure::plain(
             Exit::Failed,

@@ -1,7 +1,7 @@
 //! Clocks that drive a twin.
 
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 
 use rustix::thread::clock_nanosleep_absolute;
@@ -23,7 +23,12 @@ pub trait Clock: Send + Sync {
     /// Waits until `deadline`. A long wait also ends when the notifier is notified.
     fn wait_until(&self, deadline: Nanos, notifier: &Notifier);
 
-    /// Passes the notifier of the thread that uses this clock, before its first wait.
+    /// As [`wait_until`](Self::wait_until), where a notification ends even a short wait, for threads that share their work.
+    fn wait_for_news(&self, deadline: Nanos, notifier: &Notifier) {
+        self.wait_until(deadline, notifier);
+    }
+
+    /// Passes the notifier of a thread that uses this clock, before its first wait.
     fn serve(&self, _notifier: &Arc<Notifier>) {}
 
     /// Called while no response is running: a clock that has been set may jump now.
@@ -73,6 +78,13 @@ impl Clock for SystemClock {
         }
     }
 
+    fn wait_for_news(&self, deadline: Nanos, notifier: &Notifier) {
+        let left = deadline.saturating_sub(self.now());
+        if left > 0 {
+            notifier.wait(Duration::from_nanos(left.unsigned_abs()));
+        }
+    }
+
     fn resynchronise(&self) {
         // Two clocks cannot be read at the same instant: smaller changes of the offset are measurement errors.
         const MIN_CHANGE: u64 = 100_000;
@@ -115,7 +127,8 @@ fn read(clock: ClockId) -> i64 {
 #[derive(Debug, Default)]
 pub struct SimClock {
     now: AtomicI64,
-    notifier: OnceLock<Arc<Notifier>>,
+    /// Of the threads that use it.
+    notifiers: RwLock<Vec<Arc<Notifier>>>,
 }
 
 impl SimClock {
@@ -124,16 +137,16 @@ impl SimClock {
     pub fn new(now: Nanos) -> Self {
         Self {
             now: AtomicI64::new(now),
-            notifier: OnceLock::new(),
+            notifiers: RwLock::default(),
         }
     }
 
     /// Sets the time, forward or backward.
     pub fn set(&self, now: Nanos) {
         self.now.store(now, Ordering::SeqCst);
-        if let Some(notifier) = self.notifier.get() {
-            notifier.notify();
-        }
+        let notifiers = self.notifiers.read();
+        let notifiers = notifiers.unwrap_or_else(PoisonError::into_inner);
+        notifiers.iter().for_each(|it| it.notify());
     }
 }
 
@@ -149,8 +162,11 @@ impl Clock for SimClock {
     }
 
     fn serve(&self, notifier: &Arc<Notifier>) {
-        // Only the first twin is notified; a second one would poll the clock.
-        let _ = self.notifier.set(Arc::clone(notifier));
+        let mut notifiers = self
+            .notifiers
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        notifiers.push(Arc::clone(notifier));
     }
 }
 
@@ -161,6 +177,10 @@ impl<C: Clock> Clock for Arc<C> {
 
     fn wait_until(&self, deadline: Nanos, notifier: &Notifier) {
         (**self).wait_until(deadline, notifier);
+    }
+
+    fn wait_for_news(&self, deadline: Nanos, notifier: &Notifier) {
+        (**self).wait_for_news(deadline, notifier);
     }
 
     fn serve(&self, notifier: &Arc<Notifier>) {

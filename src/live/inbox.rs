@@ -102,13 +102,9 @@ impl Inbox {
     pub fn ask<T>(&self, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
         let (reply, answer) = Reply::channel();
         self.submit(request(reply))?;
-        answer.wait(ANSWER_TIMEOUT).map_err(|_| {
-            let reason = format!(
-                "the solver did not answer within {} s; the command may still be executed, see twin_status",
-                ANSWER_TIMEOUT.as_secs()
-            );
-            Refusal::new(RefusalCode::NoAnswer, reason)
-        })
+        answer
+            .wait(ANSWER_TIMEOUT)
+            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
     }
 
     pub fn take(&self) -> Option<Request> {

@@ -13,6 +13,7 @@ mod inbox;
 mod lateness;
 mod measurements;
 mod notifier;
+mod pool;
 pub(crate) mod queue;
 mod real_time;
 #[cfg(feature = "study")]
@@ -34,6 +35,7 @@ pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
 pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue};
 pub use notifier::Notifier;
+pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THREADS};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 #[cfg(feature = "study")]
@@ -197,6 +199,7 @@ impl Live {
             background: Background::new(),
             latest: None,
             completing_cycles: 0,
+            planned: None,
         };
         let (sender, grants) = sync_channel(1);
         let real_time = options.real_time;

@@ -150,6 +150,8 @@ pub(super) struct OutputQueues {
 #[derive(Debug)]
 struct Numbered {
     number: u64,
+    /// The column of the fleet that it is about; 0 for a single twin.
+    column: u32,
     output: Output,
 }
 
@@ -178,6 +180,12 @@ impl OutputQueues {
     }
 
     pub fn push(&self, output: Output) {
+        self.push_of(0, output);
+    }
+
+    /// Adds an output of a column of a fleet. The outputs of one column keep their order, whichever threads they come from, as
+    /// long as its threads work one after another.
+    pub fn push_of(&self, column: u32, output: Output) {
         let number = self.next_number.fetch_add(1, Ordering::Relaxed);
         let [states, results, messages, journal] = &self.channels;
         let channel = match &output {
@@ -195,7 +203,11 @@ impl OutputQueues {
             }
             Output::Journal(_) => journal,
         };
-        channel.push(Numbered { number, output });
+        channel.push(Numbered {
+            number,
+            column,
+            output,
+        });
     }
 
     pub fn notify(&self) {
@@ -278,6 +290,11 @@ impl Receiver {
 
     /// The next output, if there is one; does not wait.
     pub fn try_next(&mut self) -> Option<Output> {
+        self.try_next_of().map(|(_, output)| output)
+    }
+
+    /// The next output of a fleet with the index of its column, if there is one; does not wait.
+    pub fn try_next_of(&mut self) -> Option<(u32, Output)> {
         self.fill_heads();
         if self.heads.iter().all(Option::is_none) {
             return None;
@@ -287,7 +304,7 @@ impl Receiver {
         self.fill_heads();
         let number_of = |head: &Option<Numbered>| head.as_ref().map_or(u64::MAX, |it| it.number);
         let first = self.heads.iter_mut().min_by_key(|head| number_of(head))?;
-        first.take().map(|it| it.output)
+        first.take().map(|it| (it.column, it.output))
     }
 
     fn fill_heads(&mut self) {

@@ -31,7 +31,7 @@ const BACKGROUND_SHARE: u64 = 4;
 const SLICE_WHILE_BEHIND: u64 = 1_000;
 
 /// Maximum number of steps with which a stop completes a forecast: less than a second.
-const MAX_STEPS_AT_STOP: u64 = 200_000;
+pub(super) const MAX_STEPS_AT_STOP: u64 = 200_000;
 
 /// A clock that goes back by at most this much is waited for; a larger jump is that of a looped recording or of a clock that
 /// was set \[ns\].
@@ -39,7 +39,7 @@ pub const MAX_CLOCK_STEP_BACK: Nanos = 100_000_000;
 
 /// Requests wait for at most this many cycles until a response is complete during which the clock has jumped back: less than
 /// a second. Impacts that are handled before have stamps that are out of order.
-const MAX_CYCLES_COMPLETING: u32 = 200;
+pub(super) const MAX_CYCLES_COMPLETING: u32 = 200;
 
 /// The state that the solver's thread shares with the others.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ impl Shared {
 
 /// The planned start of the next cycle.
 #[derive(Debug, Clone, Copy)]
-struct PlannedCycle {
+pub(super) struct PlannedCycle {
     deadline: Nanos,
     period: u64,
 }
@@ -99,31 +99,40 @@ pub(super) struct Solver {
     pub latest: Option<Nanos>,
     /// Cycles since the clock jumped back, while the response is completed.
     pub completing_cycles: u32,
+    /// When the next cycle is to start, if that is known.
+    pub planned: Option<PlannedCycle>,
 }
 
 impl Solver {
     pub fn run(mut self) {
-        let mut planned = None;
         while !self.shared.stop.load(Ordering::SeqCst) {
-            self.note_lateness(planned);
-            self.note_clock();
-            let disturbed = self.handle_requests();
-            self.take_background_result();
-            self.twin.advance_to(self.clock.now(), &mut self.sink);
-            self.sink.notify();
-            self.look_ahead();
-            self.publish_statistics();
-            planned = self.plan(planned, disturbed);
-            // A thread that owes a forecast does not sleep: less than a slice is left before the deadline.
-            let is_busy = self.twin.awaits_forecast() || self.twin.is_completing();
-            if self.shared.inbox.is_empty() && !is_busy {
-                self.start_background();
-                let deadline = self.twin.next_deadline(self.clock.now());
+            if let Some(deadline) = self.turn() {
                 self.clock
                     .wait_until(deadline, self.shared.inbox.notifier());
             }
         }
         self.finish();
+    }
+
+    /// One cycle. The deadline of the next one, or `None` if that is to follow at once.
+    fn turn(&mut self) -> Option<Nanos> {
+        let planned = self.planned.take();
+        self.note_lateness(planned);
+        self.note_clock();
+        let disturbed = self.handle_requests();
+        self.take_background_result();
+        self.twin.advance_to(self.clock.now(), &mut self.sink);
+        self.sink.notify();
+        self.look_ahead();
+        self.publish_statistics();
+        self.planned = self.plan(planned, disturbed);
+        // A thread that owes a forecast does not sleep: less than a slice is left before the deadline.
+        let is_busy = self.twin.awaits_forecast() || self.twin.is_completing();
+        if is_busy || !self.shared.inbox.is_empty() {
+            return None;
+        }
+        self.start_background();
+        Some(self.twin.next_deadline(self.clock.now()))
     }
 
     /// Passes a jump of the clock to the twin.
@@ -400,6 +409,7 @@ mod tests {
             background: Background::new(),
             latest: None,
             completing_cycles: 0,
+            planned: None,
         };
         solver.run();
         let mut receiver = Receiver::new(queues);

@@ -30,6 +30,7 @@ pub mod service_msgs;
 pub mod std_msgs;
 pub mod std_srvs;
 pub mod visualization_msgs;
+pub mod words;
 
 pub use ros_interface::{
     BoundedSequence, Interface, Message, Part, cdr, idl, interface, type_description, type_hash,

@@ -25,7 +25,9 @@ interfaces! {
     column_twin Message AssessmentCriterion = AssessmentCriterion in "msg/AssessmentCriterion.msg";
     column_twin Message ColumnParameters = ColumnParameters in "msg/ColumnParameters.msg";
     column_twin Message ColumnState = ColumnState in "msg/ColumnState.msg";
+    column_twin Message ColumnStatus = ColumnStatus in "msg/ColumnStatus.msg";
     column_twin Message CredibleInterval = CredibleInterval in "msg/CredibleInterval.msg";
+    column_twin Message FleetStatus = FleetStatus in "msg/FleetStatus.msg";
     column_twin Message HingeForces = HingeForces in "msg/HingeForces.msg";
     column_twin Message ImpactEstimate = ImpactEstimate in "msg/ImpactEstimate.msg";
     column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
@@ -38,6 +40,8 @@ interfaces! {
     column_twin Response ConfirmEstimate = ConfirmEstimateResponse in "srv/ConfirmEstimate.srv";
     column_twin Request PredictImpact = PredictImpactRequest in "srv/PredictImpact.srv";
     column_twin Response PredictImpact = PredictImpactResponse in "srv/PredictImpact.srv";
+    column_twin Request ResetColumn = ResetColumnRequest in "srv/ResetColumn.srv";
+    column_twin Response ResetColumn = ResetColumnResponse in "srv/ResetColumn.srv";
 
     builtin_interfaces Message Duration = Duration in "msg/deps/builtin_interfaces/Duration.msg";
     builtin_interfaces Message Time = Time in "msg/deps/builtin_interfaces/Time.msg";

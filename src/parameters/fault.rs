@@ -307,6 +307,16 @@ impl ParameterFaults {
         }
     }
 
+    /// These faults, of which there is at least one.
+    pub(super) fn of(faults: Vec<Fault>) -> Self {
+        debug_assert!(!faults.is_empty());
+        Self(faults)
+    }
+
+    pub(super) fn into_faults(self) -> Vec<Fault> {
+        self.0
+    }
+
     /// The faults.
     #[must_use]
     pub fn faults(&self) -> &[Fault] {

@@ -17,44 +17,64 @@ pub const MAX_FILE_BYTES: u64 = 1 << 20;
 /// YamlKey of the mapping that holds the parameters of a node.
 const PARAMETERS_KEY: &str = "ros__parameters";
 
+/// The parameters that a file gives under one name or pattern.
+pub(super) struct Section {
+    /// With one slash before every part.
+    pub name: String,
+    /// Where the section begins.
+    pub place: Origin,
+    pub assignments: Vec<Assignment>,
+}
+
 /// Reads a file and returns what it assigns to this node's parameters, and all faults in its structure.
 pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
-    match read_text(path) {
-        Ok(text) => assignments(
-            &SourceFile {
-                path: path.to_owned(),
-                text: Arc::from(text),
-            },
-            node,
-        ),
-        Err(message) => {
-            let place = Origin::File {
-                path: path.to_owned(),
-                position: None,
-                excerpt: None,
-            };
-            (
-                Vec::new(),
-                vec![Fault {
-                    name: None,
-                    value: None,
-                    place,
-                    problem: Problem::Unreadable(message),
-                }],
-            )
-        }
+    match source(path, MAX_FILE_BYTES) {
+        Ok(source) => assignments(&source, node),
+        Err(fault) => (Vec::new(), vec![fault]),
     }
 }
 
-fn read_text(path: &Path) -> Result<String, String> {
+/// Reads a file with parameters of many nodes and returns all its sections in their order, and all faults in its structure;
+/// `node` is named in faults.
+pub(super) fn read_sections(path: &Path, node: &NodeName) -> (Vec<Section>, Vec<Fault>) {
+    match source(path, MAX_FILE_BYTES) {
+        Ok(source) => {
+            let mut reader = FileReader::new(&source, node);
+            reader.sections = Some(Vec::new());
+            reader.read();
+            (reader.sections.unwrap_or_default(), reader.faults)
+        }
+        Err(fault) => (Vec::new(), vec![fault]),
+    }
+}
+
+/// The text of a file of at most `max_bytes`.
+pub(super) fn source(path: &Path, max_bytes: u64) -> Result<SourceFile, Fault> {
+    let text = read_text(path, max_bytes).map_err(|message| Fault {
+        name: None,
+        value: None,
+        place: Origin::File {
+            path: path.to_owned(),
+            position: None,
+            excerpt: None,
+        },
+        problem: Problem::Unreadable(message),
+    })?;
+    Ok(SourceFile {
+        path: path.to_owned(),
+        text: Arc::from(text),
+    })
+}
+
+fn read_text(path: &Path, max_bytes: u64) -> Result<String, String> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| error.to_string())?;
-    file.take(MAX_FILE_BYTES + 1)
+    file.take(max_bytes + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
+    if bytes.len() as u64 > max_bytes {
         return Err(format!(
-            "larger than {MAX_FILE_BYTES} bytes, the maximum for a parameter file"
+            "larger than {max_bytes} bytes, the maximum for a parameter file"
         ));
     }
     String::from_utf8(bytes)
@@ -63,42 +83,8 @@ fn read_text(path: &Path) -> Result<String, String> {
 
 /// Returns what the text of a file assigns to this node's parameters, and all faults in its structure.
 pub(super) fn assignments(file: &SourceFile, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
-    let mut reader = FileReader {
-        file,
-        node,
-        found: Vec::new(),
-        faults: Vec::new(),
-        other_nodes: Vec::new(),
-        meant: false,
-        for_any_node: false,
-    };
-    match yaml::parse(&file.text) {
-        Ok(
-            None
-            | Some(YamlNode {
-                content: YamlContent::Null,
-                ..
-            }),
-        ) => {
-            reader.fault_of_file(
-                "is empty",
-                &Location {
-                    line: 1,
-                    column: 1,
-                    bytes: 0..0,
-                },
-            );
-        }
-        Ok(Some(YamlNode {
-            content: YamlContent::Mapping(entries),
-            ..
-        })) => {
-            reader.nodes(&entries, "");
-            reader.report_missing_section(&entries);
-        }
-        Ok(Some(root)) => reader.fault_of_file("is not a mapping", &root.at),
-        Err(error) => reader.fault(None, &error.at, Problem::Syntax(error.message)),
-    }
+    let mut reader = FileReader::new(file, node);
+    reader.read();
     (reader.found, reader.faults)
 }
 
@@ -113,9 +99,65 @@ struct FileReader<'a> {
     meant: bool,
     /// Whether the present section is for any node, and not for this one by name.
     for_any_node: bool,
+    /// The sections of all nodes, if they are wanted instead of what is for this node.
+    sections: Option<Vec<Section>>,
 }
 
-impl FileReader<'_> {
+impl<'a> FileReader<'a> {
+    fn new(file: &'a SourceFile, node: &'a NodeName) -> Self {
+        Self {
+            file,
+            node,
+            found: Vec::new(),
+            faults: Vec::new(),
+            other_nodes: Vec::new(),
+            meant: false,
+            for_any_node: false,
+            sections: None,
+        }
+    }
+
+    fn read(&mut self) {
+        match yaml::parse(&self.file.text) {
+            Ok(
+                None
+                | Some(YamlNode {
+                    content: YamlContent::Null,
+                    ..
+                }),
+            ) => {
+                self.fault_of_file(
+                    "is empty",
+                    &Location {
+                        line: 1,
+                        column: 1,
+                        bytes: 0..0,
+                    },
+                );
+            }
+            Ok(Some(YamlNode {
+                content: YamlContent::Mapping(entries),
+                ..
+            })) => {
+                self.nodes(&entries, "");
+                self.report_missing_section(&entries);
+            }
+            Ok(Some(root)) => self.fault_of_file("is not a mapping", &root.at),
+            Err(error) => self.fault(None, &error.at, Problem::Syntax(error.message)),
+        }
+    }
+
+    /// Keeps what was found since the section before as a section, if sections are wanted.
+    fn end_section(&mut self, path: &str, at: &Location) {
+        if let Some(sections) = &mut self.sections {
+            sections.push(Section {
+                name: with_slashes(path),
+                place: self.file.place(at),
+                assignments: std::mem::take(&mut self.found),
+            });
+        }
+    }
+
     fn fault(&mut self, name: Option<&str>, at: &Location, problem: Problem) {
         let place = self.file.place(at);
         self.faults.push(Fault {
@@ -148,16 +190,23 @@ impl FileReader<'_> {
                     self.meant = true; // one fault is enough
                 }
                 (YamlContent::Mapping(_) | YamlContent::Null, true)
-                    if !self.node.is_meant_by(path) =>
+                    if self.sections.is_none() && !self.node.is_meant_by(path) =>
                 {
                     self.other_nodes.push(with_slashes(path));
                 }
                 (YamlContent::Mapping(parameters), true) => {
                     self.meant = true;
-                    self.for_any_node = !self.node.is_named_by(path);
+                    self.for_any_node = match self.sections {
+                        None => !self.node.is_named_by(path),
+                        Some(_) => path.ends_with('*'),
+                    };
                     self.group(parameters, "", &mut BTreeMap::new());
+                    self.end_section(path, &key.at);
                 }
-                (YamlContent::Null, true) => self.meant = true,
+                (YamlContent::Null, true) => {
+                    self.meant = true;
+                    self.end_section(path, &key.at);
+                }
                 (YamlContent::Mapping(below), false) => {
                     self.nodes(below, &format!("{path}/{}", key.text))
                 }

@@ -28,6 +28,7 @@ mod criterion_names;
 mod draft;
 mod fault;
 mod file;
+mod fleet;
 mod given;
 mod lookup;
 mod node_name;
@@ -55,6 +56,10 @@ pub use catalogue::{CatalogueSection, catalogue};
 pub use criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 pub use fault::{Excerpt, Fault, Origin, ParameterFaults, Problem};
 pub use file::MAX_FILE_BYTES;
+pub use fleet::{
+    FleetColumn, FleetColumns, FleetSources, MAX_COLUMNS, MAX_TABLE_BYTES, MAX_WILDCARD_SECTIONS,
+    is_of_the_fleet,
+};
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
@@ -240,6 +245,24 @@ impl Parameters {
             .filter(|(parameter, value)| before.get(parameter.name) != Some(value))
             .map(|(parameter, _)| parameter)
             .collect()
+    }
+
+    /// Whether the parameters of another column are the same but for `column_id` and `frame_id`, so that it responds alike.
+    #[must_use]
+    pub fn differs_by_names_only(&self, other: &Self) -> bool {
+        let mut renamed = self.settings.clone();
+        renamed.column_id.clone_from(&other.settings.column_id);
+        renamed.frame_id.clone_from(&other.settings.frame_id);
+        renamed == other.settings
+    }
+
+    /// A text that is the same for parameters that [differ by names only](Self::differs_by_names_only), to find them among many.
+    #[must_use]
+    pub fn without_names(&self) -> String {
+        let mut nameless = self.settings.clone();
+        nameless.column_id.clear();
+        nameless.frame_id.clear();
+        serde_json::to_string(&nameless).expect("settings are numbers, words and strings")
     }
 
     /// The parameter of this name; `None` if these parameters do not have it.

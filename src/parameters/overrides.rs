@@ -42,12 +42,13 @@ pub fn parse_override(argument: &str) -> Override {
     Override {
         node,
         name: Some(name.to_owned()),
-        given: given(value, Origin::CommandLine(text.clone())),
+        given: given_in_text(value, Origin::CommandLine(text.clone())),
         text,
     }
 }
 
-fn given(value: &str, place: Origin) -> Result<Given, Problem> {
+/// The value that a text gives; YAML decides on its type.
+pub(super) fn given_in_text(value: &str, place: Origin) -> Result<Given, Problem> {
     let node = yaml::parse(value)
         .map_err(|error| Problem::Syntax(format!("has a value that is {}", error.message)))?;
     let nothing = Given {

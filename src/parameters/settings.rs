@@ -63,12 +63,12 @@ pub struct SensorsSettings {
 }
 
 macro_rules! groups {
-    ($($(#[$meaning:meta])* $group:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
+    ($($(#[$meaning:meta])* $group:ident { $($(#[$of_field:meta])* $field:ident: $type:ty),* $(,)? })*) => {$(
         $(#[$meaning])*
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         #[allow(missing_docs)] // documented once, in the table
-        pub struct $group { $(pub $field: $type),* }
+        pub struct $group { $($(#[$of_field])* pub $field: $type),* }
     )*};
 }
 
@@ -136,7 +136,14 @@ groups! {
     /// The file that preserves the damage across restarts.
     StateSettings { directory: String }
     /// What the solver thread requests from the system.
-    RealTimeSettings { priority: u8, processors: String, lock_memory: bool }
+    RealTimeSettings {
+        priority: u8,
+        processors: String,
+        lock_memory: bool,
+        // Absent in recordings and states of programs that know no fleets.
+        #[serde(default)]
+        threads: u8,
+    }
     /// Recordings.
     RecordSettings {
         mode: RecordMode,

@@ -855,6 +855,14 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "lock the program's memory so that it is never swapped out, if the system permits it",
     },
     Parameter {
+        name: "real_time.threads",
+        unit: "",
+        default: DefaultValue::Integer(0),
+        admissible: Admissible::Integer { min: 0, max: 64 },
+        applies: Applies::Restart,
+        meaning: "solver threads of a fleet; 0: one less than processors, at least one. A single twin has one",
+    },
+    Parameter {
         name: "record.mode",
         unit: "",
         default: DefaultValue::Text("off"),

@@ -1,6 +1,6 @@
 //! Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -12,10 +12,10 @@ use rustdds::GUID;
 use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
-    ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+    ColumnState, ColumnStatus, FleetStatus, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;
-use crate::parameters::readable;
+use crate::parameters::{MAX_COLUMNS, readable};
 use crate::printable::Printable;
 
 use super::environment::Environment;
@@ -146,8 +146,43 @@ fn elsewhere(others: &[String]) -> String {
 }
 
 fn listed(columns: &[String]) -> String {
+    const MAX_LISTED: usize = 20;
     let quoted = columns.iter().map(|it| format!("\"{}\"", Printable(it)));
-    quoted.collect::<Vec<_>>().join(", ")
+    let mut listed: Vec<_> = quoted.take(MAX_LISTED).collect();
+    if columns.len() > MAX_LISTED {
+        listed.push(format!("and {} more", columns.len() - MAX_LISTED));
+    }
+    listed.join(", ")
+}
+
+/// What is shown of a twin or a fleet.
+#[derive(Debug)]
+pub enum Shown<'a> {
+    /// A line about one column.
+    Line(&'a str),
+    /// The columns of a fleet, after a message about some of them.
+    Fleet {
+        /// The message.
+        status: &'a FleetStatus,
+        /// All columns that are known, in the order of their names.
+        columns: &'a [ColumnStatus],
+    },
+}
+
+/// The columns of fleets, from their statuses.
+#[derive(Debug, Default)]
+struct FleetView(BTreeMap<String, ColumnStatus>);
+
+impl FleetView {
+    /// Takes a message. Names beyond [`MAX_COLUMNS`] are left out: anybody may send some.
+    fn take(&mut self, status: &FleetStatus) -> Vec<ColumnStatus> {
+        for column in &status.columns {
+            if self.0.len() < MAX_COLUMNS || self.0.contains_key(&column.column_id) {
+                self.0.insert(column.column_id.clone(), column.clone());
+            }
+        }
+        self.0.values().cloned().collect()
+    }
 }
 
 /// Publishes an event and waits for the twin's reply; `say` receives progress messages.
@@ -166,6 +201,7 @@ pub fn send_impact(
     let subscribed = Subscribed {
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
+        fleet: fleet_subscription(&mut node)?,
         ..Subscribed::default()
     };
     converse(
@@ -181,15 +217,15 @@ pub fn send_impact(
     )
 }
 
-/// Shows states, forecasts, reports and rejections, one line each, until the program is asked to stop or `show` returns
-/// `Break`.
+/// Shows states, forecasts, reports and rejections, one line each, and the columns of a fleet, until the program is asked to stop
+/// or `show` returns `Break`.
 ///
 /// # Errors
 /// The node cannot be created.
 pub fn watch(
     environment: &Environment,
     rules: &[RemapRule],
-    show: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    show: &mut dyn FnMut(Shown<'_>) -> ControlFlow<()>,
 ) -> Result<(), ClientError> {
     let signals = StopSignals::listen()?;
     let names = Names::new(&environment.namespace, "column_twin_watch", rules)?;
@@ -199,25 +235,39 @@ pub fn watch(
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
+        fleet: fleet_subscription(&mut node)?,
         ..Subscribed::default()
     };
     let topic = node
         .names()
         .resolve(qos::COLUMN_STATE.kind(), qos::COLUMN_STATE.name)?;
-    let mut shown = show(&format!(
+    let mut shown = show(Shown::Line(&format!(
         "watching {topic} in domain {}; stop with Ctrl-C",
         environment.domain_id
-    ));
+    )));
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {
         join!(events, subscribed.show(sender));
     })?;
     let mut lines = WatchLines::default();
+    let mut fleet: Option<FleetView> = None;
     while !signals.asked() && shown.is_continue() {
-        let seen = next(&seen, Instant::now() + CHECK_INTERVAL);
+        let mut seen = next(&seen, Instant::now() + CHECK_INTERVAL);
+        if let Some(Seen::Fleet(status)) = &seen {
+            let columns = fleet.get_or_insert_default().take(status);
+            shown = show(Shown::Fleet {
+                status,
+                columns: &columns,
+            });
+            continue;
+        }
+        // The columns of a fleet are shown together.
+        if fleet.is_some() {
+            seen = seen.filter(|it| !matches!(it, Seen::State(_) | Seen::Status(_)));
+        }
         for line in lines.lines(seen, Instant::now()) {
-            shown = show(&line);
+            shown = show(Shown::Line(&line));
             if shown.is_break() {
                 break;
             }
@@ -248,6 +298,7 @@ pub fn follow_impact(
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
+        ..Subscribed::default()
     };
     let ended = converse(
         node,
@@ -274,6 +325,14 @@ pub fn follow_impact(
         },
     );
     ended?
+}
+
+/// The status of a fleet. An enclave that was made before there were fleets does not permit it, and needs it only for a fleet.
+fn fleet_subscription(node: &mut Node) -> Result<Option<Subscription<FleetStatus>>, NodeError> {
+    match node.subscription(&qos::FLEET_STATUS) {
+        Err(_) if node.protection().has_enclave() => Ok(None),
+        subscription => subscription.map(Some),
+    }
 }
 
 /// An event that the client has sent.
@@ -310,6 +369,7 @@ fn converse<T>(
     let mut endpoints = subscribed.guids();
     endpoints.push(publisher.guid());
     let status = subscribed.status.as_ref().map(Subscription::guid);
+    let fleet = subscribed.fleet.as_ref().map(Subscription::guid);
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
     let (events, matches) = (node.participant_events(), node.matches());
     let task = Task::start("column_twin/see", move || async move {
@@ -339,9 +399,19 @@ fn converse<T>(
         let all_are_known = |columns: &BTreeSet<String>| {
             let twins = status.map_or(0, |status| matches.count(status));
             let wanted = options.column_id.as_ref();
-            wanted.is_some_and(|it| columns.contains(it)) || columns.len() >= twins
+            // One node of a fleet has many columns, which its own status names.
+            let has_fleet = fleet.is_some_and(|fleet| matches.count(fleet) > 0);
+            match wanted {
+                Some(it) if columns.contains(it) => true,
+                _ => !has_fleet && columns.len() >= twins,
+            }
         };
         wait_until(signals, STATUS_WAIT, |until| match next(&seen, until) {
+            Some(Seen::Fleet(status)) => {
+                let is_of_all = status.columns.len() as u64 >= u64::from(status.columns_total);
+                columns.extend(status.columns.into_iter().map(|it| it.column_id));
+                (options.column_id.is_none() && (is_of_all || columns.len() > 1)).then_some(())
+            }
             Some(Seen::Status(status)) => {
                 if options.column_id.as_ref() == Some(&status.column_id) {
                     refused_before = Some(status.events_refused);
@@ -405,9 +475,11 @@ struct Subscribed {
     forecast: Option<Subscription<ImpactReport>>,
     report: Option<Subscription<ImpactReport>>,
     status: Option<Subscription<TwinStatus>>,
+    fleet: Option<Subscription<FleetStatus>>,
 }
 
 impl Subscribed {
+    /// The subscriptions that every twin and every fleet serves.
     fn guids(&self) -> Vec<GUID> {
         [
             self.state.as_ref().map(Subscription::guid),
@@ -429,6 +501,7 @@ impl Subscribed {
             pass(&self.forecast, &to, Seen::Forecast),
             pass(&self.report, &to, Seen::Report),
             pass(&self.status, &to, Seen::Status),
+            pass(&self.fleet, &to, Seen::Fleet),
         );
     }
 }

@@ -28,6 +28,8 @@ pub(super) struct NodeCounters {
     pub missed: AtomicU64,
     /// Messages that could not be written, or not in time for a slow reader.
     pub unpublished: AtomicU64,
+    /// Messages for columns that are not in this fleet.
+    pub ignored: AtomicU64,
     /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
     /// The simulated clock; `None` with the system's.
@@ -177,7 +179,7 @@ fn severity_level(twin: &TwinStatus) -> u8 {
     }
 }
 
-fn solver_status(health: &Health) -> DiagnosticStatus {
+pub(super) fn solver_status(health: &Health) -> DiagnosticStatus {
     let (level, message) = match (health.overruns, health.hints.first()) {
         _ if health.has_panicked => (
             DiagnosticStatus::ERROR,
@@ -203,7 +205,7 @@ fn solver_status(health: &Health) -> DiagnosticStatus {
     entry("solver", level, message, values)
 }
 
-fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
+pub(super) fn queue_status(queues: &[QueueStats]) -> DiagnosticStatus {
     let losing: Vec<_> = queues
         .iter()
         .filter(|it| it.dropped > 0)
@@ -258,7 +260,7 @@ fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     entry("recording", level, message, values)
 }
 
-fn security_status(security: SecurityHealth) -> DiagnosticStatus {
+pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     entry(
         "security",
         security.level,
@@ -267,7 +269,7 @@ fn security_status(security: SecurityHealth) -> DiagnosticStatus {
     )
 }
 
-fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
+pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     let values = [
         ("unreadable messages", &counters.unreadable),
         ("missed messages", &counters.missed),
@@ -284,7 +286,7 @@ fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
     entry("ros", level, message.to_owned(), values)
 }
 
-fn senders_status(senders: &Senders) -> DiagnosticStatus {
+pub(super) fn senders_status(senders: &Senders) -> DiagnosticStatus {
     let counts = [senders.not_allowed(), senders.too_fast()];
     let (level, message) = match counts {
         [0, 0] => (DiagnosticStatus::OK, "none rejected"),
@@ -312,7 +314,7 @@ fn sensors_status(sensors: SensorStatus) -> DiagnosticStatus {
     entry("sensors", level, message, values)
 }
 
-fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
+pub(super) fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
     let count = ("messages on /clock".to_owned(), clock.count().to_string());
     let (level, message) = match (clock.problem(Instant::now()), clock.count()) {
         (Some(problem), _) => (DiagnosticStatus::WARN, problem),
@@ -322,7 +324,7 @@ fn clock_status(clock: &ClockWatch) -> DiagnosticStatus {
     entry("clock", level, message, [count])
 }
 
-fn phase_name(phase: u8) -> &'static str {
+pub(super) fn phase_name(phase: u8) -> &'static str {
     match phase {
         TwinStatus::IDLE => "IDLE",
         TwinStatus::APPROACH => "APPROACH",
@@ -336,7 +338,7 @@ fn phase_name(phase: u8) -> &'static str {
     }
 }
 
-fn entry(
+pub(super) fn entry(
     name: &str,
     level: u8,
     message: String,

@@ -138,7 +138,7 @@ impl Subscriptions {
 }
 
 /// As [`each_on`] of an endpoint.
-async fn each<M: serde::de::DeserializeOwned + 'static>(
+pub(super) async fn each<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Subscription<M>,
     endpoint: &Endpoint,
     counters: &NodeCounters,
@@ -183,7 +183,7 @@ pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
 }
 
 /// Most characters of an identifier that a log names before it was checked.
-const MAX_NAMED_CHARS: usize = 64;
+pub(super) const MAX_NAMED_CHARS: usize = 64;
 
 /// Logs and records that a message of a sender was rejected.
 pub(super) fn tell(
@@ -405,7 +405,7 @@ impl Services {
 }
 
 /// Answers every request with the result of `reply`.
-async fn answer<Request, Response>(
+pub(super) async fn answer<Request, Response>(
     endpoint: &Endpoint,
     server: &Server<Request, Response>,
     counters: &NodeCounters,
@@ -418,7 +418,7 @@ async fn answer<Request, Response>(
 }
 
 /// Answers every request with the result of `reply`, which is given the sender too.
-async fn answer_from<Request, Response>(
+pub(super) async fn answer_from<Request, Response>(
     endpoint: &Endpoint,
     server: &Server<Request, Response>,
     counters: &NodeCounters,

@@ -4,7 +4,11 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use crate::column::HINGE_NAMES;
-use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport, TwinStatus};
+use crate::messages::column_twin::{
+    ColumnState, FleetStatus, HingeForces, ImpactReport, TwinStatus,
+};
+use crate::messages::words::phase_word;
+pub use crate::messages::words::severity_word;
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -19,13 +23,15 @@ pub enum Seen {
     Report(ImpactReport),
     /// Status of the twin.
     Status(TwinStatus),
+    /// Status of columns of a fleet.
+    Fleet(FleetStatus),
 }
 
 impl Seen {
     /// Topic, column and stamp \[ns\] of a message that publishers keep for late joiners; `None` for the others.
     fn kept(&self) -> Option<(u8, &str, Option<i64>)> {
         let (topic, header, column_id) = match self {
-            Seen::State(_) | Seen::Forces(_) => return None,
+            Seen::State(_) | Seen::Forces(_) | Seen::Fleet(_) => return None,
             Seen::Forecast(report) => (0, &report.header, &report.column_id),
             Seen::Report(report) => (1, &report.header, &report.column_id),
             Seen::Status(status) => (2, &status.header, &status.column_id),
@@ -161,7 +167,7 @@ impl WatchLines {
             )),
             Seen::Forecast(report) => Some(report_line("forecast", report)),
             Seen::Report(report) => Some(report_line("result", report)),
-            Seen::Forces(_) => None,
+            Seen::Forces(_) | Seen::Fleet(_) => None,
             Seen::Status(status) => {
                 let state = (
                     status.phase,
@@ -244,19 +250,6 @@ pub fn report_line(kind: &str, report: &ImpactReport) -> String {
     )
 }
 
-/// The word for a severity in `ImpactReport` and `TwinStatus`.
-#[must_use]
-pub fn severity_word(severity: u8) -> &'static str {
-    match severity {
-        ImpactReport::SEVERITY_NONE => "none",
-        ImpactReport::SEVERITY_INSPECT => "inspect",
-        ImpactReport::SEVERITY_RESTRICT => "RESTRICT",
-        ImpactReport::SEVERITY_PROP => "PROP",
-        ImpactReport::SEVERITY_EVACUATE => "EVACUATE",
-        _ => "unknown",
-    }
-}
-
 fn vehicle_word(name: &str) -> &str {
     match name {
         "" => "by numbers",
@@ -328,20 +321,6 @@ fn critical_line(column_id: &str, critical: &[CriticalVelocities]) -> String {
         "{column_id} critical velocities for RESTRICT/EVACUATE in m/s: {}",
         vehicles.join(", ")
     )
-}
-
-fn phase_word(phase: u8) -> &'static str {
-    match phase {
-        ColumnState::IDLE => "idle",
-        ColumnState::APPROACH => "approach",
-        ColumnState::CONTACT => "contact",
-        ColumnState::FREE => "free",
-        ColumnState::REST => "rest",
-        ColumnState::COLLAPSED => "COLLAPSED",
-        ColumnState::FAULTED => "FAULTED",
-        ColumnState::SEVERED => "SEVERED",
-        _ => "unknown",
-    }
 }
 
 #[cfg(test)]

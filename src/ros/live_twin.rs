@@ -311,7 +311,7 @@ fn health(handle: &LiveHandle) -> Health {
     health_of(handle.statistics(), !handle.is_running())
 }
 
-fn health_of(statistics: LiveStatistics, has_panicked: bool) -> Health {
+pub(super) fn health_of(statistics: LiveStatistics, has_panicked: bool) -> Health {
     let queues = statistics.queues;
     let dropped = |name: &str| {
         let queue = queues.iter().find(|queue| queue.name == name);

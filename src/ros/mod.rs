@@ -14,6 +14,7 @@ mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
+mod fleet;
 mod fresh_domain;
 mod guid_prefix;
 mod inputs;
@@ -47,8 +48,11 @@ mod type_descriptions;
 mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
-pub use client::{ClientError, ImpactOptions, ImpactOutcome, follow_impact, send_impact, watch};
+pub use client::{
+    ClientError, ImpactOptions, ImpactOutcome, Shown, follow_impact, send_impact, watch,
+};
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
 pub use fresh_domain::FreshDomain;
 pub use lines::{Seen, report_line, severity_word};
 pub use live_twin::{Health, LiveTwin, LiveTwinError};

@@ -11,6 +11,7 @@ use super::NODE_NAME;
 use super::arguments::RosArguments;
 use super::dds_threads::DdsThreads;
 use super::environment::{DiscoveryRange, Environment};
+use super::fleet::FleetTwinError;
 use super::live_twin::{LiveTwin, LiveTwinError};
 use super::names::{NameError, Names};
 use super::node::NodeError;
@@ -57,6 +58,9 @@ pub enum RunError {
     /// The twin cannot be started.
     #[error("the twin cannot start: {0}")]
     Twin(#[from] LiveTwinError),
+    /// The fleet cannot be started.
+    #[error("the fleet cannot start: {0}")]
+    Fleet(#[source] FleetTwinError),
     /// The recording cannot be started.
     #[error("the recording cannot start: {0}")]
     Recording(Box<dyn std::error::Error + Send + Sync>),

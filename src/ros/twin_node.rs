@@ -140,23 +140,33 @@ impl TwinNode {
             task.stop();
         }
         self.twin.stop();
-        self.stop.store(true, Ordering::Relaxed);
-        self.waker.wake();
-        let mut has_panicked = self.publisher.join().is_err();
-        // Last, so that the log messages of the other threads are published.
-        if let Some((end, log)) = self.log {
-            end.send();
-            has_panicked |= log.join().is_err();
-        }
-        if has_panicked {
-            tracing::error!("a publishing thread panicked");
-        }
+        stop_publishing_threads(&self.stop, &self.waker, self.publisher, self.log);
         // All threads have ended, and with them all endpoints.
         drop(self.node);
     }
 }
 
-fn publish_log(
+/// Ends the threads that publish, after what is queued.
+pub(super) fn stop_publishing_threads(
+    stop: &AtomicBool,
+    waker: &Waker,
+    publisher: JoinHandle<()>,
+    log: Option<(LogEnd, JoinHandle<()>)>,
+) {
+    stop.store(true, Ordering::Relaxed);
+    waker.wake();
+    let mut has_panicked = publisher.join().is_err();
+    // Last, so that the log messages of the other threads are published.
+    if let Some((end, log)) = log {
+        end.send();
+        has_panicked |= log.join().is_err();
+    }
+    if has_panicked {
+        tracing::error!("a publishing thread panicked");
+    }
+}
+
+pub(super) fn publish_log(
     node: &mut Node,
     queue: RosoutQueue,
     counters: &Arc<NodeCounters>,
@@ -191,7 +201,7 @@ fn publish_log(
     Ok((end, thread))
 }
 
-fn spawn(
+pub(super) fn spawn(
     name: &'static str,
     run: impl FnOnce() + Send + 'static,
 ) -> Result<JoinHandle<()>, NodeError> {

@@ -198,7 +198,11 @@ mod tests {
     #[test]
     fn every_type_of_the_program_is_described() {
         // Two types without fields or with equal ones would have one hash if the name were not part of it.
-        let services = ["column_twin/srv/PredictImpact", "std_srvs/srv/Trigger"];
+        let services = [
+            "column_twin/srv/PredictImpact",
+            "column_twin/srv/ResetColumn",
+            "std_srvs/srv/Trigger",
+        ];
         assert_eq!(DESCRIPTIONS.len(), INTERFACES.len() + services.len());
         for service in services {
             let mut all = DESCRIPTIONS.values();

@@ -41,7 +41,7 @@ pub(super) struct ActiveResponse {
 /// A response that is over.
 #[derive(Debug)]
 pub(super) struct LastResponse {
-    pub response: ActiveResponse,
+    pub response: Box<ActiveResponse>,
     /// The twin before it, as long as it can be resumed.
     pub before: Option<BeforeResponse>,
 }

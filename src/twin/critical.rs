@@ -13,9 +13,9 @@ use crate::study::{StudyColumn, VehicleLimits, vehicle_limits};
 /// All on which the critical velocities of the column at rest depend, as plain data for another thread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CriticalVelocityTask {
-    parameters: Arc<Parameters>,
-    at_rest: Plant,
-    severity: Severity,
+    pub(super) parameters: Arc<Parameters>,
+    pub(super) at_rest: Plant,
+    pub(super) severity: Severity,
 }
 
 impl CriticalVelocityTask {

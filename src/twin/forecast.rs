@@ -86,6 +86,11 @@ impl Forecast {
         self.was_given_out
     }
 
+    /// The step that it has reached; `None` if nothing remains to be computed.
+    pub fn step(&self) -> Option<u64> {
+        self.ahead.as_ref().map(LookAhead::step)
+    }
+
     /// What it has found.
     pub fn foreseen(&self) -> Option<&Foreseen> {
         self.foreseen.as_ref()
@@ -240,8 +245,8 @@ impl Superseded {
 /// Forecasts of responses that have ended before their time. Each is carried to its end, given out, and then withdrawn.
 #[derive(Debug)]
 pub(super) struct SupersededForecasts {
-    /// The oldest first.
-    waiting: VecDeque<Superseded>,
+    /// The oldest first, each in memory of its own: there are seldom any.
+    waiting: VecDeque<Box<Superseded>>,
     /// To be given out once the journal has what has ended the responses.
     withdrawn: Vec<WithdrawnForecast>,
 }
@@ -249,7 +254,7 @@ pub(super) struct SupersededForecasts {
 impl SupersededForecasts {
     pub fn new() -> Self {
         Self {
-            waiting: VecDeque::with_capacity(MAX_SUPERSEDED_FORECASTS),
+            waiting: VecDeque::new(),
             withdrawn: Vec::new(),
         }
     }
@@ -278,10 +283,9 @@ impl SupersededForecasts {
         }
         if self.waiting.len() == MAX_SUPERSEDED_FORECASTS {
             let oldest = self.waiting.pop_front();
-            self.withdrawn
-                .extend(oldest.and_then(Superseded::withdrawn));
+            self.withdrawn.extend(oldest.and_then(|it| it.withdrawn()));
         }
-        self.waiting.push_back(superseded);
+        self.waiting.push_back(Box::new(superseded));
     }
 
     /// Takes note that an impact will have no forecast.
@@ -298,10 +302,10 @@ impl SupersededForecasts {
         now: Nanos,
         out: &mut impl Outputs,
     ) {
-        while let Some(Superseded {
-            impact, forecast, ..
-        }) = self.waiting.front_mut()
-        {
+        while let Some(oldest) = self.waiting.front_mut() {
+            let Superseded {
+                impact, forecast, ..
+            } = &mut **oldest;
             while forecast
                 .advance(impact, virgin, budget, stopwatch, now, out)
                 .is_some()
@@ -311,7 +315,7 @@ impl SupersededForecasts {
             }
             let complete = self.waiting.pop_front();
             self.withdrawn
-                .extend(complete.and_then(Superseded::withdrawn));
+                .extend(complete.and_then(|it| it.withdrawn()));
         }
     }
 
@@ -319,7 +323,7 @@ impl SupersededForecasts {
     pub fn abandon(&mut self) {
         let given_up = self.waiting.drain(..);
         self.withdrawn
-            .extend(given_up.filter_map(Superseded::withdrawn));
+            .extend(given_up.filter_map(|it| it.withdrawn()));
     }
 
     /// Gives out what no longer holds.

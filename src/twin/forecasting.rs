@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::active_response::{ActiveResponse, LastResponse};
+use super::active_response::{ActiveResponse, BegunImpact, LastResponse};
 use super::command::Nanos;
 use super::forecast::{Completed, Forecast};
 use super::lifecycle::Twin;
@@ -27,6 +27,20 @@ impl Twin {
         present.is_some_and(|it| it.forecast.is_running() && !it.forecast.is_known())
     }
 
+    /// Most steps of the response that its forecast may still have to compute before it is given out: what `response.duration`
+    /// allows. `None` if [`awaits_forecast`](Self::awaits_forecast) is false.
+    pub fn forecast_steps_left(&self) -> Option<u64> {
+        let response = self.response.as_ref().filter(|_| self.awaits_forecast())?;
+        let BegunImpact {
+            parameters,
+            step_nanos,
+            ..
+        } = &response.impact;
+        let steps = parameters.response_duration() * 1e9 / *step_nanos as f64;
+        let reached = response.forecast.step()?;
+        Some((steps as u64).saturating_sub(reached))
+    }
+
     /// Carries the forecasts on by at most `max_steps`. Each is given out when the response and the remaining capacity are
     /// known, and again when the error of the time step is known. The present response comes first.
     pub fn run_ahead(&mut self, max_steps: u64, now: Nanos, out: &mut impl Outputs) {
@@ -47,7 +61,7 @@ impl Twin {
                 timeline,
                 forecast,
                 ..
-            } = response;
+            } = &mut **response;
             let (virgin, stopwatch) = (&mut self.virgin, &self.stopwatch);
             let Some(completed) = forecast.advance(impact, virgin, budget, stopwatch, now, out)
             else {
@@ -106,7 +120,7 @@ impl Twin {
     /// Takes leave of a response that something else ends. Its forecast is completed nevertheless.
     pub(super) fn end_early(
         &mut self,
-        mut response: ActiveResponse,
+        mut response: Box<ActiveResponse>,
         end: ForecastEnd,
         reason: String,
     ) {

@@ -112,7 +112,7 @@ impl Twin {
     }
 
     /// Makes the last response the present one again.
-    pub(super) fn take_back(&mut self, response: ActiveResponse, plastic_work: f64) {
+    pub(super) fn take_back(&mut self, response: Box<ActiveResponse>, plastic_work: f64) {
         self.journal.taken_back = true;
         self.registry.life.plastic_work_since_reset = plastic_work;
         self.solver.newton_iterations -= response.newton_iterations();
@@ -219,7 +219,7 @@ impl Twin {
         });
         let parameters = Arc::clone(self.parameters.current());
         let ahead = LookAhead::new(struck, imperfection(&parameters), self.virgin);
-        self.response = Some(ActiveResponse {
+        self.response = Some(Box::new(ActiveResponse {
             impact: BegunImpact {
                 stamp,
                 event_id,
@@ -231,7 +231,7 @@ impl Twin {
             timeline: Timeline::begin(stamp, struck, steps_per_sample, history),
             forecast: Forecast::new(ahead),
             silent_until: None,
-        });
+        }));
         self.status.set_changed();
     }
 
@@ -239,7 +239,7 @@ impl Twin {
     /// response before had reached.
     pub(super) fn begin_once_more(
         &mut self,
-        response: ActiveResponse,
+        response: Box<ActiveResponse>,
         pending: PendingImpact,
         struck: Struck,
         out: &mut impl Outputs,

@@ -38,9 +38,10 @@ pub struct Twin {
     pub(super) virgin: Option<VirginCapacity>,
     /// Its critical velocities; `None` until they are computed.
     pub(super) critical: Option<KnownCriticalVelocities>,
-    pub(super) response: Option<ActiveResponse>,
+    /// In memory of its own, because most columns of a fleet have none.
+    pub(super) response: Option<Box<ActiveResponse>>,
     /// The clock has jumped back during the present response, which no longer waits for it.
-    is_completing: bool,
+    pub(super) is_completing: bool,
     /// Forecasts of responses that have ended before their time.
     pub(super) superseded: SupersededForecasts,
     /// The last response that is over.
@@ -69,11 +70,12 @@ impl Twin {
     /// # Errors
     /// The column is impossible, or does not stand under its load.
     pub fn new(
-        parameters: Parameters,
+        parameters: impl Into<Arc<Parameters>>,
         saved: Option<&SavedState>,
         stopwatch: Stopwatch,
         now: Nanos,
     ) -> Result<Self, ModelError> {
+        let parameters: Arc<Parameters> = parameters.into();
         let mut registry = Registry::new(&parameters.settings().column_id);
         let properties = parameters.column_properties();
         let at_rest = match saved {
@@ -368,9 +370,10 @@ impl Twin {
             let Some(target) = self.arrive(instant, now, out) else {
                 return;
             };
-            let Some(ActiveResponse { timeline, .. }) = &mut self.response else {
+            let Some(response) = &mut self.response else {
                 return;
             };
+            let timeline = &mut response.timeline;
             let before = timeline.step();
             let advanced = timeline.advance(target);
             self.solver.steps += timeline.step() - before;
@@ -485,7 +488,7 @@ impl Twin {
     /// Back to rest after a response; what has waited for its end follows. `assess` gives the column its assessment.
     fn settle(
         &mut self,
-        response: ActiveResponse,
+        response: Box<ActiveResponse>,
         settled: Plant,
         last: LastImpact,
         now: Nanos,

@@ -70,6 +70,7 @@ mod command;
 mod critical;
 mod estimates;
 mod estimation;
+mod fleet_member;
 mod forecast;
 mod forecasting;
 mod impacts;

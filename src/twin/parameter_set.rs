@@ -33,11 +33,18 @@ pub(super) struct PlannedChange {
 }
 
 impl ParameterSet {
-    pub fn new(parameters: Parameters) -> Self {
+    pub fn new(parameters: Arc<Parameters>) -> Self {
         Self {
             fingerprint: fingerprint(&parameters).into(),
-            current: Arc::new(parameters),
+            current: parameters,
             waiting: None,
+        }
+    }
+
+    /// Shares the digest of another column, if it is equal.
+    pub fn share_fingerprint(&mut self, other: &Self) {
+        if self.fingerprint == other.fingerprint {
+            self.fingerprint = Arc::clone(&other.fingerprint);
         }
     }
 

@@ -136,6 +136,14 @@ impl Refusal {
         }
     }
 
+    /// That of a command to which the solver has not answered in time.
+    pub(crate) fn no_answer(after_secs: u64) -> Self {
+        let reason = format!(
+            "the solver did not answer within {after_secs} s; the command may still be executed, see twin_status"
+        );
+        Self::new(RefusalCode::NoAnswer, reason)
+    }
+
     /// Code and reason in one text, for answers that have no field for the code: `[stamp_too_old] the stamp is ...`.
     #[must_use]
     pub fn tagged(&self) -> String {

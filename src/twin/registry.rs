@@ -134,7 +134,7 @@ impl Registry {
         Self {
             column_id: column_id.into(),
             seen: SeenIds::of(&[]),
-            pending: Vec::with_capacity(MAX_IMPACTS_AHEAD),
+            pending: Vec::new(),
             counts: Counts::default(),
             life: Life::default(),
             last_refusal: None,

@@ -67,6 +67,19 @@ pub enum StateFileError {
         /// The lock file.
         lock: PathBuf,
     },
+    /// The folder is in use by another program.
+    #[error(
+        "the state directory {directory} is in use by {by}, which holds {lock}; two programs would overwrite each other's \
+         damage: stop the other one, or set another state.directory"
+    )]
+    FolderInUse {
+        /// The folder.
+        directory: PathBuf,
+        /// By whom.
+        by: &'static str,
+        /// The lock file.
+        lock: PathBuf,
+    },
     /// The lock file cannot be created or locked.
     #[error(
         "the damage cannot be saved, because {lock} cannot be created or locked: {source}; check its permissions, set \
@@ -121,11 +134,15 @@ fn file_name(column_id: &str) -> String {
     name + ".json"
 }
 
-/// The exclusive use of a state file, until this value is dropped or the program ends, even by a crash.
+/// The exclusive use of a state file, or of a folder of state files, until this value is dropped or the program ends, even by a
+/// crash.
 #[derive(Debug)]
 pub struct Reserved {
-    _lock: File,
+    _locks: Vec<File>,
 }
+
+/// The lock of a folder, which single twins share and a fleet has for itself. The file of a column always has another name.
+const FOLDER_LOCK: &str = "fleet.lock";
 
 /// Reserves a state file for this program, and creates its folder. The lock file is never deleted: otherwise a third
 /// program could lock a new file while a second one still holds the deleted one.
@@ -133,26 +150,62 @@ pub struct Reserved {
 /// # Errors
 /// Another twin uses the file, or the lock file cannot be created.
 pub fn reserve(path: &Path) -> Result<Reserved, StateFileError> {
+    let directory = folder(path);
+    let of_folder = directory.join(FOLDER_LOCK);
+    let shared = locked(&of_folder, File::try_lock_shared, || {
+        StateFileError::FolderInUse {
+            directory: directory.to_owned(),
+            by: "a running fleet",
+            lock: of_folder.clone(),
+        }
+    })?;
     let lock = with_suffix(path, ".lock");
+    let own = locked(&lock, File::try_lock, || StateFileError::InUse {
+        path: path.to_owned(),
+        lock: lock.clone(),
+    })?;
+    Ok(Reserved {
+        _locks: vec![own, shared],
+    })
+}
+
+/// Reserves a folder of state files for a fleet, and creates it: one lock for all columns.
+///
+/// # Errors
+/// A fleet or a twin uses the folder, or the lock file cannot be created.
+pub fn reserve_folder(directory: &Path) -> Result<Reserved, StateFileError> {
+    let lock = directory.join(FOLDER_LOCK);
+    let own = locked(&lock, File::try_lock, || StateFileError::FolderInUse {
+        directory: directory.to_owned(),
+        by: "another running fleet, or by a running twin of a single column",
+        lock: lock.clone(),
+    })?;
+    Ok(Reserved { _locks: vec![own] })
+}
+
+fn locked(
+    lock: &Path,
+    how: impl FnOnce(&File) -> Result<(), TryLockError>,
+    in_use: impl FnOnce() -> StateFileError,
+) -> Result<File, StateFileError> {
     let open = || {
-        fs::create_dir_all(folder(path))?;
+        fs::create_dir_all(folder(lock))?;
         File::options()
             .create(true)
             .truncate(false)
             .write(true)
-            .open(&lock)
+            .open(lock)
     };
     let locked = open()
         .map_err(TryLockError::Error)
-        .and_then(|file| file.try_lock().map(|()| file));
-    match locked {
-        Ok(file) => Ok(Reserved { _lock: file }),
-        Err(TryLockError::WouldBlock) => Err(StateFileError::InUse {
-            path: path.to_owned(),
-            lock,
-        }),
-        Err(TryLockError::Error(source)) => Err(StateFileError::NotReserved { lock, source }),
-    }
+        .and_then(|file| how(&file).map(|()| file));
+    locked.map_err(|error| match error {
+        TryLockError::WouldBlock => in_use(),
+        TryLockError::Error(source) => StateFileError::NotReserved {
+            lock: lock.to_owned(),
+            source,
+        },
+    })
 }
 
 /// Reads the state file for the column with these parameters. A file that cannot be used is kept under another name.
@@ -266,6 +319,26 @@ mod tests {
             below_a_file,
             Err(StateFileError::NotReserved { .. })
         ));
+    }
+
+    #[test]
+    fn a_folder_belongs_to_one_fleet_or_to_single_twins() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = root.path().join("state");
+        let fleet = reserve_folder(&folder).expect("free");
+        for refused in [
+            reserve_folder(&folder),
+            reserve(&folder.join("column.json")),
+        ] {
+            let refused = refused.expect_err("taken").to_string();
+            assert!(refused.contains("is in use by"), "{refused}");
+            assert!(refused.contains("set another state.directory"), "{refused}");
+        }
+        drop(fleet);
+        let twins = ["a.json", "b.json"].map(|it| reserve(&folder.join(it)).expect("free"));
+        assert!(reserve_folder(&folder).is_err());
+        drop(twins);
+        reserve_folder(&folder).expect("free again");
     }
 
     #[test]

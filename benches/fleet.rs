@@ -1,0 +1,335 @@
+//! A fleet of columns in one process: what it costs at rest, how fast it starts, and how fast its forecasts are.
+//!
+//! `cargo bench --bench fleet -- 1000` with another number of columns.
+#![allow(clippy::disallowed_methods)] // as in a test: short-lived threads and channels of its own
+
+#[path = "../tests/ros/domain.rs"]
+mod domain;
+#[path = "live/processor.rs"]
+#[allow(dead_code)] // the benchmark of the node uses more of it
+mod processor;
+#[path = "../tests/ros/program.rs"]
+#[allow(dead_code)] // the tests use more of it
+mod program;
+#[path = "live/table.rs"]
+#[allow(dead_code)] // the benchmark of the node uses more of it
+mod table;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command as Process;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use column_twin::column::ImpactSpecification;
+use column_twin::fleet::make_twins;
+use column_twin::live::{
+    Clock, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock, monotonic_nanos,
+};
+use column_twin::messages::column_twin::FleetStatus;
+use column_twin::parameters::{FleetColumn, Parameters, Value};
+use column_twin::ros::{Names, Node, qos};
+use column_twin::twin::{Command, ImpactCommand, Output};
+use futures::StreamExt;
+
+use domain::{Domain, PATIENCE};
+use processor::{resident_mebibytes, share};
+use program::Program;
+use table::{Ranked, number, row};
+
+/// Columns of the fleet, if none are given.
+const COLUMNS: usize = 1_000;
+
+/// How long the fleet is watched at rest.
+const AT_REST: Duration = Duration::from_secs(20);
+
+/// Columns that are hit within a millisecond, and how often.
+const HIT: usize = 10;
+const ROUNDS: usize = 20;
+
+/// The aims.
+const SHARE: f64 = 0.01;
+const MEBIBYTES: f64 = 200.0;
+const THREADS: f64 = 16.0;
+const FILES: f64 = 500.0;
+const PACKETS: f64 = 50.0;
+const START: f64 = 2.0;
+const DISCOVERY: f64 = 1.0;
+const BYTES: f64 = 20_000.0;
+
+fn main() {
+    let given = std::env::args().filter_map(|it| it.parse().ok()).next();
+    let columns = given.unwrap_or(COLUMNS);
+    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    println!("load {}", load.trim());
+    for kind in ["equal", "different"] {
+        at_rest(columns, kind == "equal");
+    }
+    memory();
+    hit();
+}
+
+/// A table of columns, which differ by their names only or also by their loads.
+fn write_fleet(folder: &Path, columns: usize, equal: bool) {
+    let yaml = "/**:\n  ros__parameters: {state.directory: states}\n";
+    fs::write(folder.join("fleet.yaml"), yaml).expect("written");
+    let mut table = "namespace,column_id,top.load\n".to_owned();
+    for number in 0..columns {
+        let load = if equal { 0 } else { number };
+        table += &format!("/hall/c{number},c{number},{}\n", 2.0e5 + load as f64);
+    }
+    fs::write(folder.join("columns.csv"), table).expect("written");
+}
+
+fn arguments(command: &mut Process) {
+    command.args([
+        "fleet",
+        "--params-file",
+        "fleet.yaml",
+        "--columns",
+        "columns.csv",
+    ]);
+}
+
+/// Entries of a folder in `/proc`.
+fn entries(path: &str) -> f64 {
+    fs::read_dir(path).map_or(f64::NAN, |it| it.count() as f64)
+}
+
+/// Packets that the loopback interface of a process's network has sent.
+fn packets(id: u32) -> Option<f64> {
+    let text = fs::read_to_string(format!("/proc/{id}/net/dev")).ok()?;
+    let line = text.lines().find_map(|it| it.trim().strip_prefix("lo:"))?;
+    line.split_whitespace().nth(9)?.parse().ok()
+}
+
+fn at_rest(columns: usize, equal: bool) {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_fleet(folder.path(), columns, equal);
+    let binary = env!("CARGO_BIN_EXE_column-twin");
+    // A network of its own, so that the packets are those of the fleet.
+    let domain = Domain::fresh();
+    let mut command = Process::new("unshare");
+    command.args([
+        "--net",
+        "sh",
+        "-c",
+        "ip link set lo up && exec \"$0\" \"$@\"",
+        binary,
+    ]);
+    arguments(&mut command);
+    let can_unshare = Process::new("unshare")
+        .args(["--net", "sh", "-c", "ip link set lo up"])
+        .output()
+        .is_ok_and(|it| it.status.success());
+    if !can_unshare {
+        command = Process::new(binary);
+        arguments(&mut command);
+    }
+    let begun = Instant::now();
+    let mut program = Program::spawn(&domain, folder.path(), command);
+    program.wait_for("is ready in domain");
+    let start = begun.elapsed().as_secs_f64();
+    let id = program.id();
+    // After the start, critical velocities are computed with the lowest priority.
+    let computing = Instant::now();
+    let most = Duration::from_secs(30);
+    while share(id, Duration::from_secs(1)) > 0.05 && computing.elapsed() < most {}
+    let computed = match computing.elapsed() < most {
+        true => format!("{:.0} s", computing.elapsed().as_secs_f64()),
+        false => format!("more than {} s", most.as_secs()),
+    };
+    let before = packets(id);
+    let busy = share(id, AT_REST);
+    let sent = packets(id)
+        .zip(before)
+        .map(|(after, before)| after - before);
+    let sent = sent.filter(|_| can_unshare).unwrap_or(f64::NAN);
+    let kind = if equal { "equal" } else { "different" };
+    println!(
+        "\n{columns} {kind} columns at rest over {} s; critical velocities took {computed}",
+        AT_REST.as_secs()
+    );
+    row("", ["found".into(), "/ aim".into()]);
+    let rows = [
+        ("processor time [% of a core]", 100.0 * busy, 100.0 * SHARE),
+        ("resident memory [MiB]", resident_mebibytes(id), MEBIBYTES),
+        ("threads", entries(&format!("/proc/{id}/task")), THREADS),
+        (
+            "file descriptors",
+            entries(&format!("/proc/{id}/fd")),
+            FILES,
+        ),
+        ("packets on lo [1/s]", sent / AT_REST.as_secs_f64(), PACKETS),
+        ("start until ready [s]", start, START),
+    ];
+    for (name, found, aim) in rows {
+        row(name, [number(found), number(found / aim)]);
+    }
+    program.terminate();
+    if equal {
+        discovery(columns, folder.path(), binary);
+    }
+}
+
+/// The time until a reader that joins late knows all columns.
+fn discovery(columns: usize, folder: &Path, binary: &str) {
+    let domain = Domain::fresh();
+    let mut command = Process::new(binary);
+    arguments(&mut command);
+    let mut program = Program::spawn(&domain, folder, command);
+    program.wait_for("is ready in domain");
+    let begun = Instant::now();
+    let names = Names::new("/", "reader", &[]).expect("valid");
+    let mut node = Node::new(&domain.environment, names).expect("a node");
+    let subscription = node
+        .subscription::<FleetStatus>(&qos::FLEET_STATUS)
+        .expect("a subscription");
+    let mut known = BTreeSet::new();
+    let mut first = None;
+    futures::executor::block_on(async {
+        let messages = subscription.async_stream();
+        futures::pin_mut!(messages);
+        while known.len() < columns && begun.elapsed() < PATIENCE {
+            if let Some(Ok((status, _))) = messages.next().await {
+                first.get_or_insert_with(|| begun.elapsed());
+                known.extend(status.columns.into_iter().map(|it| it.column_id));
+            }
+        }
+    });
+    let first = first.map_or(f64::NAN, |it| it.as_secs_f64());
+    row(
+        "a late reader has the first message [s]",
+        [number(first), number(first / DISCOVERY)],
+    );
+    let all = begun.elapsed().as_secs_f64();
+    row(
+        "a late reader has all columns [s]",
+        [number(all), number(all / DISCOVERY)],
+    );
+    program.terminate();
+}
+
+fn columns(count: usize) -> Vec<FleetColumn> {
+    let column = |number: usize| {
+        let name = format!("c{number}");
+        let values = [("column_id", Value::from(name.as_str()))];
+        FleetColumn {
+            name: format!("/hall/{name}"),
+            parameters: Arc::new(Parameters::from_values(values).expect("admissible")),
+        }
+    };
+    (0..count).map(column).collect()
+}
+
+/// What each idle column adds.
+fn memory() {
+    let bytes = |count: usize| {
+        let mut kept = None;
+        let memory = allocation_counter::measure(|| {
+            let columns = columns(count);
+            let twins = make_twins(&columns, &[], || 0, 0).expect("stand");
+            kept = Some((columns, twins));
+        });
+        memory.bytes_current as f64
+    };
+    bytes(1);
+    let each = (bytes(300) - bytes(100)) / 200.0;
+    println!();
+    row(
+        "bytes of each idle column",
+        [number(each), number(each / BYTES)],
+    );
+}
+
+fn impact(column: usize, id: &str, stamp: i64) -> Command {
+    Command::Impact(ImpactCommand {
+        event_id: id.to_owned(),
+        column_id: format!("c{column}"),
+        stamp,
+        vehicle: String::new(),
+        impact: ImpactSpecification {
+            mass: 1500.0,
+            velocity: 10.0,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
+    })
+}
+
+/// Forecasts of the paper's impact: of one column, and of ten that are hit at once; without ROS.
+fn hit() {
+    for (hit, title) in [(1, "one column hit"), (HIT, "ten columns hit at once")] {
+        let columns = columns(100);
+        let clock = Arc::new(SystemClock::new());
+        let twins = make_twins(&columns, &[], monotonic_nanos, clock.now()).expect("stand");
+        let options = FleetOptions {
+            real_time: RealTime::default(),
+            threads: FleetOptions::threads_of(&Parameters::default()),
+            state_files: Vec::new(),
+        };
+        let (handle, mut receiver) =
+            LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");
+        let (mut last_of, mut each, mut lost) = (Vec::new(), Vec::new(), 0);
+        for round in 0..ROUNDS {
+            let stamp = clock.now();
+            let begun = Instant::now();
+            for column in 0..hit {
+                let column = round % 5 * HIT + column;
+                let command = impact(column, &format!("e{round}"), stamp);
+                handle.submit(column as u32, command).expect("room");
+            }
+            let (mut forecasts, mut reports) = (BTreeSet::new(), 0);
+            while reports < hit {
+                match next(&mut receiver) {
+                    (column, Output::Forecast(_)) => {
+                        if forecasts.insert(column) {
+                            each.push(1e3 * begun.elapsed().as_secs_f64());
+                            if forecasts.len() == hit {
+                                last_of.push(1e3 * begun.elapsed().as_secs_f64());
+                            }
+                        }
+                    }
+                    (_, Output::Report(_)) => reports += 1,
+                    _ => {}
+                }
+            }
+            for column in 0..hit {
+                let column = (round % 5 * HIT + column) as u32;
+                let source = "bench".into();
+                handle
+                    .execute(column, Command::Reset { source })
+                    .expect("reset");
+            }
+        }
+        let threads = handle.threads();
+        let statistics = handle.stop().expect("no panic");
+        lost += statistics.queues.iter().map(|it| it.dropped).sum::<u64>();
+        let (each, last_of) = (Ranked::new(each), Ranked::new(last_of));
+        println!("\n{title}, {ROUNDS} times, {threads} solver threads; outputs lost: {lost}");
+        row("", ["p50 ms".into(), "p99 ms".into(), "max ms".into()]);
+        for (name, ranked) in [
+            ("each forecast after its event", &each),
+            ("the last forecast", &last_of),
+        ] {
+            let cells = [
+                ranked.percentile(50.0),
+                ranked.percentile(99.0),
+                ranked.max(),
+            ];
+            row(name, cells.map(number));
+        }
+    }
+}
+
+/// The next output.
+fn next(receiver: &mut Receiver) -> (u32, Output) {
+    loop {
+        match receiver.try_next_of() {
+            Some(next) => return next,
+            None => receiver.wait(Duration::from_millis(1)),
+        }
+    }
+}

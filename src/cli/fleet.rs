@@ -1,0 +1,52 @@
+//! `column-twin fleet`: runs many columns as one ROS 2 node.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::failure::{Exit, Failure};
+use super::run::{end_of_run, environment, failure_of_run};
+use column_twin::ros::{FleetRunOptions, RosArguments, run_fleet};
+
+/// Arguments of `column-twin fleet`, besides the ROS arguments.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct FleetArgs {
+    /// Parameter file (ROS 2 YAML), may be repeated, later files win: a section without a wildcard, such as /garage/a3, is a
+    /// column, and a section with one, such as /** or /garage/*, is for every column that it matches
+    #[arg(long, value_name = "FILE")]
+    params_file: Vec<PathBuf>,
+
+    /// Table of columns (CSV): namespace, column_id and names of parameters in the first row, one column of the fleet in every
+    /// further row; wins over the parameter files
+    #[arg(long, value_name = "FILE")]
+    columns: Option<PathBuf>,
+}
+
+const EXAMPLE: &str = "\
+Example: the columns of a table, with what they share in a parameter file, on this machine only
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin fleet --params-file config/fleet.yaml \\
+    --columns config/fleet.csv --ros-args -r __ns:=/garage
+
+The arguments after --ros-args are those of every ROS 2 node; -p changes a parameter of every column.
+A fleet has at most 2000 columns. It is not recorded; run a column that has to be recorded with
+`column-twin run`.
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
+
+/// Runs the node until SIGINT or SIGTERM.
+pub fn run(arguments: &FleetArgs, ros: RosArguments) -> Result<(), Failure> {
+    if arguments.params_file.is_empty() && arguments.columns.is_none() && ros.parameters.is_empty()
+    {
+        return Err(Failure::plain(
+            Exit::BadInput,
+            "a fleet needs columns: give --params-file FILE, --columns FILE, or both",
+        ));
+    }
+    let options = FleetRunOptions {
+        environment: environment(&ros)?,
+        ros,
+        parameter_files: arguments.params_file.clone(),
+        columns: arguments.columns.clone(),
+    };
+    end_of_run(run_fleet(&options).map_err(failure_of_run)?)
+}

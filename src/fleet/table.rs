@@ -1,0 +1,173 @@
+//! A fleet as a table that fits a terminal: the worst columns first.
+
+use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::words::{phase_word, severity_word};
+use crate::printable::Printable;
+
+/// Size of a terminal in characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TableSize {
+    /// Characters in a line.
+    pub width: usize,
+    /// Lines.
+    pub height: usize,
+}
+
+/// Lines that are no rows of columns: the summary, the heading, and how many columns are not shown.
+const OTHER_LINES: usize = 3;
+
+/// The title of a field, its width, and its text for a column.
+type Field = (&'static str, usize, fn(&ColumnStatus) -> String);
+
+/// The fields of a row; the last one takes the rest of the line.
+const FIELDS: [Field; 7] = [
+    ("column", 16, |it| Printable(&it.column_id).to_string()),
+    ("phase", 9, |it| phase_word(it.phase).to_owned()),
+    ("severity", 8, |it| severity_word(it.severity).to_owned()),
+    ("v1 mm", 9, |it| format!("{:.2}", 1e3 * it.residual_v1)),
+    ("reserve", 8, |it| match it.reserve.is_finite() {
+        true => format!("{:.2}", it.reserve),
+        false => "?".to_owned(),
+    }),
+    ("impacts", 7, |it| it.impacts_since_reset.to_string()),
+    ("last event, reason", usize::MAX, |it| {
+        let text = match (&it.fault, &it.last_refusal_reason) {
+            (fault, _) if !fault.is_empty() => fault,
+            (_, refusal) if !refusal.is_empty() && it.events_refused > 0 => refusal,
+            _ => &it.severity_reason,
+        };
+        Printable(&format!("{} {text}", it.event_id)).to_string()
+    }),
+];
+
+/// The lines of a table: a summary, a heading, and the columns, the worst first, as many as fit.
+#[must_use]
+pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> Vec<String> {
+    let cut = |line: &str| line.chars().take(size.width).collect::<String>();
+    let mut order: Vec<&ColumnStatus> = columns.iter().collect();
+    order.sort_by(|a, b| {
+        rank(b)
+            .cmp(&rank(a))
+            .then(b.residual_v1.abs().total_cmp(&a.residual_v1.abs()))
+            .then_with(|| a.column_id.cmp(&b.column_id))
+    });
+    let count = |is: fn(&&&ColumnStatus) -> bool| order.iter().filter(is).count();
+    let FleetStatus {
+        columns_total,
+        columns_active,
+        ignored,
+        dropped_inputs,
+        dropped_states,
+        dropped_outputs,
+        ..
+    } = fleet;
+    let lost = dropped_inputs + dropped_states + dropped_outputs;
+    let mut lines = vec![cut(&format!(
+        "{columns_total} columns, {} known: {} out of service, {} with a severity, {} hit, {columns_active} active; {lost} lost, {ignored} for others",
+        columns.len(),
+        count(|it| it.is_out_of_service()),
+        count(|it| it.severity != TwinStatus::SEVERITY_NONE),
+        count(|it| it.impacts_since_reset > 0),
+    ))];
+    let row = |text: &dyn Fn(&Field) -> String| {
+        let fields = FIELDS.iter().map(|field| {
+            let text = text(field);
+            match field.1 {
+                usize::MAX => text,
+                width => format!("{:width$}", text.chars().take(width).collect::<String>()),
+            }
+        });
+        cut(&fields.collect::<Vec<_>>().join(" "))
+    };
+    lines.push(row(&|(title, ..)| (*title).to_owned()));
+    let room = size.height.saturating_sub(OTHER_LINES);
+    let shown = order.len().min(room);
+    lines.extend(
+        order[..shown]
+            .iter()
+            .map(|it| row(&|(_, _, text)| text(it))),
+    );
+    if shown < order.len() {
+        lines.push(cut(&format!("and {} more columns", order.len() - shown)));
+    }
+    lines.truncate(size.height);
+    lines
+}
+
+fn is_moving(column: &ColumnStatus) -> bool {
+    matches!(
+        column.phase,
+        TwinStatus::APPROACH | TwinStatus::CONTACT | TwinStatus::FREE
+    )
+}
+
+/// How much a column matters: out of service, then by severity, then in motion.
+fn rank(column: &ColumnStatus) -> (bool, u8, bool) {
+    (
+        column.is_out_of_service(),
+        column.severity,
+        is_moving(column),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(number: usize, phase: u8, severity: u8) -> ColumnStatus {
+        ColumnStatus {
+            column_id: format!("c{number:04}"),
+            phase,
+            severity,
+            severity_reason: "a long reason ".repeat(20),
+            ..ColumnStatus::default()
+        }
+    }
+
+    #[test]
+    fn the_table_fits_the_terminal_and_shows_the_worst_first() {
+        let mut columns: Vec<_> = (0..2000)
+            .map(|it| column(it, TwinStatus::IDLE, 0))
+            .collect();
+        columns[1500] = column(1500, TwinStatus::COLLAPSED, TwinStatus::SEVERITY_EVACUATE);
+        columns[700] = column(700, TwinStatus::IDLE, TwinStatus::SEVERITY_INSPECT);
+        columns[900] = column(900, TwinStatus::FREE, 0);
+        let fleet = FleetStatus {
+            columns_total: 2000,
+            ..FleetStatus::default()
+        };
+        for (width, height) in [(80, 24), (40, 10), (200, 60), (10, 3), (1, 1), (0, 0)] {
+            let lines = table(&fleet, &columns, TableSize { width, height });
+            assert!(lines.len() <= height);
+            assert!(lines.iter().all(|it| it.chars().count() <= width));
+        }
+        let lines = table(
+            &fleet,
+            &columns,
+            TableSize {
+                width: 80,
+                height: 24,
+            },
+        );
+        assert_eq!(lines.len(), 24);
+        for (line, name) in lines[2..].iter().zip(["c1500", "c0700", "c0900", "c0000"]) {
+            assert!(line.starts_with(name), "{line}");
+        }
+        assert_eq!(lines[23], "and 1979 more columns");
+    }
+
+    #[test]
+    fn names_from_outside_do_not_change_the_terminal() {
+        let bad = ColumnStatus {
+            column_id: "a\u{1b}[2J".to_owned(),
+            event_id: "e\u{202e}".to_owned(),
+            ..ColumnStatus::default()
+        };
+        let size = TableSize {
+            width: 120,
+            height: 9,
+        };
+        let lines = table(&FleetStatus::default(), &[bad], size);
+        assert!(lines.iter().all(|it| !it.contains(['\u{1b}', '\u{202e}'])));
+    }
+}

@@ -1,0 +1,368 @@
+//! Many twins in real time: a pool of solver threads, bounded queues for all columns together, one thread for their state files
+//! and one for their critical velocities.
+//!
+//! A column that is at rest has neither thread nor timer nor queue, and no entry in the schedule. Inputs come first, then
+//! forecasts, that with the fewest steps left first, then states by their deadlines: a state that is late is not lost. The
+//! results are those of a single twin, bit for bit, because a twin does not depend on when it is stepped.
+
+mod background;
+mod keeper;
+mod schedule;
+mod worker;
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::thread::{self, JoinHandle};
+
+use crossbeam_queue::ArrayQueue;
+use rustix::thread::sched_getaffinity;
+
+pub use worker::MAX_THREADS;
+
+use super::clock::{Clock, monotonic_nanos};
+use super::inbox::{Reply, Request};
+use super::notifier::Notifier;
+use super::queue::{OutputQueue, OutputQueues, QueueStats, Receiver, WhenFull};
+use super::real_time::{self, RealTime, RealTimeGrants};
+use super::state_writer::STATE_WRITER_THREAD;
+use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
+use crate::column::ImpactSpecification;
+use crate::parameters::Parameters;
+use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode, Twin};
+use background::Background;
+use keeper::Keeper;
+use schedule::Plan;
+use worker::{Agreed, Counters, Shared, Slot};
+
+/// Maximum number of requests to the columns of a fleet that wait; more are rejected.
+pub const MAX_FLEET_COMMANDS: usize = 1024;
+
+/// Outputs of each kind that wait for the reader, besides two for each column, which has a status at the start and another one
+/// with its critical velocities.
+const WAITING_OUTPUTS: usize = 512;
+
+/// States that wait for the reader: four seconds of one response, or 0.4 s of ten.
+const WAITING_STATES: usize = 4096;
+
+/// The stack of a solver thread \[B\]: a step needs a few kilobytes, and the memory may be locked.
+const STACK: usize = 1 << 20;
+
+/// Options of a live fleet.
+#[derive(Debug, Clone)]
+pub struct FleetOptions {
+    /// The real-time properties to request for the solver threads.
+    pub real_time: RealTime,
+    /// Number of solver threads, 1 to [`MAX_THREADS`].
+    pub threads: usize,
+    /// Where to save the damage, a path for each column; empty: it is not saved.
+    pub state_files: Vec<PathBuf>,
+}
+
+impl FleetOptions {
+    /// Number of solver threads by the parameter `real_time.threads`: with 0, one less than processors, at least one.
+    #[must_use]
+    pub fn threads_of(parameters: &Parameters) -> usize {
+        let processors = || thread::available_parallelism().map_or(1, usize::from);
+        let wanted = match parameters.settings().real_time.threads {
+            0 => processors().saturating_sub(1),
+            given => usize::from(given),
+        };
+        wanted.clamp(1, MAX_THREADS)
+    }
+}
+
+/// Starts live fleets.
+pub struct LiveFleet;
+
+impl LiveFleet {
+    /// Starts the threads of these twins, whose indices name them from now on.
+    ///
+    /// # Errors
+    /// A thread cannot be started.
+    pub fn start(
+        twins: Vec<Twin>,
+        clock: Arc<dyn Clock>,
+        options: FleetOptions,
+    ) -> std::io::Result<(FleetHandle, Receiver)> {
+        let threads = options.threads.clamp(1, MAX_THREADS);
+        let queue = OutputQueue {
+            name: OutputQueue::ROS.to_owned(),
+            states: WAITING_STATES,
+            others: WAITING_OUTPUTS + 2 * twins.len(),
+            when_full: WhenFull::DropOldest,
+        };
+        let outputs = Arc::new(OutputQueues::new(&queue));
+        let receiver = Receiver::new(Arc::clone(&outputs));
+        let (keeper, keeping) = match options.state_files.is_empty() {
+            true => (None, None),
+            false => {
+                let (keeper, thread) = Keeper::start(
+                    options.state_files,
+                    Arc::clone(&outputs),
+                    Arc::clone(&clock),
+                )?;
+                (Some(keeper), Some(thread))
+            }
+        };
+        let processors = sched_getaffinity(None).ok();
+        let background = Arc::new(Background::new(twins.len()));
+        let mut agreed = Agreed::new();
+        let now = clock.now();
+        for column in 0..twins.len() {
+            // Its first status, and what is to be computed for it.
+            let plan = Plan {
+                deadline: Some(now),
+                ..Plan::default()
+            };
+            agreed.schedule.plan(column as u32, plan);
+        }
+        let notifiers: Box<[Arc<Notifier>]> = (0..threads).map(|_| Arc::default()).collect();
+        notifiers.iter().for_each(|it| clock.serve(it));
+        let shared = Arc::new(Shared {
+            parameters: twins
+                .iter()
+                .map(|twin| RwLock::new(Arc::clone(twin.parameters())))
+                .collect(),
+            slots: twins
+                .into_iter()
+                .map(|twin| Mutex::new(Slot::new(twin)))
+                .collect(),
+            agreed: Mutex::new(agreed),
+            inbox: ArrayQueue::new(MAX_FLEET_COMMANDS),
+            notifiers,
+            waiting: AtomicU64::new(0),
+            clock,
+            stop: AtomicBool::new(false),
+            outputs,
+            keeper,
+            background: Arc::clone(&background),
+            counters: Counters::default(),
+        });
+        let mut handle = FleetHandle {
+            shared: Arc::clone(&shared),
+            solvers: Vec::new(),
+            keeping,
+            computing: None,
+            real_time: RealTimeGrants::default(),
+            is_stopped: false,
+        };
+        let told = Arc::clone(&shared);
+        handle.computing = Some(background.start(processors, move || told.wake_one())?);
+        let (sender, grants) = sync_channel(threads);
+        for number in 0..threads {
+            let (shared, sender) = (Arc::clone(&shared), sender.clone());
+            let real_time = options.real_time.clone();
+            let solver = thread::Builder::new()
+                .name(SOLVER_THREAD.to_owned())
+                .stack_size(STACK)
+                .spawn(move || {
+                    let _ = sender.try_send(real_time::request(&real_time)); // there is room for each
+                    shared.work(number);
+                })?;
+            handle.solvers.push(solver);
+        }
+        handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
+        Ok((handle, receiver))
+    }
+}
+
+/// A fleet that runs in its own threads. Dropping the handle stops it.
+pub struct FleetHandle {
+    shared: Arc<Shared>,
+    solvers: Vec<JoinHandle<()>>,
+    keeping: Option<JoinHandle<()>>,
+    computing: Option<JoinHandle<()>>,
+    real_time: RealTimeGrants,
+    is_stopped: bool,
+}
+
+impl fmt::Debug for FleetHandle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut it = f.debug_struct("FleetHandle");
+        it.field("columns", &self.columns())
+            .field("threads", &self.solvers.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl FleetHandle {
+    /// Number of columns.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.shared.slots.len()
+    }
+
+    /// Submits a command to a column without waiting for the outcome, which is among the outputs.
+    ///
+    /// # Errors
+    /// The queue of commands is full.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    pub fn submit(&self, column: u32, command: Command) -> Result<(), Refusal> {
+        let reply = Reply::none();
+        self.request(column, Request::Command { command, reply })
+    }
+
+    /// Submits a command to a column and waits for the outcome.
+    ///
+    /// # Errors
+    /// The command is rejected, or the solver does not answer in time.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Refusal> {
+        self.ask(column, |reply| Request::Command { command, reply })?
+    }
+
+    /// Predicts the outcome of an impact on a column in its current state, in the thread of the caller.
+    ///
+    /// # Errors
+    /// The impact would be rejected, its response cannot be computed, or the solver does not answer in time.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    pub fn predict(
+        &self,
+        column: u32,
+        vehicle: &str,
+        impact: &ImpactSpecification,
+    ) -> Result<Prediction, Refusal> {
+        self.ask(column, |reply| Request::Snapshot { reply })?
+            .predict("", vehicle, impact, &monotonic_nanos)
+    }
+
+    /// The parameters of a column that hold; a change that waits for the end of a response is not among them yet.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    #[must_use]
+    pub fn parameters(&self, column: u32) -> Arc<Parameters> {
+        let latest = self.shared.parameters[column as usize].read();
+        Arc::clone(&latest.unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn ask<T>(&self, column: u32, request: impl FnOnce(Reply<T>) -> Request) -> Result<T, Refusal> {
+        let (reply, answer) = Reply::channel();
+        self.request(column, request(reply))?;
+        answer
+            .wait(ANSWER_TIMEOUT)
+            .map_err(|_| Refusal::no_answer(ANSWER_TIMEOUT.as_secs()))
+    }
+
+    fn request(&self, column: u32, request: Request) -> Result<(), Refusal> {
+        assert!((column as usize) < self.columns(), "a column of the fleet");
+        let counters = &self.shared.counters;
+        counters.submitted.fetch_add(1, Ordering::Relaxed);
+        let taken = self.shared.inbox.push(Box::new((column, request)));
+        self.shared.wake_one();
+        taken.map_err(|_| {
+            counters.rejected.fetch_add(1, Ordering::Relaxed);
+            let reason = format!(
+                "the queue of the fleet's solvers is full ({MAX_FLEET_COMMANDS} commands); try again, or send fewer events and \
+                 parameter changes"
+            );
+            Refusal::new(RefusalCode::QueueFull, reason)
+        })
+    }
+
+    /// Statistics since the start, of all columns together. Steps and iterations are not counted.
+    #[must_use]
+    pub fn statistics(&self) -> LiveStatistics {
+        let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let shared = &self.shared;
+        let mut queues = vec![QueueStats {
+            name: "inputs".to_owned(),
+            capacity: MAX_FLEET_COMMANDS,
+            len: shared.inbox.len(),
+            when_full: WhenFull::Reject,
+            pushed: read(&shared.counters.submitted),
+            dropped: read(&shared.counters.rejected),
+        }];
+        queues.extend(shared.outputs.stats());
+        LiveStatistics {
+            cycles: read(&shared.counters.jobs),
+            overruns: read(&shared.counters.overruns),
+            skipped_periods: read(&shared.counters.skipped_periods),
+            worst_lateness: read(&shared.counters.worst_lateness),
+            steps: 0,
+            newton_iterations: 0,
+            state_file_failures: shared.keeper.as_ref().map_or(0, |it| it.failures()),
+            lost_estimates: 0,
+            queues,
+            real_time: self.real_time.clone(),
+        }
+    }
+
+    /// State files written since the start.
+    #[must_use]
+    pub fn states_written(&self) -> u64 {
+        self.shared.keeper.as_ref().map_or(0, |it| it.written())
+    }
+
+    /// Columns that respond to an impact, or have something else to do soon.
+    #[must_use]
+    pub fn active(&self) -> usize {
+        let agreed = self.shared.agreed.lock();
+        agreed
+            .unwrap_or_else(PoisonError::into_inner)
+            .schedule
+            .active()
+    }
+
+    /// Number of solver threads.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.shared.notifiers.len()
+    }
+
+    /// Whether all solver threads run. Before a stop one ends only if it panics.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        !self.solvers.iter().any(JoinHandle::is_finished)
+    }
+
+    /// Stops, and returns the final statistics. The damage of every column that was hit is saved, of one that is responding the
+    /// predicted damage. A [`Notice`](crate::twin::Notice) lists what is lost nevertheless. Queued outputs can still be received.
+    ///
+    /// # Errors
+    /// A thread panicked.
+    pub fn stop(mut self) -> Result<LiveStatistics, Panicked> {
+        self.join()?;
+        Ok(self.statistics())
+    }
+
+    fn join(&mut self) -> Result<(), Panicked> {
+        if std::mem::replace(&mut self.is_stopped, true) {
+            return Ok(());
+        }
+        self.shared.stop.store(true, Ordering::SeqCst);
+        self.shared.background.stop();
+        self.shared.wake_all();
+        let ended = std::mem::take(&mut self.solvers).into_iter();
+        // All of them are joined, whatever one returns.
+        let panicked = ended.map(JoinHandle::join).filter(Result::is_err).count();
+        self.shared.finish();
+        if let Some(keeper) = &self.shared.keeper {
+            keeper.stop();
+        }
+        let keeping = self.keeping.take().is_none_or(|it| it.join().is_ok());
+        if let Some(computing) = self.computing.take() {
+            let _ = computing.join(); // one that panicked has printed its message, and nothing is lost
+        }
+        match (panicked, keeping) {
+            (1.., _) => Err(Panicked(SOLVER_THREAD)),
+            (_, false) => Err(Panicked(STATE_WRITER_THREAD)),
+            (0, true) => Ok(()),
+        }
+    }
+}
+
+impl Drop for FleetHandle {
+    fn drop(&mut self) {
+        let _ = self.join(); // a thread that panicked has printed its message
+    }
+}

@@ -1,0 +1,411 @@
+//! A solver thread of a fleet: takes the most urgent job, does it, and says what the column needs next.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+
+use crossbeam_queue::ArrayQueue;
+
+use super::super::clock::Clock;
+use super::super::inbox::Request;
+use super::super::lateness::lateness;
+use super::super::notifier::Notifier;
+use super::super::queue::OutputQueues;
+use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
+use super::background::{Background, Known};
+use super::keeper::Keeper;
+use super::schedule::{Job, Plan, Schedule};
+use crate::parameters::Parameters;
+use crate::twin::{Command, Nanos, NoticeLevel, Output, Outputs, Twin};
+
+/// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
+const SLICE: u64 = 64;
+
+/// Maximum number of solver threads: one bit for each in the mask of those that wait.
+pub const MAX_THREADS: usize = 64;
+
+/// What a column is told.
+#[derive(Debug)]
+pub enum Input {
+    Request(Request),
+    /// Its critical velocities.
+    Known(Box<Known>),
+}
+
+/// A column of the fleet in the pool.
+pub struct Slot {
+    pub twin: Twin,
+    /// Jumps of the clock that it knows.
+    jumps: u64,
+    /// Its critical velocities are being computed.
+    wants_limits: bool,
+    /// It has executed a command since the start.
+    is_touched: bool,
+}
+
+impl Slot {
+    pub fn new(twin: Twin) -> Self {
+        Self {
+            twin,
+            jumps: 0,
+            wants_limits: false,
+            is_touched: false,
+        }
+    }
+}
+
+/// What the threads agree about, held only to choose a job.
+pub struct Agreed {
+    pub schedule: Schedule<Input>,
+    /// The thread that waits for the next deadline; the others wait for it to pass this on.
+    watcher: Option<usize>,
+    /// The latest time of the clock.
+    latest: Option<Nanos>,
+    /// How often the clock has jumped back, and how far at last.
+    jumps: u64,
+    last_jump: u64,
+}
+
+/// A job, and what the clock has done until it was taken.
+struct Task {
+    column: u32,
+    job: Job<Input>,
+    jumps: u64,
+    last_jump: u64,
+}
+
+impl Agreed {
+    pub fn new() -> Self {
+        Self {
+            schedule: Schedule::new(),
+            watcher: None,
+            latest: None,
+            jumps: 0,
+            last_jump: 0,
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+pub struct Counters {
+    pub jobs: AtomicU64,
+    pub overruns: AtomicU64,
+    pub skipped_periods: AtomicU64,
+    pub worst_lateness: AtomicU64,
+    pub submitted: AtomicU64,
+    pub rejected: AtomicU64,
+}
+
+/// What the threads of a fleet share.
+pub struct Shared {
+    pub slots: Box<[Mutex<Slot>]>,
+    pub agreed: Mutex<Agreed>,
+    /// Requests from other threads, without a lock.
+    pub inbox: ArrayQueue<Box<(u32, Request)>>,
+    /// One for each solver thread.
+    pub notifiers: Box<[Arc<Notifier>]>,
+    /// One bit for each solver thread that waits.
+    pub waiting: AtomicU64,
+    pub clock: Arc<dyn Clock>,
+    pub stop: AtomicBool,
+    pub outputs: Arc<OutputQueues>,
+    pub keeper: Option<Arc<Keeper>>,
+    pub parameters: Box<[RwLock<Arc<Parameters>>]>,
+    pub background: Arc<Background>,
+    pub counters: Counters,
+}
+
+impl Shared {
+    /// Wakes a thread that waits, if there is one: the others look for themselves when they have done their job.
+    pub fn wake_one(&self) {
+        let waiting = self.waiting.load(Ordering::SeqCst);
+        if waiting != 0
+            && let Some(notifier) = self.notifiers.get(waiting.trailing_zeros() as usize)
+        {
+            notifier.notify();
+        }
+    }
+
+    pub fn wake_all(&self) {
+        self.notifiers.iter().for_each(|it| it.notify());
+    }
+
+    fn agreed(&self) -> MutexGuard<'_, Agreed> {
+        self.agreed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn has_news(&self) -> bool {
+        !self.inbox.is_empty() || self.background.has_results() || self.stop.load(Ordering::SeqCst)
+    }
+
+    /// The content of solver thread number `me`.
+    pub fn work(&self, me: usize) {
+        while let Some(task) = self.next_task(me) {
+            let column = task.column;
+            let plan = self.perform(task);
+            self.agreed().schedule.give_back(column, plan);
+        }
+        // The others may wait for this thread to watch the deadlines.
+        self.wake_all();
+    }
+
+    /// Waits for the next job; `None` at a stop.
+    fn next_task(&self, me: usize) -> Option<Task> {
+        let bit = 1_u64 << me;
+        loop {
+            let mut agreed = self.agreed();
+            self.waiting.fetch_and(!bit, Ordering::SeqCst);
+            agreed.watcher.take_if(|watcher| *watcher == me);
+            if self.stop.load(Ordering::SeqCst) {
+                return None;
+            }
+            let now = self.clock.now();
+            self.take_news(&mut agreed, now);
+            if let Some((column, job)) = agreed.schedule.take(now) {
+                let task = Task {
+                    column,
+                    job,
+                    jumps: agreed.jumps,
+                    last_jump: agreed.last_jump,
+                };
+                let next = agreed.schedule.next_deadline();
+                let is_unwatched = agreed.watcher.is_none() && next.is_some();
+                let others_can_help = is_unwatched || agreed.schedule.has_work(now);
+                drop(agreed);
+                if others_can_help {
+                    self.wake_one();
+                }
+                return Some(task);
+            }
+            if agreed.schedule.active() == 0 {
+                // While nothing responds, a clock that has been set may jump.
+                self.clock.resynchronise();
+            }
+            self.waiting.fetch_or(bit, Ordering::SeqCst);
+            let deadline = match agreed.watcher {
+                Some(_) => None,
+                None => {
+                    agreed.watcher = Some(me);
+                    agreed.schedule.next_deadline()
+                }
+            };
+            drop(agreed);
+            // What came after it was looked for has seen this thread wait, or is seen here.
+            if self.has_news() {
+                continue;
+            }
+            let deadline = deadline.unwrap_or(Nanos::MAX);
+            self.clock.wait_for_news(deadline, &self.notifiers[me]);
+        }
+    }
+
+    fn take_news(&self, agreed: &mut Agreed, now: Nanos) {
+        let back = agreed
+            .latest
+            .replace(now)
+            .unwrap_or(now)
+            .saturating_sub(now);
+        if back > MAX_CLOCK_STEP_BACK {
+            agreed.jumps += 1;
+            agreed.last_jump = back.unsigned_abs();
+            agreed.schedule.make_all_due();
+        }
+        while let Some(request) = self.inbox.pop() {
+            let (column, request) = *request;
+            agreed.schedule.add_input(column, Input::Request(request));
+        }
+        while let Some(known) = self.background.take() {
+            agreed.schedule.add_input(known.0, Input::Known(known));
+        }
+    }
+
+    /// Does a job; what the column needs next.
+    fn perform(&self, task: Task) -> Plan {
+        let Task {
+            column,
+            job,
+            jumps,
+            last_jump,
+        } = task;
+        let slot = &self.slots[column as usize];
+        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        let slot = &mut *slot;
+        let mut sink = self.sink(column);
+        self.counters.jobs.fetch_add(1, Ordering::Relaxed);
+        let now = self.clock.now();
+        if slot.jumps != jumps {
+            slot.jumps = jumps;
+            let command = Command::ClockJumpedBack { by: last_jump };
+            // The twin takes it in every state.
+            let _ = slot.twin.handle(command, now, &mut sink);
+        }
+        match job {
+            Job::Input(input) => self.take_input(slot, input, &mut sink),
+            Job::Forecast => slot.twin.run_ahead(SLICE, now, &mut sink),
+            Job::Advance(deadline) => {
+                self.note_lateness(slot, deadline, now);
+                slot.twin.advance_to(now, &mut sink);
+            }
+            Job::Spare => slot.twin.run_ahead(SLICE, now, &mut sink),
+        }
+        sink.notify();
+        self.plan_of(column, slot)
+    }
+
+    fn take_input(&self, slot: &mut Slot, input: Input, sink: &mut Sink<'_>) {
+        // An impact would be earlier than the response that is carried to its end after a jump of the clock.
+        for _ in 0..MAX_CYCLES_COMPLETING {
+            if !slot.twin.is_completing() {
+                break;
+            }
+            slot.twin.advance_to(self.clock.now(), sink);
+        }
+        let now = self.clock.now();
+        match input {
+            Input::Request(Request::Command { command, reply }) => {
+                slot.is_touched = true;
+                reply.send(slot.twin.handle(command, now, sink));
+            }
+            Input::Request(Request::Snapshot { reply }) => reply.send(slot.twin.snapshot()),
+            Input::Known(known) => {
+                slot.wants_limits = false;
+                let (_, task, vehicles) = *known;
+                if slot.twin.awaits(&task) {
+                    let command = Command::CriticalVelocities { vehicles };
+                    // The twin takes it in every state.
+                    let _ = slot.twin.handle(command, now, sink);
+                }
+            }
+        }
+        slot.twin.advance_to(now, sink);
+    }
+
+    fn note_lateness(&self, slot: &Slot, deadline: Nanos, now: Nanos) {
+        if !slot.twin.is_responding() || deadline == Nanos::MIN {
+            return;
+        }
+        let late = lateness(deadline, slot.twin.period(), now);
+        let counters = &self.counters;
+        counters
+            .worst_lateness
+            .fetch_max(late.nanos, Ordering::Relaxed);
+        if late.skipped_periods > 0 {
+            counters.overruns.fetch_add(1, Ordering::Relaxed);
+            counters
+                .skipped_periods
+                .fetch_add(late.skipped_periods, Ordering::Relaxed);
+        }
+    }
+
+    fn plan_of(&self, column: u32, slot: &mut Slot) -> Plan {
+        let now = self.clock.now();
+        let twin = &mut slot.twin;
+        if !twin.is_quiet(now) {
+            return Plan {
+                deadline: Some(twin.next_deadline(now)),
+                forecast_left: twin.forecast_steps_left(),
+                has_spare: twin.is_looking_ahead() && !twin.awaits_forecast(),
+            };
+        }
+        if !slot.wants_limits
+            && let Some(task) = twin.critical_velocity_task()
+        {
+            slot.wants_limits = self.background.want(column, task);
+        }
+        let deadline = twin.remembers_until();
+        if deadline.is_some_and(|it| it < now) {
+            twin.forget_last_response();
+            return Plan::default();
+        }
+        Plan {
+            deadline: deadline.map(|it| it.saturating_add(1)),
+            ..Plan::default()
+        }
+    }
+
+    fn sink(&self, column: u32) -> Sink<'_> {
+        Sink {
+            shared: self,
+            column,
+            is_unnotified: false,
+        }
+    }
+
+    /// Completes the forecasts of running responses, so that their damage is saved, and reports what is lost. Called when the
+    /// solver threads have ended.
+    pub fn finish(&self) {
+        let mut lost_inputs = 0_u64;
+        let mut agreed = self.agreed();
+        self.take_news(&mut agreed, self.clock.now());
+        for (_, input) in agreed.schedule.take_inputs() {
+            let is_command = matches!(input, Input::Request(Request::Command { .. }));
+            lost_inputs += u64::from(is_command);
+        }
+        drop(agreed);
+        let now = self.clock.now();
+        for (column, slot) in (0..).zip(&self.slots) {
+            let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+            if !slot.is_touched {
+                continue;
+            }
+            let twin = &mut slot.twin;
+            let mut sink = self.sink(column);
+            twin.run_ahead(MAX_STEPS_AT_STOP, now, &mut sink);
+            twin.abandon_forecasts(&mut sink);
+            if !twin.is_responding() {
+                sink.put(Output::Save(Arc::new(twin.saved_state(now))));
+            }
+            let lost = twin.lost_by_a_stop();
+            if !lost.is_empty() {
+                let text = format!("lost by the stop: {}", lost.join("; "));
+                sink.notice(NoticeLevel::Error, now, text);
+            }
+            sink.notify();
+        }
+        if lost_inputs > 0 {
+            let mut sink = self.sink(0);
+            let text = format!(
+                "lost by the stop: {lost_inputs} commands to columns of the fleet in the queue of the solvers"
+            );
+            sink.notice(NoticeLevel::Error, now, text);
+            sink.notify();
+        }
+    }
+}
+
+/// Passes the outputs of one column to the readers of the fleet's.
+struct Sink<'a> {
+    shared: &'a Shared,
+    column: u32,
+    is_unnotified: bool,
+}
+
+impl Sink<'_> {
+    fn notify(&mut self) {
+        if std::mem::take(&mut self.is_unnotified) {
+            self.shared.outputs.notify();
+        }
+    }
+}
+
+impl Outputs for Sink<'_> {
+    fn put(&mut self, output: Output) {
+        match output {
+            Output::Save(saved) => {
+                if let Some(keeper) = &self.shared.keeper {
+                    keeper.write(self.column, saved);
+                }
+            }
+            // A fleet is not recorded.
+            Output::Journal(_) => {}
+            output => {
+                if let Output::ParametersChanged(changed) = &output {
+                    let latest = self.shared.parameters[self.column as usize].write();
+                    *latest.unwrap_or_else(PoisonError::into_inner) =
+                        Arc::clone(&changed.parameters);
+                }
+                self.is_unnotified = true;
+                self.shared.outputs.push_of(self.column, output);
+            }
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The inputs of a fleet over DDS: events and parameters for its columns, the clock, and service requests.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use futures::join;
+use ros2_client::{Gid, Server, Subscription};
+
+use crate::endpoints::Endpoint;
+use crate::incoming::{column_command, impact_command};
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::column_twin::{
+    ColumnParameters, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
+    ResetColumnRequest, ResetColumnResponse, TwinStatus,
+};
+use crate::messages::rosgraph_msgs::Clock;
+use crate::messages::std_msgs::Header;
+use crate::twin::{Command, Refusal, RefusalCode};
+
+use super::super::diagnostics::NodeCounters;
+use super::super::inputs::{MAX_NAMED_CHARS, answer, answer_from, each, tell};
+use super::super::node::{Node, NodeError};
+use super::super::qos;
+use super::super::senders::Senders;
+use super::super::type_descriptions::{
+    self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
+};
+use super::live_fleet::FleetTwin;
+
+impl ros2_client::Message for ResetColumnRequest {}
+impl ros2_client::Message for ResetColumnResponse {}
+
+/// The subscriptions that must be handled without delay.
+pub(super) struct FleetSubscriptions {
+    events: Subscription<ImpactEvent>,
+    clock: Option<Subscription<Clock>>,
+    senders: Arc<Senders>,
+}
+
+impl FleetSubscriptions {
+    pub fn new(
+        node: &mut Node,
+        is_simulated: bool,
+        senders: Arc<Senders>,
+    ) -> Result<Self, NodeError> {
+        Ok(Self {
+            events: node.subscription(&qos::IMPACT_EVENT)?,
+            clock: is_simulated
+                .then(|| node.subscription(&qos::CLOCK))
+                .transpose()?,
+            senders,
+        })
+    }
+
+    /// Handles messages until the task is stopped.
+    pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
+        let events = each(
+            &self.events,
+            &qos::IMPACT_EVENT,
+            &counters,
+            |event: ImpactEvent, info| {
+                let Some(column) = fleet.index_of(&event.column_id) else {
+                    return ignore(&counters, &qos::IMPACT_EVENT, &event.column_id);
+                };
+                if let Err(rejected) = self.senders.admit(info.publisher_gid(), Instant::now()) {
+                    let id = event.event_id.chars().take(MAX_NAMED_CHARS);
+                    let what = id.collect::<String>();
+                    return tell(&None, &qos::IMPACT_EVENT, &what, &rejected);
+                }
+                let event_id = event.event_id.clone();
+                tracing::debug!(
+                    "received impact event {event_id:?} for column {:?}",
+                    event.column_id
+                );
+                if let Err(refusal) = fleet.submit(column, impact_command(event)) {
+                    tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
+                }
+            },
+        );
+        let clock = async {
+            if let Some(clock) = &self.clock {
+                each(
+                    clock,
+                    &qos::CLOCK,
+                    &counters,
+                    |message: Clock, _| match message.clock.to_nanos() {
+                        Some(now) => {
+                            if let Some(clock) = &counters.clock {
+                                clock.received();
+                            }
+                            fleet.set_clock(now);
+                        }
+                        None => NodeCounters::count(&counters.unreadable),
+                    },
+                )
+                .await;
+            }
+        };
+        join!(events, clock);
+    }
+}
+
+/// Counts a message for a column that is not in this fleet.
+fn ignore(counters: &NodeCounters, endpoint: &Endpoint, column_id: &str) {
+    counters.ignored.fetch_add(1, Ordering::Relaxed);
+    tracing::debug!(
+        "a message on {} is for column {column_id:?}, which is not in this fleet",
+        endpoint.name
+    );
+}
+
+/// The services and parameter messages, which may take longer and have a separate thread.
+pub(super) struct FleetServices {
+    column_parameters: Subscription<ColumnParameters>,
+    reset: Server<ResetColumnRequest, ResetColumnResponse>,
+    predict: Server<PredictImpactRequest, PredictImpactResponse>,
+    /// Unless the parameter `start_type_description_service` is false.
+    descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
+    senders: Arc<Senders>,
+}
+
+impl FleetServices {
+    pub fn new(node: &mut Node, describes: bool, senders: Arc<Senders>) -> Result<Self, NodeError> {
+        Ok(Self {
+            column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
+            reset: node.server(&qos::RESET_COLUMN)?,
+            predict: node.server(&qos::PREDICT)?,
+            descriptions: describes
+                .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
+                .transpose()?,
+            senders,
+        })
+    }
+
+    /// Answers requests until the task is stopped.
+    pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
+        let (fleet, counters) = (&*fleet, &*counters);
+        let descriptions = self.descriptions;
+        let describe_types = async {
+            if let Some(server) = &descriptions {
+                let describe = |request| type_descriptions::describe(&request);
+                answer(&qos::GET_TYPE_DESCRIPTION, server, counters, describe).await;
+            }
+        };
+        let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
+            let admitted = self.senders.admit(gid, Instant::now());
+            admitted.map_err(|rejected| {
+                tell(&None, endpoint, what, &rejected);
+                rejected.refusal
+            })
+        };
+        join!(
+            each(
+                &self.column_parameters,
+                &qos::COLUMN_PARAMETERS,
+                counters,
+                |message: ColumnParameters, info| {
+                    let Some(column) = fleet.index_of(&message.column_id) else {
+                        return ignore(counters, &qos::COLUMN_PARAMETERS, &message.column_id);
+                    };
+                    let sender = info.publisher_gid();
+                    if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_ok() {
+                        set_column(fleet, column, &message);
+                    }
+                }
+            ),
+            answer_from(
+                &qos::RESET_COLUMN,
+                &self.reset,
+                counters,
+                |sender, request| {
+                    let admitted = admit(sender, &qos::RESET_COLUMN, "a reset");
+                    reset(admitted.and_then(|()| {
+                        let column = known(fleet, &request.column_id)?;
+                        let source = "service ~/reset_column".into();
+                        fleet.execute(column, Command::Reset { source }).map(|_| ())
+                    }))
+                }
+            ),
+            answer(&qos::PREDICT, &self.predict, counters, |request| {
+                predicted(fleet, &request)
+            }),
+            describe_types,
+        );
+    }
+}
+
+/// The column of a request, which somebody waits for: one that is elsewhere is rejected.
+fn known(fleet: &FleetTwin, column_id: &str) -> Result<u32, Refusal> {
+    fleet.index_of(column_id).ok_or_else(|| {
+        let reason = format!(
+            "column {column_id:?} is not in this fleet of {} columns; give the column_id of one of them, see fleet_status",
+            fleet.column_ids().len()
+        );
+        Refusal::new(RefusalCode::OtherColumn, reason)
+    })
+}
+
+fn reset(outcome: Result<(), Refusal>) -> ResetColumnResponse {
+    match outcome {
+        Ok(()) => ResetColumnResponse {
+            success: true,
+            refusal_code: TwinStatus::REFUSED_NONE,
+            message: String::new(),
+        },
+        Err(Refusal { code, reason }) => ResetColumnResponse {
+            success: false,
+            refusal_code: code.number(),
+            message: reason.to_string(),
+        },
+    }
+}
+
+fn predicted(fleet: &FleetTwin, request: &PredictImpactRequest) -> PredictImpactResponse {
+    let prediction = known(fleet, &request.column_id).and_then(|column| {
+        let prediction = fleet.predict(column, &request.vehicle, &request.into())?;
+        Ok((prediction, fleet.parameters(column)))
+    });
+    match prediction {
+        Ok((prediction, parameters)) => PredictImpactResponse {
+            success: true,
+            report: ImpactReport {
+                header: Header {
+                    stamp: Time::from_nanos(fleet.now()).unwrap_or_default(),
+                    frame_id: parameters.settings().frame_id.clone(),
+                },
+                column_id: request.column_id.clone(),
+                event_id: request.event_id.clone(),
+                ..ImpactReport::from(&prediction)
+            },
+            ..PredictImpactResponse::default()
+        },
+        Err(Refusal { code, reason }) => PredictImpactResponse {
+            success: false,
+            refusal_code: code.number(),
+            message: reason.to_string(),
+            ..PredictImpactResponse::default()
+        },
+    }
+}
+
+fn set_column(fleet: &FleetTwin, column: u32, message: &ColumnParameters) {
+    let command = column_command(message, &message.column_id);
+    match fleet.execute(column, command) {
+        Ok(_) => tracing::info!("parameters of column {:?} were accepted", message.column_id),
+        // The twin reports its refusals among its outputs.
+        Err(refusal) if refusal.code.is_from_twin() => {}
+        Err(refusal) => tracing::warn!(
+            "a change of parameters of column {:?} was rejected: {refusal}",
+            message.column_id
+        ),
+    }
+}

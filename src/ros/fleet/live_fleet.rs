@@ -1,0 +1,303 @@
+//! The live fleet from the point of view of its node: columns by name, commands, health and clock, from start to stop.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+
+use crate::column::ImpactSpecification;
+use crate::fleet::{FleetStartError, make_twins};
+use crate::live::{
+    Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SimClock, SystemClock,
+    monotonic_nanos,
+};
+use crate::parameters::{FleetColumns, ParameterFaults, Parameters, RecordMode, ViewerMode};
+use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
+use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode};
+
+use super::super::live_twin::{Health, health_of};
+
+/// Why a fleet cannot be started.
+#[derive(Debug, thiserror::Error)]
+pub enum FleetTwinError {
+    /// A parameter asks for what a fleet does not do.
+    #[error(
+        "{name} is {value}, but a fleet has no {what}; set it to off, or run the columns to be {done} with `column-twin run`"
+    )]
+    NotInAFleet {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What a fleet does not have.
+        what: &'static str,
+        /// What is done with a single twin.
+        done: &'static str,
+    },
+    /// Parameters are not valid.
+    #[error(transparent)]
+    Parameters(#[from] ParameterFaults),
+    /// A state file or the folder of the state files cannot be used.
+    #[error(transparent)]
+    StateFile(#[from] StateFileError),
+    /// Columns are impossible.
+    #[error(transparent)]
+    Columns(#[from] FleetStartError),
+    /// A thread cannot be started.
+    #[error("a thread cannot be started: {0}; check the limit of processes (ulimit -u)")]
+    Thread(#[from] std::io::Error),
+}
+
+/// A fleet that runs in its own threads. Called from the threads of the node, never from the solvers'.
+pub struct FleetTwin {
+    /// `None` after the stop.
+    running: RwLock<Option<Running>>,
+    last_health: Mutex<Health>,
+    clock: Arc<dyn Clock>,
+    /// The same clock under `use_sim_time`, which can be set.
+    simulated: Option<Arc<SimClock>>,
+    /// The identifiers of the columns, by their indices.
+    column_ids: Vec<Arc<str>>,
+    by_id: HashMap<Arc<str>, u32>,
+    /// The parameters of the columns at the start.
+    initial: Vec<Arc<Parameters>>,
+    /// The parameters of the node.
+    node: Arc<Parameters>,
+}
+
+/// What the stop drops, in this order.
+struct Running {
+    handle: FleetHandle,
+    /// Reserved until the last damage is written.
+    _state_directory: Option<Reserved>,
+}
+
+/// What is not offered yet by a fleet must not be ignored in silence.
+fn check_offered(node: &Parameters) -> Result<(), FleetTwinError> {
+    let settings = node.settings();
+    if settings.record.mode != RecordMode::Off {
+        return Err(FleetTwinError::NotInAFleet {
+            name: "record.mode",
+            value: node
+                .get("record.mode")
+                .map_or_else(String::new, |it| it.plain()),
+            what: "recordings",
+            done: "recorded",
+        });
+    }
+    if settings.viewer.mode != ViewerMode::Off {
+        return Err(FleetTwinError::NotInAFleet {
+            name: "viewer.mode",
+            value: node
+                .get("viewer.mode")
+                .map_or_else(String::new, |it| it.plain()),
+            what: "viewer",
+            done: "shown",
+        });
+    }
+    Ok(())
+}
+
+impl FleetTwin {
+    /// Starts the columns with the damage in their state files. The receiver returns the outputs of all of them.
+    ///
+    /// # Errors
+    /// Columns are impossible, their state directory cannot be used, a parameter asks for what a fleet does not do, or a thread
+    /// cannot be started.
+    pub fn start(fleet: &FleetColumns) -> Result<(Arc<Self>, Receiver), FleetTwinError> {
+        let FleetColumns { columns, node, .. } = fleet;
+        check_offered(node)?;
+        let directory = &node.settings().state.directory;
+        let reserved = match directory.is_empty() {
+            true => None,
+            false => Some(state_file::reserve_folder(Path::new(directory))?),
+        };
+        let (mut saved, mut state_files) = (Vec::new(), Vec::new());
+        for column in columns {
+            let Some(path) = state_file::path(&column.parameters) else {
+                continue;
+            };
+            saved.push(match state_file::load(&path, &column.parameters)? {
+                Loaded::Absent => None,
+                Loaded::Damage(state) => Some(state),
+                Loaded::Rejected { reason, kept_as } => {
+                    tracing::warn!(
+                        "the state file of {} cannot be used, so the column starts virgin: {reason}; the file was renamed to {}",
+                        column.name,
+                        kept_as.display()
+                    );
+                    None
+                }
+            });
+            state_files.push(path);
+        }
+        let restored = saved.iter().flatten().count();
+        if restored > 0 {
+            tracing::info!("the damage of {restored} columns was restored from {directory}");
+        }
+        let simulated = node.settings().use_sim_time;
+        let simulated = simulated.then(|| Arc::new(SimClock::new(0)));
+        let clock: Arc<dyn Clock> = match &simulated {
+            Some(clock) => Arc::clone(clock) as _,
+            None => Arc::new(SystemClock::new()),
+        };
+        let twins = make_twins(columns, &saved, monotonic_nanos, clock.now())?;
+        let options = FleetOptions {
+            real_time: RealTime::of(node),
+            threads: FleetOptions::threads_of(node),
+            state_files,
+        };
+        let column_ids: Vec<Arc<str>> = twins.iter().map(|it| Arc::clone(it.column_id())).collect();
+        let (handle, receiver) = LiveFleet::start(twins, Arc::clone(&clock), options)?;
+        for warning in handle.statistics().real_time.warnings() {
+            tracing::warn!("{warning}");
+        }
+        let fleet = Self {
+            running: RwLock::new(Some(Running {
+                handle,
+                _state_directory: reserved,
+            })),
+            last_health: Mutex::default(),
+            clock,
+            simulated,
+            by_id: column_ids.iter().map(Arc::clone).zip(0..).collect(),
+            column_ids,
+            initial: columns
+                .iter()
+                .map(|it| Arc::clone(&it.parameters))
+                .collect(),
+            node: Arc::new(node.clone()),
+        };
+        Ok((Arc::new(fleet), receiver))
+    }
+
+    /// Stops the threads of the fleet. Queued outputs can still be received.
+    pub fn stop(&self) {
+        let last_health = || {
+            let last = self.last_health.lock();
+            last.unwrap_or_else(PoisonError::into_inner)
+        };
+        let mut running = self.running.write().unwrap_or_else(PoisonError::into_inner);
+        let Some(Running {
+            handle,
+            _state_directory,
+        }) = running.take()
+        else {
+            return;
+        };
+        // Set before the lock is released, because the last messages contain it.
+        *last_health() = health_of(handle.statistics(), !handle.is_running());
+        drop(running);
+        match handle.stop() {
+            Ok(statistics) => *last_health() = health_of(statistics, false),
+            Err(panicked) => {
+                tracing::error!("{panicked}");
+                last_health().has_panicked = true;
+            }
+        }
+    }
+
+    /// The index of a column; `None` if it is not in this fleet.
+    #[must_use]
+    pub fn index_of(&self, column_id: &str) -> Option<u32> {
+        self.by_id.get(column_id).copied()
+    }
+
+    /// The identifiers of the columns, by their indices.
+    #[must_use]
+    pub fn column_ids(&self) -> &[Arc<str>] {
+        &self.column_ids
+    }
+
+    /// The parameters of the node, which all columns share.
+    #[must_use]
+    pub fn node_parameters(&self) -> &Arc<Parameters> {
+        &self.node
+    }
+
+    /// The parameters of a column that hold; after the stop, those of the start.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    #[must_use]
+    pub fn parameters(&self, column: u32) -> Arc<Parameters> {
+        self.ask(|handle| Ok(handle.parameters(column)))
+            .unwrap_or_else(|_| Arc::clone(&self.initial[column as usize]))
+    }
+
+    /// Submits a command to a column without waiting for the outcome, which is among the outputs.
+    ///
+    /// # Errors
+    /// The command did not reach the twin.
+    pub fn submit(&self, column: u32, command: Command) -> Result<(), Refusal> {
+        self.ask(|handle| handle.submit(column, command))
+    }
+
+    /// Submits a command to a column and waits for the outcome.
+    ///
+    /// # Errors
+    /// The command was rejected. If it reached the twin, the refusal is also among the outputs.
+    pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Refusal> {
+        self.ask(|handle| handle.execute(column, command))
+    }
+
+    /// Predicts the outcome of an impact on a column in its current state, in the thread of the caller.
+    ///
+    /// # Errors
+    /// The impact would be rejected, or the solver does not answer.
+    pub fn predict(
+        &self,
+        column: u32,
+        vehicle: &str,
+        impact: &ImpactSpecification,
+    ) -> Result<Prediction, Refusal> {
+        self.ask(|handle| handle.predict(column, vehicle, impact))
+    }
+
+    /// The state of threads and queues.
+    #[must_use]
+    pub fn health(&self) -> Health {
+        self.ask(|handle| Ok(health_of(handle.statistics(), !handle.is_running())))
+            .unwrap_or_else(|_| {
+                let last = self.last_health.lock();
+                last.unwrap_or_else(PoisonError::into_inner).clone()
+            })
+    }
+
+    /// Number of columns that respond or have something to do soon.
+    #[must_use]
+    pub fn active(&self) -> usize {
+        self.ask(|handle| Ok(handle.active())).unwrap_or(0)
+    }
+
+    /// Number of solver threads.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.ask(|handle| Ok(handle.threads())).unwrap_or(0)
+    }
+
+    /// The time of the fleet's clock \[ns since the epoch\].
+    #[must_use]
+    pub fn now(&self) -> i64 {
+        self.clock.now()
+    }
+
+    /// Sets the simulated time \[ns since the epoch\]; has no effect without `use_sim_time`.
+    pub fn set_clock(&self, now: i64) {
+        if let Some(clock) = &self.simulated {
+            clock.set(now);
+        }
+    }
+
+    /// # Errors
+    /// The fleet has been stopped.
+    fn ask<T>(
+        &self,
+        question: impl FnOnce(&FleetHandle) -> Result<T, Refusal>,
+    ) -> Result<T, Refusal> {
+        let running = self.running.read().unwrap_or_else(PoisonError::into_inner);
+        match &*running {
+            Some(running) => question(&running.handle),
+            None => Err(Refusal::new(RefusalCode::Stopping, "the fleet is stopping")),
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The node of a fleet: many columns in one process, one participant and one node, with topics that they share.
+//!
+//! The number of endpoints does not depend on the number of columns. Every message has a `column_id`; messages for columns that
+//! are elsewhere are ignored and counted. A column that is at rest publishes nothing but its line in `fleet_status`.
+
+mod diagnostics;
+mod inputs;
+mod live_fleet;
+mod node;
+mod publishing;
+mod run;
+
+pub use live_fleet::{FleetTwin, FleetTwinError};
+pub use node::FleetNode;
+pub use run::{FleetRunOptions, run_fleet};

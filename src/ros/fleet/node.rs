@@ -1,0 +1,122 @@
+//! The node of a fleet: its endpoints, in the same threads as the node of a single twin.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use crate::live::{OutputSource, RealTime, Receiver, Waker, request_for_publisher};
+
+use super::super::clock_watch::ClockWatch;
+use super::super::diagnostics::NodeCounters;
+use super::super::environment::Environment;
+use super::super::matches::Matches;
+use super::super::names::Names;
+use super::super::node::{Node, NodeError};
+use super::super::rosout::{LogEnd, RosoutQueue};
+use super::super::senders::{Identities, Senders};
+use super::super::task::Task;
+use super::super::twin_node::{publish_log, spawn, stop_publishing_threads};
+use super::inputs::{FleetServices, FleetSubscriptions};
+use super::live_fleet::FleetTwin;
+use super::publishing::FleetPublishing;
+
+/// A running node of a fleet, until [`stop`](Self::stop).
+pub struct FleetNode {
+    // In the order in which they are stopped.
+    inputs: Vec<Task>,
+    fleet: Arc<FleetTwin>,
+    publisher: JoinHandle<()>,
+    stop: Arc<AtomicBool>,
+    waker: Waker,
+    log: Option<(LogEnd, JoinHandle<()>)>,
+    node: Node,
+}
+
+impl FleetNode {
+    /// Starts the node of a running fleet.
+    ///
+    /// # Errors
+    /// A participant, an endpoint or a thread cannot be created.
+    pub fn start(
+        environment: &Environment,
+        names: Names,
+        fleet: Arc<FleetTwin>,
+        outputs: Receiver,
+        log: Option<RosoutQueue>,
+    ) -> Result<Self, NodeError> {
+        let mut node = Node::new(environment, names)?;
+        let settings = fleet.node_parameters().settings();
+        let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
+        let senders = Senders::new(&settings.senders, identities);
+        senders.warn_of_enclaves();
+        let senders = Arc::new(senders);
+        let counters = Arc::new(NodeCounters {
+            senders: senders.is_limited().then(|| Arc::clone(&senders)),
+            clock: settings
+                .use_sim_time
+                .then(|| ClockWatch::new(Instant::now())),
+            ..NodeCounters::default()
+        });
+        let stop = Arc::new(AtomicBool::new(false));
+        let log = log
+            .map(|queue| publish_log(&mut node, queue, &counters, None))
+            .transpose()?;
+        let publishing =
+            FleetPublishing::new(&mut node, Arc::clone(&fleet), Arc::clone(&counters))?;
+        let subscriptions =
+            FleetSubscriptions::new(&mut node, settings.use_sim_time, Arc::clone(&senders))?;
+        let describes = settings.start_type_description_service;
+        let services = FleetServices::new(&mut node, describes, senders)?;
+        let stop_publishing = Arc::clone(&stop);
+        let waker = outputs.waker();
+        let real_time = RealTime::of(fleet.node_parameters());
+        let publisher = spawn("column_twin/pub", move || {
+            request_for_publisher(&real_time);
+            publishing.run(outputs, &stop_publishing);
+        })?;
+        let events = node.participant_events();
+        let received = Arc::clone(&counters);
+        let (event_fleet, service_fleet) = (Arc::clone(&fleet), Arc::clone(&fleet));
+        let inputs = vec![
+            Task::start("column_twin/ros", move || async move {
+                futures::join!(events, subscriptions.run(event_fleet, received));
+            })?,
+            Task::start("column_twin/srv", move || {
+                services.run(service_fleet, counters)
+            })?,
+        ];
+        Ok(Self {
+            inputs,
+            fleet,
+            publisher,
+            stop,
+            waker,
+            log,
+            node,
+        })
+    }
+
+    /// The node's names.
+    #[must_use]
+    pub fn names(&self) -> &Names {
+        self.node.names()
+    }
+
+    /// The known peers.
+    #[must_use]
+    pub fn matches(&self) -> Arc<Matches> {
+        self.node.matches()
+    }
+
+    /// Stops receiving, stops the columns, publishes queued outputs, and leaves the network.
+    pub fn stop(self) {
+        for task in self.inputs {
+            task.stop();
+        }
+        self.fleet.stop();
+        stop_publishing_threads(&self.stop, &self.waker, self.publisher, self.log);
+        // All threads have ended, and with them all endpoints.
+        drop(self.node);
+    }
+}

@@ -1,0 +1,353 @@
+//! The publishing thread of a fleet: publishes the outputs of all columns on the topics that they share.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use ros2_client::Publisher;
+
+use crate::endpoints::Endpoint;
+use crate::fleet::{StatusBatch, StatusBoard};
+use crate::live::Receiver;
+use crate::messages::builtin_interfaces::Time;
+use crate::messages::cdr::{self, CdrError};
+use crate::messages::column_twin::{ColumnStatus, FleetStatus};
+use crate::messages::std_msgs::Header;
+use crate::outgoing::{Message, Outgoing, Topic};
+use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
+
+use super::super::clock_watch::SeldomWarning;
+use super::super::diagnostics::NodeCounters;
+use super::super::live_twin::Health;
+use super::super::matches::Matches;
+use super::super::node::{Node, NodeError};
+use super::super::qos;
+use super::super::raw::Raw;
+use super::super::security::{Peers, Protection};
+use super::diagnostics::{FleetObserved, fleet_diagnostics};
+use super::live_fleet::FleetTwin;
+
+/// Maximum time between two diagnostics.
+const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+
+/// Maximum wait for an output before the thread checks the stop flag and whether there are new readers.
+const MAX_WAIT: Duration = Duration::from_millis(250);
+
+/// Minimum time between two rounds of all columns that new readers cause.
+const READER_PERIOD: Duration = Duration::from_secs(1);
+
+/// Maximum time to publish queued outputs after the stop.
+const FINAL_PUBLISHING_TIME: Duration = Duration::from_millis(300);
+
+/// Messages that are kept of each column for late joiners.
+const KEPT_OF_A_COLUMN: usize = 10;
+
+/// Most messages that a writer keeps: as many as RustDDS allows to be unacknowledged.
+const MAX_KEPT: usize = 8192;
+
+/// The topics of a fleet among those of a twin. The others show one column: joint states and markers.
+const TOPICS: [Topic; 5] = [
+    Topic::ColumnState,
+    Topic::HingeForces,
+    Topic::ImpactForecast,
+    Topic::ImpactReport,
+    Topic::TwinStatus,
+];
+
+/// Publishes all outputs of the columns.
+pub(super) struct FleetPublishing {
+    of_columns: Vec<(Topic, Publisher<Raw>)>,
+    fleet_status: Publisher<Raw>,
+    diagnostics: Publisher<Raw>,
+    matches: Arc<Matches>,
+    fleet: Arc<FleetTwin>,
+    counters: Arc<NodeCounters>,
+    protection: Arc<Protection>,
+    peers: Arc<Peers>,
+    node_name: String,
+    /// The converters of the columns that respond: they know what was published of the response.
+    converters: HashMap<u32, Outgoing>,
+    board: StatusBoard,
+    started: Instant,
+    /// Readers of the status, when they were counted last, and when a new one got a round.
+    readers: usize,
+    last_reader_round: Option<Instant>,
+    last_diagnostics: Option<Instant>,
+    clock_warning: SeldomWarning,
+    /// The time to publish is over.
+    is_over: bool,
+}
+
+impl FleetPublishing {
+    pub fn new(
+        node: &mut Node,
+        fleet: Arc<FleetTwin>,
+        counters: Arc<NodeCounters>,
+    ) -> Result<Self, NodeError> {
+        let columns = fleet.column_ids().len();
+        // First, so that others know that it is a fleet when they know of its other topics.
+        let fleet_status = node.publisher(&qos::FLEET_STATUS)?;
+        let mut of_columns = Vec::new();
+        for topic in TOPICS {
+            let publisher = node.publisher(&kept_of_all(topic.endpoint(), columns))?;
+            of_columns.push((topic, publisher));
+        }
+        Ok(Self {
+            of_columns,
+            fleet_status,
+            diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
+            matches: node.matches(),
+            board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
+            fleet,
+            counters,
+            protection: node.protection(),
+            peers: node.security_peers(),
+            node_name: node.names().node().to_owned(),
+            converters: HashMap::new(),
+            started: Instant::now(),
+            readers: 0,
+            last_reader_round: None,
+            last_diagnostics: None,
+            clock_warning: SeldomWarning::default(),
+            is_over: false,
+        })
+    }
+
+    /// Publishes until `stop` is set and no outputs are queued. The fleet must be stopped before, so that its queues bound the
+    /// remaining outputs.
+    pub fn run(mut self, mut outputs: Receiver, stop: &AtomicBool) {
+        let mut end = None;
+        loop {
+            let is_stopping = stop.load(Ordering::Relaxed);
+            if is_stopping {
+                let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
+                if Instant::now() >= end && !std::mem::replace(&mut self.is_over, true) {
+                    tracing::error!(
+                        "some outputs could not be published before the end; they are lost"
+                    );
+                }
+            }
+            match outputs.try_next_of() {
+                Some((column, output)) => self.publish(column, output),
+                None if is_stopping => {
+                    self.statuses();
+                    return;
+                }
+                None => outputs.wait(self.wait()),
+            }
+            if !self.is_over {
+                self.statuses();
+                self.diagnose_now_and_then();
+            }
+        }
+    }
+
+    fn wait(&self) -> Duration {
+        let since = self.last_diagnostics.as_ref().map(Instant::elapsed);
+        let diagnostics = since.map_or(Duration::ZERO, |it| DIAGNOSTICS_PERIOD.saturating_sub(it));
+        let status = self.board.rest(self.started.elapsed());
+        diagnostics.min(status).min(MAX_WAIT)
+    }
+
+    fn publish(&mut self, column: u32, output: Output) {
+        match &output {
+            Output::Refused(refused) => return self.log_refusal(column, refused),
+            Output::Notice(notice) => return self.log_notice(column, notice),
+            Output::ParametersChanged(changed) => {
+                tracing::info!(
+                    "parameters of column {:?}: {}",
+                    self.column_id(column),
+                    changed.names.join(", ")
+                );
+                // It knows the names and lengths of before.
+                self.converters.remove(&column);
+                return;
+            }
+            Output::Journal(_) | Output::Save(_) => return,
+            Output::State(_)
+            | Output::Forecast(_)
+            | Output::Report(_)
+            | Output::Withdrawn(_)
+            | Output::Estimate(_)
+            | Output::Replaced(_)
+            | Output::Merged(_)
+            | Output::Calibrated(_)
+            | Output::Status(_) => {}
+        }
+        if !self.converters.contains_key(&column) {
+            let parameters = self.fleet.parameters(column);
+            self.converters.insert(column, Outgoing::new(&parameters));
+        }
+        let Some(outgoing) = self.converters.get_mut(&column) else {
+            return;
+        };
+        let mut messages = Vec::new();
+        outgoing.convert(&output, |message| messages.push(message));
+        for message in messages {
+            if let Message::TwinStatus(status) = &message {
+                self.board
+                    .update(column as usize, ColumnStatus::from(status));
+            }
+            self.send(&message);
+        }
+        // A column at rest needs no converter.
+        if let Output::Status(status) = &output
+            && !matches!(
+                status.phase,
+                TwinPhase::Approach | TwinPhase::Contact | TwinPhase::Free
+            )
+        {
+            self.converters.remove(&column);
+        }
+    }
+
+    fn column_id(&self, column: u32) -> &str {
+        let ids = self.fleet.column_ids();
+        ids.get(column as usize).map_or("", |it| it)
+    }
+
+    /// Publishes what is due of the statuses.
+    fn statuses(&mut self) {
+        self.look_for_readers();
+        for batch in self.board.due(self.started.elapsed()) {
+            let status = self.fleet_status(batch);
+            self.send_bytes(&self.fleet_status, &qos::FLEET_STATUS, cdr::encode(&status));
+        }
+    }
+
+    /// A reader that has joined gets all columns: what is kept for late joiners may be changes of a few.
+    fn look_for_readers(&mut self) {
+        let readers = self.matches.count(self.fleet_status.guid());
+        let is_spaced = self
+            .last_reader_round
+            .is_none_or(|last| last.elapsed() >= READER_PERIOD);
+        if readers > self.readers && is_spaced {
+            self.board.want_round();
+            self.last_reader_round = Some(Instant::now());
+            self.readers = readers;
+        }
+        self.readers = self.readers.min(readers);
+    }
+
+    fn fleet_status(&self, batch: StatusBatch) -> FleetStatus {
+        let health = self.fleet.health();
+        let number = |it: usize| u32::try_from(it).unwrap_or(u32::MAX);
+        FleetStatus {
+            header: self.header(),
+            columns_total: number(self.board.columns().len()),
+            columns_active: number(self.fleet.active()),
+            of_all: batch.of_all,
+            ignored: self.counters.ignored.load(Ordering::Relaxed),
+            dropped_inputs: health.dropped_inputs + self.counters.rejected_senders(),
+            dropped_states: health.dropped_states,
+            dropped_outputs: health
+                .dropped_recording
+                .saturating_sub(health.dropped_states),
+            late_states: health.overruns,
+            worst_lateness: health.worst_lateness,
+            columns: batch.columns,
+        }
+    }
+
+    fn header(&self) -> Header {
+        Header {
+            stamp: Time::from_nanos(self.fleet.now()).unwrap_or_default(),
+            frame_id: String::new(),
+        }
+    }
+
+    fn diagnose_now_and_then(&mut self) {
+        if let Some(clock) = self.counters.clock.as_ref().filter(|it| it.count() == 0) {
+            let now = Instant::now();
+            if let Some(problem) = clock.problem(now)
+                && self.clock_warning.is_due(now)
+            {
+                tracing::warn!("{problem}");
+            }
+        }
+        let last = self.last_diagnostics.as_ref();
+        if last.is_some_and(|at| at.elapsed() < DIAGNOSTICS_PERIOD) {
+            return;
+        }
+        let health: Health = self.fleet.health();
+        let array = fleet_diagnostics(
+            self.header(),
+            &self.node_name,
+            FleetObserved {
+                columns: self.board.columns(),
+                active: self.fleet.active(),
+                threads: self.fleet.threads(),
+                health: &health,
+                security: self.protection.health(&self.peers),
+                counters: &self.counters,
+            },
+        );
+        self.send_bytes(&self.diagnostics, &qos::DIAGNOSTICS, cdr::encode(&array));
+        self.last_diagnostics = Some(Instant::now());
+    }
+
+    fn send(&self, message: &Message) {
+        let topic = message.topic();
+        let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
+        if let Some((_, publisher)) = publisher {
+            self.send_bytes(publisher, topic.endpoint(), message.encode());
+        }
+    }
+
+    /// Publishes one message without waiting. If a reader is so slow that the history is full, the message is lost for it, and
+    /// counted.
+    fn send_bytes(
+        &self,
+        publisher: &Publisher<Raw>,
+        endpoint: &Endpoint,
+        bytes: Result<Vec<u8>, CdrError>,
+    ) {
+        let raw = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok());
+        let is_sent = raw.is_some_and(|raw| !self.is_over && publisher.publish(raw).is_ok());
+        if !is_sent {
+            NodeCounters::count(&self.counters.unpublished);
+            tracing::debug!("a message on {} was not published", endpoint.name);
+        }
+    }
+
+    fn log_refusal(&self, column: u32, refused: &Refused) {
+        let Refused {
+            refusal,
+            event_id,
+            source,
+            ..
+        } = refused;
+        let column_id = self.column_id(column);
+        match refused.what {
+            RefusedInput::Impact => tracing::warn!(
+                "impact event {event_id:?} for column {column_id:?} was rejected: {refusal}"
+            ),
+            RefusedInput::Parameters => tracing::warn!(
+                "a change of parameters of column {column_id:?} by {source} was rejected: {refusal}"
+            ),
+            RefusedInput::Estimate | RefusedInput::Calibration => tracing::warn!(
+                "what the sensors of column {column_id:?} tell was rejected: {refusal}"
+            ),
+        }
+    }
+
+    fn log_notice(&self, column: u32, notice: &Notice) {
+        let (column_id, text) = (self.column_id(column), &notice.text);
+        match notice.level {
+            NoticeLevel::Info => tracing::info!("column {column_id:?}: {text}"),
+            NoticeLevel::Warning => tracing::warn!("column {column_id:?}: {text}"),
+            NoticeLevel::Error => tracing::error!("column {column_id:?}: {text}"),
+        }
+    }
+}
+
+/// The endpoint with a history for all columns, if it keeps messages for late joiners.
+fn kept_of_all(endpoint: &Endpoint, columns: usize) -> Endpoint {
+    let mut endpoint = *endpoint;
+    if endpoint.qos.transient_local {
+        let of_each = endpoint.qos.depth.min(KEPT_OF_A_COLUMN);
+        endpoint.qos.depth = (of_each * columns).clamp(endpoint.qos.depth, MAX_KEPT);
+    }
+    endpoint
+}

@@ -1,0 +1,88 @@
+//! `column-twin fleet`: runs the node of a fleet from its arguments to a clean stop.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::parameters::{FleetColumns, FleetSources};
+
+use super::super::NODE_NAME;
+use super::super::arguments::RosArguments;
+use super::super::dds_threads::DdsThreads;
+use super::super::environment::{DiscoveryRange, Environment};
+use super::super::names::Names;
+use super::super::rosout::start_logging;
+use super::super::run::{RunEnd, RunError};
+use super::super::security::protection;
+use super::super::signals::StopSignals;
+use super::live_fleet::{FleetTwin, FleetTwinError};
+use super::node::FleetNode;
+
+/// The command line and the environment of a fleet.
+#[derive(Debug, Clone, Default)]
+pub struct FleetRunOptions {
+    /// The arguments after `--ros-args`.
+    pub ros: RosArguments,
+    /// The settings in environment variables.
+    pub environment: Environment,
+    /// Parameter files of `--params-file`, which the table and ROS arguments override.
+    pub parameter_files: Vec<PathBuf>,
+    /// The table of `--columns`.
+    pub columns: Option<PathBuf>,
+}
+
+/// Runs the node of a fleet until SIGINT or SIGTERM.
+///
+/// # Errors
+/// Names or parameters are not valid, or the node or the fleet cannot be started.
+pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
+    let FleetRunOptions {
+        ros, environment, ..
+    } = options;
+    let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
+    let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
+    let sources = FleetSources {
+        files: options.parameter_files.clone(),
+        table: options.columns.clone(),
+        arguments: ros.parameters.clone(),
+    };
+    let columns = FleetColumns::load(&names.for_parameters(), &sources)?;
+    // Before anything starts or is written.
+    protection(&environment.security, environment.domain_id)?;
+    let log =
+        start_logging(ros, &names.logger()).map_err(|error| RunError::Process(error.into()))?;
+    for warning in &environment.warnings {
+        tracing::warn!("{warning}");
+    }
+    for argument in &ros.without_effect {
+        tracing::warn!("{argument} has no effect on this node");
+    }
+    for warning in &columns.warnings {
+        tracing::warn!("{warning}");
+    }
+    let dds_threads = DdsThreads::stop_on_panic();
+    let (fleet, outputs) = FleetTwin::start(&columns).map_err(|error| match error {
+        FleetTwinError::Parameters(faults) => RunError::Parameters(faults),
+        error => RunError::Fleet(error),
+    })?;
+    let count = columns.columns.len();
+    drop(columns);
+    let node = FleetNode::start(environment, names, Arc::clone(&fleet), outputs, log)?;
+    let reach = match environment.discovery_range {
+        DiscoveryRange::Localhost => "this machine only",
+        DiscoveryRange::Subnet => "every network of this machine",
+    };
+    tracing::info!(
+        "{} is ready in domain {}, on {reach}, with {count} columns on {} solver threads",
+        node.names(),
+        environment.domain_id,
+        fleet.threads(),
+    );
+    signals.wait();
+    tracing::info!("stopping");
+    node.stop();
+    let health = fleet.health();
+    Ok(RunEnd {
+        lost_in_recording: 0,
+        has_panicked: health.has_panicked || dds_threads.has_panicked(),
+    })
+}

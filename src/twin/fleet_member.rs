@@ -1,0 +1,87 @@
+//! What a twin needs as one of many: it is made from an equal one, says when it has nothing to do, and keeps no more than it needs.
+
+use std::sync::Arc;
+
+use super::command::Nanos;
+use super::critical::CriticalVelocityTask;
+use super::estimates::Estimates;
+use super::forecast::SupersededForecasts;
+use super::journal::JournalClock;
+use super::lifecycle::{SolverStatistics, Stopwatch, Twin};
+use super::parameter_set::ParameterSet;
+use super::plant::Condition;
+use super::registry::Registry;
+use super::status::StatusClock;
+
+impl Twin {
+    /// The twin of another virgin column that differs from this virgin one by its names only, without computing its equilibrium
+    /// and its capacity again. `None` if this one is not virgin, or if the columns differ.
+    #[must_use]
+    pub fn sibling(
+        &self,
+        parameters: Arc<crate::parameters::Parameters>,
+        stopwatch: Stopwatch,
+        now: Nanos,
+    ) -> Option<Self> {
+        let is_virgin = self.response.is_none()
+            && self.journal.responses == 0
+            && self.registry.life.impacts_since_reset == 0
+            && self.at_rest.condition == Condition::Standing
+            && !self.at_rest.is_damaged();
+        if !is_virgin || !self.parameters().differs_by_names_only(&parameters) {
+            return None;
+        }
+        let mut twin = Self {
+            estimates: Estimates::default(),
+            registry: Registry::new(&parameters.settings().column_id),
+            parameters: ParameterSet::new(parameters),
+            at_rest: self.at_rest.clone(),
+            assessed: self.assessed.clone(),
+            virgin: self.virgin,
+            critical: None,
+            response: None,
+            is_completing: false,
+            superseded: SupersededForecasts::new(),
+            last: None,
+            journal: JournalClock::new(now),
+            status: StatusClock::new(now),
+            solver: SolverStatistics::default(),
+            stopwatch,
+        };
+        twin.parameters.share_fingerprint(&self.parameters);
+        Some(twin)
+    }
+
+    /// Whether there is nothing to do for [`Twin::advance_to`] and [`Twin::run_ahead`] until the next command, apart from the
+    /// status once per [`STATUS_PERIOD`](super::STATUS_PERIOD), which repeats what is known.
+    #[must_use]
+    pub fn is_quiet(&self, now: Nanos) -> bool {
+        !self.is_responding() && !self.is_looking_ahead() && self.status.next_deadline(now) > now
+    }
+
+    /// The last instant at which an impact event may still belong into the last response: its end and `event.max_age` later.
+    /// `None` if there is no such response.
+    #[must_use]
+    pub fn remembers_until(&self) -> Option<Nanos> {
+        let timeline = &self.last.as_ref()?.response.timeline;
+        let end = timeline.instant_of(timeline.step());
+        let max_age = 1e9 * self.parameters().settings().event.max_age;
+        Some(end.saturating_add(max_age as Nanos))
+    }
+
+    /// Frees the memory of the last response, of which [`Twin::remembers_until`] tells how long events may need it. A change of
+    /// `event.max_age` after that does not bring it back.
+    pub fn forget_last_response(&mut self) {
+        self.last = None;
+    }
+}
+
+impl CriticalVelocityTask {
+    /// Whether the result is that of another task: the columns differ by their names only.
+    #[must_use]
+    pub fn has_the_result_of(&self, other: &Self) -> bool {
+        self.at_rest == other.at_rest
+            && self.severity == other.severity
+            && self.parameters.differs_by_names_only(&other.parameters)
+    }
+}

@@ -1,0 +1,17 @@
+//! Many columns in one process: their parameters, their solver threads, their node.
+#![cfg(all(feature = "cli", feature = "ros"))]
+// A test may start an unnamed thread and listen without a bound: it ends with the test.
+#![allow(clippy::disallowed_methods)]
+
+#[path = "../ros/domain.rs"]
+mod domain;
+#[path = "../ros/incoming.rs"]
+#[allow(dead_code)] // the tests of a single twin use more of it
+mod incoming;
+mod memory;
+mod node;
+mod parameters;
+mod pool;
+#[path = "../ros/program.rs"]
+#[allow(dead_code)] // the tests of a single twin use more of it
+mod program;
