@@ -284,12 +284,10 @@ fn hit() {
             let (mut forecasts, mut reports) = (BTreeSet::new(), 0);
             while reports < hit {
                 match next(&mut receiver) {
-                    (column, Output::Forecast(_)) => {
-                        if forecasts.insert(column) {
-                            each.push(1e3 * begun.elapsed().as_secs_f64());
-                            if forecasts.len() == hit {
-                                last_of.push(1e3 * begun.elapsed().as_secs_f64());
-                            }
+                    (column, Output::Forecast(_)) if forecasts.insert(column) => {
+                        each.push(1e3 * begun.elapsed().as_secs_f64());
+                        if forecasts.len() == hit {
+                            last_of.push(1e3 * begun.elapsed().as_secs_f64());
                         }
                     }
                     (_, Output::Report(_)) => reports += 1,

@@ -47,7 +47,9 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
         RunError::Parameters(faults) => faults.into(),
         error @ (RunError::SealKey(_)
         | RunError::Fleet(
-            FleetTwinError::NotInAFleet { .. } | FleetTwinError::Columns(_),
+            FleetTwinError::NotInAFleet { .. }
+            | FleetTwinError::Sensors { .. }
+            | FleetTwinError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),
         RunError::Security(error) => Failure::plain(Exit::BadInput, error),

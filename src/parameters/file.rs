@@ -30,7 +30,7 @@ pub(super) struct Section {
 pub(super) fn read(path: &Path, node: &NodeName) -> (Vec<Assignment>, Vec<Fault>) {
     match source(path, MAX_FILE_BYTES) {
         Ok(source) => assignments(&source, node),
-        Err(fault) => (Vec::new(), vec![fault]),
+        Err(fault) => (Vec::new(), vec![*fault]),
     }
 }
 
@@ -44,21 +44,23 @@ pub(super) fn read_sections(path: &Path, node: &NodeName) -> (Vec<Section>, Vec<
             reader.read();
             (reader.sections.unwrap_or_default(), reader.faults)
         }
-        Err(fault) => (Vec::new(), vec![fault]),
+        Err(fault) => (Vec::new(), vec![*fault]),
     }
 }
 
 /// The text of a file of at most `max_bytes`.
-pub(super) fn source(path: &Path, max_bytes: u64) -> Result<SourceFile, Fault> {
-    let text = read_text(path, max_bytes).map_err(|message| Fault {
-        name: None,
-        value: None,
-        place: Origin::File {
-            path: path.to_owned(),
-            position: None,
-            excerpt: None,
-        },
-        problem: Problem::Unreadable(message),
+pub(super) fn source(path: &Path, max_bytes: u64) -> Result<SourceFile, Box<Fault>> {
+    let text = read_text(path, max_bytes).map_err(|message| {
+        Box::new(Fault {
+            name: None,
+            value: None,
+            place: Origin::File {
+                path: path.to_owned(),
+                position: None,
+                excerpt: None,
+            },
+            problem: Problem::Unreadable(message),
+        })
     })?;
     Ok(SourceFile {
         path: path.to_owned(),

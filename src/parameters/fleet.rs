@@ -226,7 +226,7 @@ impl<'a> Reader<'a> {
                 source,
             }
             .read(self),
-            Err(fault) => self.faults.push(fault),
+            Err(fault) => self.faults.push(*fault),
         }
     }
 

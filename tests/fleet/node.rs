@@ -305,6 +305,18 @@ fn bad_input_ends_the_command_with_what_to_do() {
             with(&["--ros-args", "-p", "viewer.mode:=serve"]),
             "viewer.mode is serve, but a fleet has no viewer",
         ),
+        (
+            with(&[
+                "--ros-args",
+                "-p",
+                "sensors.names:=[laser]",
+                "-p",
+                "sensors.laser.quantity:=displacement",
+                "-p",
+                "sensors.laser.rate:=1000.0",
+            ]),
+            "has sensors (laser), but a fleet does not take measurements",
+        ),
         (with(&["--ros-args", "-p", "top.laod:=1.0"]), "top.laod"),
     ] {
         let (code, errors) = end;

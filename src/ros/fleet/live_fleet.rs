@@ -10,7 +10,9 @@ use crate::live::{
     Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SimClock, SystemClock,
     monotonic_nanos,
 };
-use crate::parameters::{FleetColumns, ParameterFaults, Parameters, RecordMode, ViewerMode};
+use crate::parameters::{
+    FleetColumns, ParameterFaults, Parameters, RecordMode, Settings, ViewerMode,
+};
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode};
 
@@ -32,6 +34,17 @@ pub enum FleetTwinError {
         what: &'static str,
         /// What is done with a single twin.
         done: &'static str,
+    },
+    /// A column has sensors.
+    #[error(
+        "column {column_id:?} has sensors ({sensors}), but a fleet does not take measurements; leave sensors.names out, or run \
+         the column with `column-twin run`"
+    )]
+    Sensors {
+        /// The first column that has some.
+        column_id: String,
+        /// Their names.
+        sensors: String,
     },
     /// Parameters are not valid.
     #[error(transparent)]
@@ -106,6 +119,17 @@ impl FleetTwin {
     pub fn start(fleet: &FleetColumns) -> Result<(Arc<Self>, Receiver), FleetTwinError> {
         let FleetColumns { columns, node, .. } = fleet;
         check_offered(node)?;
+        for column in columns {
+            let Settings {
+                sensors, column_id, ..
+            } = column.parameters.settings();
+            if !sensors.names.is_empty() {
+                return Err(FleetTwinError::Sensors {
+                    column_id: column_id.clone(),
+                    sensors: sensors.names.join(", "),
+                });
+            }
+        }
         let directory = &node.settings().state.directory;
         let reserved = match directory.is_empty() {
             true => None,
