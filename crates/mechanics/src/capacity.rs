@@ -212,6 +212,14 @@ impl PushDown {
                 max,
             });
         }
+        // Without plastic strains it is the virgin column, whatever its equilibrium was found from: the same bits.
+        let virgin;
+        let state = if state.plastic == PerBar::default() {
+            virgin = State::at_rest(model);
+            &virgin
+        } else {
+            state
+        };
         let sign = if state.displacement.v1 < 0.0 {
             -1.0
         } else {
