@@ -1,23 +1,37 @@
-"""Calls services of the twin on Cyclone DDS as rmw_cyclonedds does, for bridge.py; there is no wheel of rmw_cyclonedds.
+"""Calls services of the twin on Cyclone DDS as rmw_cyclonedds does, of which there is no wheel.
+
+bridge.py uses it across two bridges; as a program, started by tests/ros/real_peers.rs, it calls a running node in the domain of
+ROS_DOMAIN_ID on loopback, and exits with code 1 and what differs:
+
+    cyclone_service.py EXPECTED.json
 
 A request begins with the client's identity and a number, which the reply repeats; there is no metadata. The participant announces
 itself as a ROS node on `ros_discovery_info`, without which the bridge ignores it.
 """
 
+import json
 import math
+import os
 import random
+import sys
 import time
 from dataclasses import dataclass, field
 
-from cyclonedds.core import InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet
-from cyclonedds.domain import DomainParticipant
-from cyclonedds.idl import IdlStruct, types
-from cyclonedds.pub import DataWriter
-from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
-from cyclonedds.util import duration
+LOOPBACK = ('<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>'
+            "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+            '<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>')
+os.environ.setdefault("CYCLONEDDS_URI", LOOPBACK)
+
+from cyclonedds.core import InstanceState, Policy, Qos, ReadCondition, SampleState, ViewState, WaitSet  # noqa: E402
+from cyclonedds.domain import DomainParticipant  # noqa: E402
+from cyclonedds.idl import IdlStruct, types  # noqa: E402
+from cyclonedds.pub import DataWriter  # noqa: E402
+from cyclonedds.sub import DataReader  # noqa: E402
+from cyclonedds.topic import Topic  # noqa: E402
+from cyclonedds.util import duration  # noqa: E402
 
 NODE = "cyclone_operator"
+PATIENCE = 30.0
 # ParameterType of rcl_interfaces: the field of its value.
 FIELDS = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value"}
 DOUBLE = 3
@@ -198,3 +212,29 @@ class ServiceCaller:
         """Whether the node took it, and why not."""
         result = self.setting.call([Parameter(name, ParameterValue(type=DOUBLE, double_value=value))]).results[0]
         return result.successful, result.reason
+
+
+def main():
+    expected = json.loads(open(sys.argv[1]).read())
+    with ServiceCaller(int(os.environ["ROS_DOMAIN_ID"]), PATIENCE) as caller:
+        answer = caller.predict(expected["mass"], expected["velocity"], 0.0)
+        found = {
+            "prediction": (answer.success, answer.message, answer.report_max_v1),
+            "parameters": caller.get_parameters(["section.name", "top.load", "no.such"]),
+            "a parameter that can be set": caller.set_double("event.max_age", 7.5),
+            "its value": caller.get_parameters(["event.max_age"]),
+            "a parameter that cannot be set": caller.set_double("top.load", -1.0)[0],
+        }
+    wanted = {
+        "prediction": (True, "", expected["report"]["max_v1"]),
+        "parameters": ["HEB220", 5e5, None],
+        "a parameter that can be set": (True, ""),
+        "its value": [7.5],
+        "a parameter that cannot be set": False,
+    }
+    faults = [f"{what}: expected {wanted[what]!r}, found {value!r}" for what, value in found.items() if value != wanted[what]]
+    sys.exit("\n".join(faults) or None)
+
+
+if __name__ == "__main__":
+    main()
