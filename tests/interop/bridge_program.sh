@@ -28,8 +28,10 @@ build() {
   rm -rf "$folder" && mkdir -p "$folder"
   install_tools
   LIBCLANG_PATH=$(dirname "$(find "$folder/tools" -name libclang.so | head -n 1)")
-  export LIBCLANG_PATH PATH=$folder/tools/bin:$PATH CARGO_TARGET_DIR=$folder/target
-  cargo build --release --locked --manifest-path "$crate/Cargo.toml" >&2
+  # The wheel of libclang has no headers of the compiler itself (stddef.h); those of the C compiler serve.
+  BINDGEN_EXTRA_CLANG_ARGS=-I$(cc -print-file-name=include)
+  export LIBCLANG_PATH BINDGEN_EXTRA_CLANG_ARGS PATH=$folder/tools/bin:$PATH CARGO_TARGET_DIR=$folder/target
+  nice cargo build --release --locked --manifest-path "$crate/Cargo.toml" >&2
   mv "$CARGO_TARGET_DIR/release/column-twin-bridge" "$folder/column-twin-bridge"
   rm -rf "$CARGO_TARGET_DIR" "$folder/tools"
   say "built in $((SECONDS - start)) s"
