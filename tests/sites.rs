@@ -37,7 +37,9 @@ fn zenoh(path: &str) -> Json {
 
 fn texts(list: &Json) -> Vec<String> {
     let list = list.as_array().expect("a list");
-    list.iter().map(|it| it.as_str().unwrap().to_owned()).collect()
+    list.iter()
+        .map(|it| it.as_str().unwrap().to_owned())
+        .collect()
 }
 
 /// What the bridge calls an endpoint of a node in any namespace.
@@ -49,27 +51,39 @@ fn allowed_as(name: &str) -> String {
     }
 }
 
+/// The names of one direction in a list of a configuration are exactly those of the endpoints that pass.
+fn assert_passes(path: &str, list: &str, direction: Direction) {
+    let config = zenoh(path);
+    let passing = ENDPOINTS
+        .iter()
+        .filter(|it| it.direction == direction && !STAY.contains(&it.name));
+    let mut expected: Vec<_> = passing.map(|it| allowed_as(it.name)).collect();
+    let mut found = texts(&config["plugins"]["ros2dds"]["allow"][list]);
+    expected.sort();
+    found.sort();
+    assert_eq!(found, expected, "{list} of {path}");
+}
+
 #[test]
-fn a_site_lets_all_endpoints_pass_but_those_that_stay() {
-    let site = zenoh("config/zenoh/site.json5");
-    let allow = &site["plugins"]["ros2dds"]["allow"];
-    let expected = |services: bool| -> Vec<String> {
-        let wanted = ENDPOINTS.iter().filter(|it| {
-            (it.direction == Direction::Service) == services && !STAY.contains(&it.name)
-        });
-        let mut names: Vec<_> = wanted.map(|it| allowed_as(it.name)).collect();
-        names.sort();
-        names
-    };
-    for (list, services) in [
-        ("publishers", false),
-        ("subscribers", false),
-        ("service_servers", true),
-        ("service_clients", true),
+fn sites_let_all_endpoints_pass_but_those_that_stay() {
+    let (site, room) = ("config/zenoh/site.json5", "config/zenoh/control_room.json5");
+    for (path, list, direction) in [
+        (site, "publishers", Direction::Out),
+        (site, "subscribers", Direction::In),
+        (site, "service_servers", Direction::Service),
+        (room, "publishers", Direction::In),
+        (room, "subscribers", Direction::Out),
+        (room, "service_clients", Direction::Service),
     ] {
-        let mut found = texts(&allow[list]);
-        found.sort();
-        assert_eq!(found, expected(services), "{list}");
+        assert_passes(path, list, direction);
+    }
+    // What is missing lets nothing pass; an empty list would let everything pass.
+    for (path, list) in [(site, "service_clients"), (room, "service_servers")] {
+        let config = zenoh(path);
+        assert!(
+            config["plugins"]["ros2dds"]["allow"].get(list).is_none(),
+            "{list} of {path}"
+        );
     }
     for name in STAY {
         assert!(
@@ -81,25 +95,25 @@ fn a_site_lets_all_endpoints_pass_but_those_that_stay() {
 
 #[test]
 fn router_and_sites_listen_and_search_nowhere_else() {
-    let (router, site) = (
-        zenoh("config/zenoh/router.json5"),
-        zenoh("config/zenoh/site.json5"),
-    );
-    for config in [&router, &site] {
+    let [router, site, room] =
+        ["router", "site", "control_room"].map(|name| zenoh(&format!("config/zenoh/{name}.json5")));
+    for config in [&router, &site, &room] {
         for scouting in ["multicast", "gossip"] {
             assert_eq!(config["scouting"][scouting]["enabled"], false, "{scouting}");
         }
     }
-    assert_eq!(
-        router["listen"]["endpoints"], site["connect"]["endpoints"],
-        "a site connects to the router"
-    );
+    for bridge in [&site, &room] {
+        assert_eq!(
+            router["listen"]["endpoints"],
+            bridge["connect"]["endpoints"]
+        );
+        assert_eq!(bridge["mode"], "client");
+        assert!(bridge.get("listen").is_none());
+    }
     assert!(
         texts(&router["listen"]["endpoints"])[0].starts_with("tcp/127.0.0.1:"),
         "nobody else can connect until the operator says so"
     );
-    assert_eq!(site["mode"], "client");
-    assert!(site.get("listen").is_none());
 }
 
 /// A member of a mapping.
@@ -182,15 +196,22 @@ fn the_stateful_set_keeps_the_damage_of_each_shard() {
 
     // It may take as long to stop as the service of systemd, and a probe ends before Kubernetes gives it up.
     let unit = read("config/column-twin@.service");
-    let stop = unit.lines().find_map(|it| it.strip_prefix("TimeoutStopSec="));
+    let stop = unit
+        .lines()
+        .find_map(|it| it.strip_prefix("TimeoutStopSec="));
     let stop: i64 = stop.expect("a limit").parse().unwrap();
     let grace = member(pod, "terminationGracePeriodSeconds").as_integer();
     assert!(grace.unwrap() >= stop);
     for probe in ["startupProbe", "livenessProbe"] {
         let probe = member(shard, probe);
-        let line = items(member(member(probe, "exec"), "command"))[2].as_str().unwrap();
+        let line = items(member(member(probe, "exec"), "command"))[2]
+            .as_str()
+            .unwrap();
         let limit: i64 = line.split(' ').nth(1).unwrap().parse().unwrap();
-        assert!(line.starts_with("timeout ") && line.contains("column-twin watch"), "{line}");
+        assert!(
+            line.starts_with("timeout ") && line.contains("column-twin watch"),
+            "{line}"
+        );
         assert!(limit < member(probe, "timeoutSeconds").as_integer().unwrap());
     }
 }

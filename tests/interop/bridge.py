@@ -47,7 +47,7 @@ RELIABLE = QoSProfile(depth=4000, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(depth=200, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MAX_DOMAIN = 101
 # The damage of the heavy impact, the parameter that is rejected, and a system that grants no real-time priority.
-EXPECTED_WARNING = re.compile(r"impact \"interrupted\": severity|a change of parameters by parameter service was rejected: top.load|"
+EXPECTED_WARNING = re.compile(r"impact \"(interrupted|afterwards)\": severity|a change of parameters by parameter service was rejected: top.load|"
                               r"SCHED_FIFO|lock.*memory")
 
 
@@ -183,7 +183,8 @@ class Sites:
                             "is ready in domain", folder, ROS_DOMAIN_ID=str(self.near_domain))
 
     def bridge(self, domain):
-        return Process("a bridge", [self.bridge_program, "-c", CONFIG / "site.json5", "-e", self.endpoint, "-d", str(domain)],
+        config = "site.json5" if domain == self.near_domain else "control_room.json5"
+        return Process("a bridge", [self.bridge_program, "-c", CONFIG / config, "-e", self.endpoint, "-d", str(domain)],
                        "with the bridge to DDS", self.folder, ROS_DISTRO="jazzy", CYCLONEDDS_URI=LOOPBACK)
 
 
