@@ -113,6 +113,10 @@ const COMMANDS: &[(&str, How)] = &[
         "column-twin verify RECORDING --trusted-key",
         Elsewhere("tests/evidence/sealed.rs", "--trusted-key"),
     ),
+    (
+        "column-twin measure",
+        Elsewhere("tests/ros/measurements.rs", "\"measure\""),
+    ),
     // Cannot be run.
     ("source install/setup.bash", Cannot(NEEDS_WORKSPACE)),
     ("ros2 run column_twin", Cannot(NEEDS_WORKSPACE)),

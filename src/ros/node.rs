@@ -275,7 +275,7 @@ impl Node {
         let (package, type_name) = endpoint.package_and_type();
         self.node
             .create_server(
-                // The mapping of Fast DDS, and of Cyclone since Humble.
+                // The mapping of Fast DDS; clients on Cyclone DDS, such as the bridge to Zenoh, are answered in theirs.
                 ServiceMapping::Enhanced,
                 &name,
                 &ServiceTypeName::new(package, type_name),

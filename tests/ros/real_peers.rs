@@ -162,6 +162,18 @@ fn rclpy_joins_late_and_gets_what_is_offered() {
     assert_eq!(String::from_utf8_lossy(&output.stdout), expected);
 }
 
+/// `rmw_cyclonedds` has a mapping of services of its own: its requests were misread, and it never got a reply.
+#[test]
+#[ignore = "slow: builds the Python environment of tests/interop"]
+fn cyclonedds_calls_services_in_its_own_mapping() {
+    let domain = Domain::fresh();
+    let folder = tempfile::tempdir().unwrap();
+    let expected = expectation(folder.path());
+    let program = Program::ready(&domain, folder.path(), &[]);
+    finish(script(&domain, "cyclone_service.py", Some(&expected)));
+    assert!(program.terminate().0.success());
+}
+
 #[test]
 #[ignore = "slow: builds the Python environment of tests/interop"]
 fn cyclonedds_without_ros_receives_the_state() {

@@ -12,12 +12,16 @@ use futures::{StreamExt, pin_mut, stream::FusedStream};
 
 use crate::{
   error::{CreateResult, ReadError, ReadResult, WriteError, WriteResult},
+  gid::Gid,
   message::Message,
   message_info::MessageInfo,
   node::Node,
   qos::QosProfile,
   service::*,
 };
+
+// Vendor id of Eclipse Cyclone DDS, as assigned by the OMG.
+const CYCLONE_DDS_VENDOR: [u8; 2] = [0x01, 0x10];
 
 // --------------------------------------------
 // --------------------------------------------
@@ -68,6 +72,20 @@ where
     })
   }
 
+  // The mapping of one client. `rmw_cyclonedds` (and the bridge between DDS and
+  // Zenoh, which follows it) knows only the Cyclone mapping, everybody else the
+  // Enhanced one, and both send to the same topic. A GUID begins with the
+  // vendor (RTPS 2.5, 9.3.1.5), and so does the identity of a request that is
+  // unwrapped by the Cyclone mapping.
+  fn mapping_for(&self, client: Gid) -> ServiceMapping {
+    let vendor = [client.as_bytes()[0], client.as_bytes()[1]];
+    if self.service_mapping == ServiceMapping::Enhanced && vendor == CYCLONE_DDS_VENDOR {
+      ServiceMapping::Cyclone
+    } else {
+      self.service_mapping
+    }
+  }
+
   /// Receive a request from Client.
   /// Returns `Ok(None)` if no new requests have arrived.
   pub fn receive_request(&self) -> ReadResult<Option<(RmwRequestId, Req)>> {
@@ -80,7 +98,7 @@ where
       Some(dcc) => {
         let mi = MessageInfo::from(&dcc);
         let req_wrapper = dcc.into_value();
-        let (ri, req) = req_wrapper.unwrap(self.service_mapping, &mi)?;
+        let (ri, req) = req_wrapper.unwrap(self.mapping_for(mi.publisher_gid()), &mi)?;
         Ok(Some((ri, req)))
       }
     } // match
@@ -90,7 +108,7 @@ where
   /// rmw_req_id identifies request being responded.
   pub fn send_response(&self, rmw_req_id: RmwRequestId, response: Resp) -> WriteResult<(), ()> {
     let resp_wrapper = ResponseWrapper::<Resp>::new(
-      self.service_mapping,
+      self.mapping_for(rmw_req_id.writer_gid),
       rmw_req_id,
       RepresentationIdentifier::CDR_LE,
       response,
@@ -122,7 +140,7 @@ where
       Some(Ok(dcc)) => {
         let mi = MessageInfo::from(&dcc);
         let req_wrapper = dcc.into_value();
-        let (ri, req) = req_wrapper.unwrap(self.service_mapping, &mi)?;
+        let (ri, req) = req_wrapper.unwrap(self.mapping_for(mi.publisher_gid()), &mi)?;
         debug!("async_receive_request: {ri:?}");
         Ok((ri, req))
       }
@@ -145,7 +163,7 @@ where
             let mi = MessageInfo::from(&dcc);
             let req_wrapper = dcc.into_value();
             debug!("receive_request_stream: messageinfo={mi:?}");
-            req_wrapper.unwrap(self.service_mapping, &mi)
+            req_wrapper.unwrap(self.mapping_for(mi.publisher_gid()), &mi)
           }
         } // match
       }, // async
@@ -159,7 +177,7 @@ where
     response: Resp,
   ) -> WriteResult<(), ()> {
     let resp_wrapper = ResponseWrapper::<Resp>::new(
-      self.service_mapping,
+      self.mapping_for(rmw_req_id.writer_gid),
       rmw_req_id,
       RepresentationIdentifier::CDR_LE,
       response,
