@@ -18,9 +18,32 @@ const PEAK_BAND: RGBColor = RGBColor(190, 218, 238);
 /// The band of the displacement that remains.
 const RESIDUAL_BAND: RGBColor = RGBColor(248, 212, 184);
 
+/// Name of the figure of the forecast.
+const FORECAST: &str = "estimate_forecast";
+
 /// Largest displacement that is drawn, as a multiple of the upper end of the last interval: the first intervals may be so wide
 /// that nothing else could be seen. What is beyond is cut off.
 const WIDEST: f64 = 3.0;
+
+/// An estimate, and up to when data were used for it.
+#[derive(Debug, Clone, Copy)]
+pub struct TimedEstimate<'a> {
+    /// Data up to this time after the detected instant of contact are used \[s\].
+    pub since_contact: f64,
+    /// The estimate.
+    pub estimate: &'a ImpactEstimate,
+}
+
+impl<'a> TimedEstimate<'a> {
+    /// All estimates of an impact that was detected at `contact` \[s\], in the order of their data.
+    pub fn all(estimates: impl IntoIterator<Item = &'a ImpactEstimate>, contact: f64) -> Vec<Self> {
+        let timed = |estimate: &'a ImpactEstimate| Self {
+            since_contact: estimate.data_until - contact,
+            estimate,
+        };
+        estimates.into_iter().map(timed).collect()
+    }
+}
 
 /// An impact that was estimated, and the sensors that felt it.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +74,9 @@ pub fn draw_estimate(
 /// # Errors
 /// The plotting library fails.
 pub fn estimate_svg(figures: &EstimateFigures<'_>) -> Result<Vec<(String, String)>, FigureError> {
-    let mut all = vec![("estimate_forecast".to_owned(), figures.forecast())];
+    let contact = figures.impact.detection.contact.time;
+    let estimates = TimedEstimate::all(&figures.impact.estimates, contact);
+    let mut all = vec![(FORECAST.to_owned(), forecast(figures.title, &estimates))];
     let compared = figures.impact.comparisons.iter();
     for comparison in compared.filter(|it| !it.means.is_empty()) {
         if let Some(sensor) = figures.sensors.get(comparison.sensor) {
@@ -64,75 +89,15 @@ pub fn estimate_svg(figures: &EstimateFigures<'_>) -> Result<Vec<(String, String
         .collect()
 }
 
-impl EstimateFigures<'_> {
-    /// Largest and remaining displacement over the time up to which data were used.
-    fn forecast(&self) -> Drawn<String> {
-        let contact = self.impact.detection.contact.time;
-        let estimates = &self.impact.estimates;
-        let over_time =
-            |of: fn(&ImpactEstimate) -> CredibleInterval| -> Vec<(f64, CredibleInterval)> {
-                let each = estimates.iter().map(|it| (it.data_until - contact, of(it)));
-                each.filter(|(_, it)| {
-                    it.low.is_finite() && it.high.is_finite() && it.mean.is_finite()
-                })
-                .collect()
-            };
-        let peak = over_time(|it| it.peak_v1);
-        let residual = over_time(|it| it.residual_v1);
-        let last = peak.last().map_or(0.0, |(_, it)| it.high.max(it.mean));
-        let (low, high) = (-last.abs(), WIDEST * last.abs());
-        let unit = Unit::length(high);
-        let in_words = |name: &str, last: Option<&(f64, CredibleInterval)>| match last {
-            Some((_, it)) => format!(
-                "{name} {} ({} to {})",
-                unit.show(it.mean),
-                unit.show(it.low),
-                unit.show(it.high)
-            ),
-            None => format!("{name} unknown"),
-        };
-        let key = format!(
-            "with all data: {}, {}",
-            in_words("peak", peak.last()),
-            in_words("residual", residual.last())
-        );
-        let until = peak.last().map_or(0.0, |(time, _)| *time);
-        let mean = |name: &str, of: &[(f64, CredibleInterval)], stroke| {
-            let points = of
-                .iter()
-                .map(|(time, it)| (*time, it.mean.clamp(low, high)));
-            Curve::line(name, points.collect(), stroke)
-        };
-        let band = |name: &str, of: &[(f64, CredibleInterval)], colour| Band {
-            name: name.to_owned(),
-            points: of
-                .iter()
-                .map(|(time, it)| (*time, it.low.clamp(low, high), it.high.clamp(low, high)))
-                .collect(),
-            colour,
-        };
-        TimeChart {
-            title: "Forecast of the displacement of the impact point",
-            lines: [self.title, &key],
-            quantity: "displacement v₁",
-            unit,
-            span: (0.0, until),
-            bands: vec![
-                band("90 % interval", &peak, PEAK_BAND),
-                band("90 % interval", &residual, RESIDUAL_BAND),
-            ],
-            curves: vec![
-                mean("peak", &peak, Stroke::solid(colour::IMPACT_POINT, 14)),
-                mean("residual", &residual, Stroke::solid(colour::IMPACTOR, 14)),
-            ],
-            marks: Vec::new(),
-            arrows: Vec::new(),
-            keys: Vec::new(),
-            events: Vec::new(),
-        }
-        .draw()
-    }
+/// The forecast of the displacements as the data improve it, as SVG. `title` describes the column and the data.
+///
+/// # Errors
+/// The plotting library fails.
+pub fn forecast_svg(title: &str, estimates: &[TimedEstimate<'_>]) -> Result<String, FigureError> {
+    drawn(FORECAST, forecast(title, estimates))
+}
 
+impl EstimateFigures<'_> {
     /// What one sensor has read, and what is predicted for it.
     fn sensor(&self, sensor: &Sensor, comparison: &SensorComparison) -> Drawn<String> {
         let means = &comparison.means;
@@ -203,6 +168,71 @@ impl EstimateFigures<'_> {
         }
         .draw()
     }
+}
+
+/// Largest and remaining displacement over the time up to which data were used.
+fn forecast(title: &str, estimates: &[TimedEstimate<'_>]) -> Drawn<String> {
+    let over_time = |of: fn(&ImpactEstimate) -> CredibleInterval| -> Vec<(f64, CredibleInterval)> {
+        let each = estimates
+            .iter()
+            .map(|it| (it.since_contact, of(it.estimate)));
+        each.filter(|(_, it)| it.low.is_finite() && it.high.is_finite() && it.mean.is_finite())
+            .collect()
+    };
+    let peak = over_time(|it| it.peak_v1);
+    let residual = over_time(|it| it.residual_v1);
+    let last = peak.last().map_or(0.0, |(_, it)| it.high.max(it.mean));
+    let (low, high) = (-last.abs(), WIDEST * last.abs());
+    let unit = Unit::length(high);
+    let in_words = |name: &str, last: Option<&(f64, CredibleInterval)>| match last {
+        Some((_, it)) => format!(
+            "{name} {} ({} to {})",
+            unit.show(it.mean),
+            unit.show(it.low),
+            unit.show(it.high)
+        ),
+        None => format!("{name} unknown"),
+    };
+    let key = format!(
+        "with all data: {}, {}",
+        in_words("peak", peak.last()),
+        in_words("residual", residual.last())
+    );
+    let until = peak.last().map_or(0.0, |(time, _)| *time);
+    let mean = |name: &str, of: &[(f64, CredibleInterval)], stroke| {
+        let points = of
+            .iter()
+            .map(|(time, it)| (*time, it.mean.clamp(low, high)));
+        Curve::line(name, points.collect(), stroke)
+    };
+    let band = |name: &str, of: &[(f64, CredibleInterval)], colour| Band {
+        name: name.to_owned(),
+        points: of
+            .iter()
+            .map(|(time, it)| (*time, it.low.clamp(low, high), it.high.clamp(low, high)))
+            .collect(),
+        colour,
+    };
+    TimeChart {
+        title: "Forecast of the displacement of the impact point",
+        lines: [title, &key],
+        quantity: "displacement v₁",
+        unit,
+        span: (0.0, until),
+        bands: vec![
+            band("90 % interval", &peak, PEAK_BAND),
+            band("90 % interval", &residual, RESIDUAL_BAND),
+        ],
+        curves: vec![
+            mean("peak", &peak, Stroke::solid(colour::IMPACT_POINT, 14)),
+            mean("residual", &residual, Stroke::solid(colour::IMPACTOR, 14)),
+        ],
+        marks: Vec::new(),
+        arrows: Vec::new(),
+        keys: Vec::new(),
+        events: Vec::new(),
+    }
+    .draw()
 }
 
 fn is_inside(mean: &ComparedMean) -> bool {

@@ -33,7 +33,7 @@ use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
 pub use damage_map::MapFigures;
-pub use estimate::{EstimateFigures, draw_estimate, estimate_svg};
+pub use estimate::{EstimateFigures, TimedEstimate, draw_estimate, estimate_svg, forecast_svg};
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use risk::{draw_risk, risk_svg};

@@ -2,6 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+#[cfg(feature = "record")]
+use super::felt_section;
 use super::impact_section;
 use super::limits::LIMITS;
 use super::provenance;
@@ -75,9 +77,11 @@ impl ReportDocument {
             Some(column) => format!("Impact report: column {column}"),
             None => "Impact report".to_owned(),
         };
+        let felt = self.felt()?;
         let body = html! {
             (self.overview())
             @for section in &sections { (section) }
+            (felt)
             (limits())
             (self.provenance())
             (self.appendix())
@@ -90,6 +94,15 @@ impl ReportDocument {
             Origin::Simulation => html! {},
             #[cfg(feature = "record")]
             Origin::Recording(recorded) => recording_section::overview(recorded, &self.impacts),
+        }
+    }
+
+    /// What the sensors have felt.
+    fn felt(&self) -> Result<Markup, FigureError> {
+        match &self.origin {
+            Origin::Simulation => Ok(html! {}),
+            #[cfg(feature = "record")]
+            Origin::Recording(recorded) => felt_section::markup(&recorded.felt),
         }
     }
 

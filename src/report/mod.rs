@@ -13,6 +13,9 @@ mod course;
 mod document;
 mod energy_balance;
 mod estimate_document;
+mod estimate_section;
+#[cfg(feature = "record")]
+mod felt_section;
 mod impact_section;
 mod limits;
 mod provenance;
