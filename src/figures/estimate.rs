@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 
 use super::chart::{Band, Curve, Mark, TimeChart};
 use super::page::{Drawn, LegendKey, Stroke, colour};
-use super::units::Unit;
+use super::units::{Unit, significant};
 use super::{FigureError, drawn, write_all};
 use crate::senses::{
     ComparedMean, CredibleInterval, ImpactEstimate, RecordedImpact, Sensor, SensorComparison,
@@ -130,7 +130,7 @@ impl EstimateFigures<'_> {
                 means.last().map_or(0.0, |it| it.time),
             ),
             bands: vec![Band {
-                name: "90 % of the predictions".to_owned(),
+                name: "predicted, 90 % interval".to_owned(),
                 points: means
                     .iter()
                     .map(|it| (it.time, it.predicted.low, it.predicted.high))
@@ -188,7 +188,7 @@ fn forecast(title: &str, estimates: &[TimedEstimate<'_>]) -> Drawn<String> {
         Some((_, it)) => format!(
             "{name} {} ({} to {})",
             unit.show(it.mean),
-            unit.show(it.low),
+            significant(unit.of(it.low), 4),
             unit.show(it.high)
         ),
         None => format!("{name} unknown"),
@@ -214,14 +214,14 @@ fn forecast(title: &str, estimates: &[TimedEstimate<'_>]) -> Drawn<String> {
         colour,
     };
     TimeChart {
-        title: "Forecast of the displacement of the impact point",
+        title: "Forecast of the displacement v₁, by the data up to time t after contact",
         lines: [title, &key],
         quantity: "displacement v₁",
         unit,
         span: (0.0, until),
         bands: vec![
-            band("90 % interval", &peak, PEAK_BAND),
-            band("90 % interval", &residual, RESIDUAL_BAND),
+            band("peak, 90 % interval", &peak, PEAK_BAND),
+            band("residual, 90 % interval", &residual, RESIDUAL_BAND),
         ],
         curves: vec![
             mean("peak", &peak, Stroke::solid(colour::IMPACT_POINT, 14)),
