@@ -15,6 +15,7 @@ use super::simulate::parameters_of;
 use column_twin::assessment::Severity;
 use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
 use column_twin::parameters::Parameters;
+use column_twin::printable::Printable;
 use column_twin::report::EstimateDocument;
 use column_twin::senses::{
     CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
@@ -129,11 +130,6 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
     );
     bar.finish_and_clear();
     let estimated = estimated.map_err(EstimateCommandError::from)?;
-    if let Some(impact) = &estimated {
-        write_files(arguments, &parameters, &sensors, impact)?;
-    } else if arguments.report.is_some() || arguments.plots.is_some() {
-        eprintln!("no impact was detected: neither a report nor figures are written");
-    }
     let text = if arguments.json {
         let fields = fields(estimated.as_ref());
         serde_json::to_string_pretty(&fields)
@@ -148,7 +144,17 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
     let written = output
         .write_all(text.as_bytes())
         .and_then(|()| output.flush());
-    Ok(unless_closed(written).map_err(EstimateCommandError::Output)?)
+    unless_closed(written).map_err(EstimateCommandError::Output)?;
+    // A file that cannot be written does not take the result away.
+    match &estimated {
+        Some(impact) => write_files(arguments, &parameters, &sensors, impact),
+        None => {
+            if arguments.report.is_some() || arguments.plots.is_some() {
+                eprintln!("no impact was detected: neither a report nor figures are written");
+            }
+            Ok(())
+        }
+    }
 }
 
 /// Writes the report and the figures, as far as they are wanted.
@@ -160,8 +166,8 @@ fn write_files(
 ) -> Result<(), Failure> {
     let failed = |fault: FigureError| Failure::new(Exit::Failed, fault);
     let source = match arguments.measurements.as_path() {
-        path if path == Path::new("-") => "the standard input".into(),
-        path => path.to_string_lossy(),
+        path if path == Path::new("-") => "the standard input".to_owned(),
+        path => Printable(&path.to_string_lossy()).to_string(),
     };
     if let Some(folder) = &arguments.plots {
         let column = &parameters.settings().column_id;

@@ -138,8 +138,15 @@ fn the_command_estimate_writes_a_report_and_figures() {
     assert_eq!(code, 0);
     assert!(stderr.contains("no impact was detected"), "{stderr}");
     assert!(!folder.path().join("quiet.html").exists());
-    let nowhere = format!("{estimate} --report nowhere/felt.html");
-    let (code, _, stderr) = typed(folder.path(), &nowhere);
-    assert_eq!(code, 1);
+    // A file with an odd name, and a report that cannot be written: the result is printed all the same.
+    let odd = folder.path().join("a<b>&c.csv");
+    std::fs::rename(folder.path().join("readings.csv"), odd).expect("renamed");
+    let nowhere = format!(
+        "estimate {column} --measurements a<b>&c.csv --plots odd --report nowhere/felt.html"
+    );
+    let (code, summary, stderr) = typed(folder.path(), &nowhere);
+    assert_eq!(code, 1, "{stderr}");
+    assert!(summary.contains("Impact at"), "{summary}");
+    assert!(folder.path().join("odd/sensor_laser.png").is_file());
     assert!(stderr.contains("cannot write the report"), "{stderr}");
 }
