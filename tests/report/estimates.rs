@@ -1,5 +1,6 @@
 //! Reports about impacts that sensors have felt.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use tempfile::TempDir;
@@ -18,10 +19,9 @@ const CONFIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/config");
 
 /// What industrial sensors say about a rigid mass that hits the column.
 fn estimated() -> RecordedImpact {
-    let file = format!("{CONFIG}/sensors_industrial.yaml");
-    let sensors = Parameters::load(&[format!("{CONFIG}/heb220_s355.yaml"), file], &[])
-        .expect("parameters")
-        .sensors();
+    let files = ["heb220_s355.yaml", "sensors_industrial.yaml"];
+    let files = files.map(|it| Path::new(CONFIG).join(it));
+    let sensors = Parameters::load(&files, &[]).expect("parameters").sensors();
     let properties = parameters().column_properties();
     let impact = Impact::rigid(1500.0, 6.0);
     let readings = simulate_sensors(&properties, &impact, 0.3, &sensors, 1).expect("readings");

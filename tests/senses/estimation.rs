@@ -2,7 +2,7 @@
 
 use column_twin::assessment::Severity;
 use column_twin::senses::{
-    CredibleInterval, ImpactEstimate, RecordedImpact, SensorComparison, estimate_recorded,
+    CredibleInterval, ImpactEstimate, Readings, RecordedImpact, SensorComparison, estimate_recorded,
 };
 
 use super::signals::{NAMES, Signal};
@@ -99,7 +99,7 @@ fn most_readings_are_within_the_predicted_band_and_those_of_a_wrong_sensor_are_n
         .iter()
         .position(|it| it.name == "v1")
         .expect("a laser");
-    let estimate = |readings| {
+    let estimate = |readings: &Readings| {
         estimate_recorded(&signal.parameters(), &sensors, readings, 1, &mut |_| {})
             .expect("sensors")
             .expect("an impact")
