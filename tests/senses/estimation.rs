@@ -115,11 +115,6 @@ fn most_readings_are_within_the_predicted_band_and_those_of_a_wrong_sensor_are_n
     assert_eq!(right.comparisons.len(), sensors.len());
     for comparison in &right.comparisons {
         let name = &sensors[comparison.sensor].name;
-        println!(
-            "{name}: {} of {} inside",
-            share(comparison),
-            comparison.means.len()
-        );
         assert!(comparison.counts && !comparison.means.is_empty(), "{name}");
         assert!(share(comparison) >= 0.9, "{name}: {}", share(comparison));
     }
