@@ -13,10 +13,15 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::impact_args::ImpactSpecificationArgs;
 use super::simulate::parameters_of;
 use column_twin::assessment::Severity;
+use column_twin::figures::{EstimateFigures, FigureError, draw_estimate};
+use column_twin::parameters::Parameters;
+use column_twin::printable::Printable;
+use column_twin::report::EstimateDocument;
 use column_twin::senses::{
     CredibleInterval, EstimatorError, FEWEST_RESPONSES, ImpactEstimate, Readings, ReadingsError,
-    RecordedImpact, estimate_recorded,
+    RecordedImpact, Sensor, estimate_recorded,
 };
+use column_twin::whole_file;
 
 /// Arguments of `column-twin estimate`.
 #[derive(Debug, Args)]
@@ -31,6 +36,12 @@ pub struct EstimateArgs {
     /// Readings as CSV: a column `time` [s] and one column for each sensor, by its name; - is the standard input
     #[arg(long, value_name = "FILE")]
     measurements: PathBuf,
+    /// Write a report in HTML; an existing file is replaced
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Draw the forecast and, for each sensor, what was measured against what is predicted, as SVG and PNG
+    #[arg(long, value_name = "FOLDER")]
+    plots: Option<PathBuf>,
     /// Print the estimate as JSON (SI units), with its history, and nothing else
     #[arg(long)]
     json: bool,
@@ -46,7 +57,7 @@ Example: simulate what the sensors of a column read when a car hits it, and esti
   column-twin simulate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
     --vehicle mid_car --velocity 12 --sensors readings.csv
   column-twin estimate --config config/heb220_s355.yaml --config config/sensors_industrial.yaml \\
-    --measurements readings.csv
+    --measurements readings.csv --plots figures --report estimate.html
 
 Exit codes: 0 done (also if no impact was detected), 1 failed, 2 bad input or usage.";
 
@@ -66,6 +77,9 @@ enum EstimateCommandError {
         "declare the sensors in a parameter file: config/sensors_industrial.yaml is an example"
     ))]
     Estimator(#[from] EstimatorError),
+    #[error("cannot write the report to {}: {reason}", path.display())]
+    #[diagnostic(help("name a file in an existing, writable folder"))]
+    Report { path: PathBuf, reason: io::Error },
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
 }
@@ -73,7 +87,7 @@ enum EstimateCommandError {
 impl From<EstimateCommandError> for Failure {
     fn from(fault: EstimateCommandError) -> Self {
         let exit = match &fault {
-            EstimateCommandError::Output(_) => Exit::Failed,
+            EstimateCommandError::Output(_) | EstimateCommandError::Report { .. } => Exit::Failed,
             _ => Exit::BadInput,
         };
         Self::new(exit, fault)
@@ -130,7 +144,55 @@ pub(super) fn run(arguments: &EstimateArgs, output: &mut dyn Write) -> Result<()
     let written = output
         .write_all(text.as_bytes())
         .and_then(|()| output.flush());
-    Ok(unless_closed(written).map_err(EstimateCommandError::Output)?)
+    unless_closed(written).map_err(EstimateCommandError::Output)?;
+    // A file that cannot be written does not take the result away.
+    match &estimated {
+        Some(impact) => write_files(arguments, &parameters, &sensors, impact),
+        None => {
+            if arguments.report.is_some() || arguments.plots.is_some() {
+                eprintln!("no impact was detected: neither a report nor figures are written");
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Writes the report and the figures, as far as they are wanted.
+fn write_files(
+    arguments: &EstimateArgs,
+    parameters: &Parameters,
+    sensors: &[Sensor],
+    impact: &RecordedImpact,
+) -> Result<(), Failure> {
+    let failed = |fault: FigureError| Failure::new(Exit::Failed, fault);
+    let source = match arguments.measurements.as_path() {
+        path if path == Path::new("-") => "the standard input".to_owned(),
+        path => Printable(&path.to_string_lossy()).to_string(),
+    };
+    if let Some(folder) = &arguments.plots {
+        let column = &parameters.settings().column_id;
+        let figures = EstimateFigures {
+            title: &format!("column {column}, readings of {source}"),
+            sensors,
+            impact,
+        };
+        draw_estimate(folder, &figures).map_err(failed)?;
+    }
+    if let Some(path) = &arguments.report {
+        let document = EstimateDocument {
+            parameters,
+            sensors,
+            impact,
+            source: &source,
+            seed: arguments.seed,
+        };
+        let html = document.html().map_err(failed)?;
+        whole_file::write(path, html.as_bytes()).map_err(|reason| {
+            let path = path.clone();
+            EstimateCommandError::Report { path, reason }
+        })?;
+    }
+    Ok(())
 }
 
 fn progress_bar() -> ProgressBar {

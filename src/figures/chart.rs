@@ -77,6 +77,18 @@ impl Curve {
     }
 }
 
+/// An area between two values over time, in SI units.
+pub(super) struct Band {
+    /// Name in the legend.
+    pub name: String,
+    /// Time, lower and upper value.
+    pub points: Vec<(f64, f64, f64)>,
+    pub colour: RGBColor,
+}
+
+/// How much of what is below a band it covers.
+const BAND_OPACITY: f64 = 0.7;
+
 /// A mark on a curve.
 pub(super) struct Mark {
     pub time: f64,
@@ -103,6 +115,8 @@ pub(super) struct TimeChart<'a> {
     pub unit: Unit,
     /// First and last time \[s\].
     pub span: (f64, f64),
+    /// Areas behind the curves.
+    pub bands: Vec<Band>,
     pub curves: Vec<Curve>,
     pub marks: Vec<Mark>,
     pub arrows: Vec<ImpulseArrow>,
@@ -137,6 +151,9 @@ impl TimeChart<'_> {
             };
             draw_events(page, &plot, &events, plot_top)?;
             frame.zero_line(&time, &value)?;
+            for band in &self.bands {
+                frame.band(band)?;
+            }
             for curve in &self.curves {
                 frame.curve(curve)?;
             }
@@ -163,7 +180,12 @@ impl TimeChart<'_> {
             };
             (key, curve.name.clone())
         });
-        curves.chain(self.keys.iter().cloned()).collect()
+        let bands = self.bands.iter();
+        let bands = bands.map(|band| (LegendKey::Fill(band.colour), band.name.clone()));
+        curves
+            .chain(bands)
+            .chain(self.keys.iter().cloned())
+            .collect()
     }
 
     /// An axis that contains every curve and zero, with room for the texts of the marks.
@@ -172,6 +194,8 @@ impl TimeChart<'_> {
             .curves
             .iter()
             .flat_map(|curve| curve.points.iter().map(|point| point.1));
+        let bands = self.bands.iter().flat_map(|band| &band.points);
+        let values = values.chain(bands.flat_map(|&(_, low, high)| [low, high]));
         let (low, high) = values
             .filter(|value| value.is_finite())
             .fold((0.0, 0.0), |(low, high): (f64, f64), value| {
@@ -288,6 +312,24 @@ impl Frame<'_, '_, '_> {
             ends.to_vec(),
             colour::FAINT.stroke_width(6),
         ))
+    }
+
+    fn band(&self, band: &Band) -> Drawn<()> {
+        let edge = |of: fn(&(f64, f64, f64)) -> f64| {
+            let points = band.points.iter().map(move |point| (point.0, of(point)));
+            let thinned = thin_curve(&points.collect::<Vec<_>>(), CANVAS.0 as usize / 4);
+            thinned
+                .into_iter()
+                .map(|(time, value)| self.place(time, value))
+        };
+        let mut outline: Vec<_> = edge(|point| point.1).collect();
+        outline.extend(edge(|point| point.2).rev());
+        if let [low, high] = *outline {
+            let stroke = Stroke::solid(band.colour, 24);
+            return stroke.draw(self.page, vec![low, high]);
+        }
+        let style = band.colour.mix(BAND_OPACITY).filled();
+        self.page.draw(&Polygon::new(outline, style))
     }
 
     fn curve(&self, curve: &Curve) -> Drawn<()> {

@@ -94,6 +94,7 @@ pub(super) fn energy_ledger(response: &ResponseHistory<'_>) -> Drawn<String> {
         quantity: "energy",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves,
         marks: Vec::<Mark>::new(),
         arrows: Vec::new(),

@@ -26,6 +26,7 @@ pub(super) fn horizontal_displacement(response: &ResponseHistory<'_>) -> Drawn<S
         quantity: "displacement v",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves: vec![
             Curve::line(
                 "v₁ impact point",
@@ -73,6 +74,7 @@ pub(super) fn vertical_displacement(response: &ResponseHistory<'_>) -> Drawn<Str
         quantity: "displacement u, positive down",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves: vec![
             Curve::line(
                 "u₁ impact point",
@@ -121,6 +123,7 @@ pub(super) fn normal_forces(response: &ResponseHistory<'_>) -> Drawn<String> {
         quantity: "normal force N, tension positive",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves: vec![
             Curve::line(
                 "N_a below the impact (hinges 1a, 3)",
@@ -186,6 +189,7 @@ pub(super) fn bending_moments(response: &ResponseHistory<'_>) -> Drawn<String> {
         quantity: "bending moment M",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves: plastic_moment.into_iter().chain(curves).collect(),
         marks,
         arrows: Vec::new(),
@@ -235,6 +239,7 @@ pub(super) fn contact_force(response: &ResponseHistory<'_>) -> Drawn<String> {
         quantity: "contact force",
         unit,
         span: response.span(),
+        bands: Vec::new(),
         curves: vec![force],
         marks: marks.into_iter().collect(),
         arrows,

@@ -2,7 +2,7 @@
 //! crush of the vehicle and the path of every hinge in its yield surface, each as SVG and, rendered from the same SVG, as PNG.
 //!
 //! The figures of a damage map are drawn in the same way.
-//! [`draw_risk`] draws the figures of a risk study.
+//! [`draw_risk`] draws the figures of a risk study, [`draw_estimate`] those of an estimate from the readings of sensors.
 //!
 //! The font is embedded, so that a figure looks the same on every machine.
 
@@ -11,6 +11,7 @@ mod chart;
 mod damage_map;
 mod deformed_shape;
 mod energy_ledger;
+mod estimate;
 mod force_crush;
 mod histories;
 mod iso_lines;
@@ -32,6 +33,7 @@ use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
 pub use damage_map::MapFigures;
+pub use estimate::{EstimateFigures, TimedEstimate, draw_estimate, estimate_svg, forecast_svg};
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use risk::{draw_risk, risk_svg};

@@ -347,3 +347,148 @@ fn the_figures_of_a_risk_study() {
         assert!(svg(&figures, "risk_probability").contains("none seen; below"));
     }
 }
+
+mod estimates {
+    use super::*;
+    use crate::senses::{
+        ComparedMean, CredibleInterval, Detection, ImpactEstimate, Onset, Quantity, RecordedImpact,
+        Sensor, SensorComparison,
+    };
+
+    fn interval(mean: f64, half: f64) -> CredibleInterval {
+        CredibleInterval {
+            mean,
+            low: mean - half,
+            high: mean + half,
+        }
+    }
+
+    /// An estimate 10 s after the beginning of the readings and later, whose displacements are known within `half` \[m\].
+    fn estimate(after_contact: f64, half: f64) -> ImpactEstimate {
+        let unknown = interval(f64::NAN, f64::NAN);
+        ImpactEstimate {
+            data_until: 10.0 + after_contact,
+            contact_time: unknown,
+            mass: unknown,
+            velocity: unknown,
+            momentum: unknown,
+            mass_velocity_correlation: f64::NAN,
+            peak_v1: interval(0.05, half),
+            residual_v1: interval(0.03, half),
+            yielded: 1.0,
+            collapsed: 0.0,
+            capacity_ratio: unknown,
+            severity: Vec::new(),
+            vehicle_probabilities: Vec::new(),
+            effective_responses: 100.0,
+            doubtful_sensors: Vec::new(),
+        }
+    }
+
+    fn sensor(quantity: Quantity) -> Sensor {
+        Sensor {
+            name: format!("{:x<40}", quantity.word()),
+            quantity,
+            height: 1.0,
+            range: 0.0,
+            noise: 0.0,
+            bias: 0.0,
+            gain_error: 0.0,
+            rate: 1e4,
+            bandwidth: 5e3,
+            reversed: false,
+            fibre: 0.0,
+        }
+    }
+
+    fn impact(estimates: Vec<ImpactEstimate>, means: &[ComparedMean]) -> RecordedImpact {
+        let compared = |sensor| SensorComparison {
+            sensor,
+            counts: sensor != 1,
+            means: means.to_vec(),
+        };
+        RecordedImpact {
+            detection: Detection {
+                contact: Onset {
+                    time: 10.0,
+                    deviation: 1e-4,
+                },
+                confirmed_at: 10.01,
+                sensor: 0,
+                zeros: vec![(0.0, 0.0); Quantity::ALL.len()],
+            },
+            estimates,
+            comparisons: (0..Quantity::ALL.len()).map(compared).collect(),
+        }
+    }
+
+    fn drawn(impact: &RecordedImpact) -> Vec<(String, String)> {
+        let sensors = Quantity::ALL.map(sensor);
+        let title = "column garage_a3, readings of a/folder/with/a/long/name/readings_of_the_night_shift.csv, and more of it";
+        estimate_svg(&EstimateFigures {
+            title,
+            sensors: &sensors,
+            impact,
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn the_figures_of_an_estimate() {
+        let estimates = [0.005, 0.01, 0.05, 0.2, 0.35];
+        let estimates = estimates.map(|time| estimate(time, 2e-4 / time)).to_vec();
+        let means: Vec<_> = (0..60)
+            .map(|index| ComparedMean {
+                time: 1e-3 * f64::from(index) - 2e-3,
+                measured: (0.1 * f64::from(index)).sin(),
+                predicted: interval((0.1 * f64::from(index)).cos(), 0.5),
+            })
+            .collect();
+        let inside = means
+            .iter()
+            .filter(|it| (it.measured - it.predicted.mean).abs() <= 0.5);
+        let words = format!("{} of 60 means are within the band", inside.count());
+        let figures = drawn(&impact(estimates, &means));
+        assert_eq!(figures.len(), 1 + Quantity::ALL.len());
+        for (name, svg) in &figures {
+            assert_texts_are_apart(name, svg, 10);
+            let is_doubtful = name.starts_with("sensor_displacement");
+            assert_eq!(svg.contains("does not count"), is_doubtful, "{name}");
+            assert!(
+                name == "estimate_forecast" || svg.contains(&words),
+                "{name}"
+            );
+        }
+        let forecast = svg(&figures, "estimate_forecast");
+        assert!(forecast.contains("peak 50.00 mm (49.43 to 50.57 mm)"));
+        // The mean of the peak stays at 50 mm, so its line is level; it ends at the right end of the axis, 0.35 s after contact.
+        let points = stroke_points(&tree(forecast), page::colour::IMPACT_POINT);
+        let line: Vec<_> = points.into_iter().filter(|point| point.1 > 700.0).collect();
+        assert_eq!(line.len(), 5);
+        assert!(line.iter().all(|point| point.1 == line[0].1), "{line:?}");
+        let right = (page::CANVAS.0 as i32 - page::RIGHT) as f32;
+        assert!((line[4].0 - right).abs() < 3.0, "{line:?}");
+    }
+
+    #[test]
+    fn degenerate_estimates_can_be_drawn() {
+        let mean = |time, measured| ComparedMean {
+            time,
+            measured,
+            predicted: interval(f64::NAN, f64::NAN),
+        };
+        for (estimates, means) in [
+            (Vec::new(), Vec::new()),
+            (vec![estimate(0.0, 0.0)], vec![mean(0.0, 0.0)]),
+            (vec![estimate(0.005, 1e9)], vec![mean(0.0, f64::NAN)]),
+            (
+                vec![estimate(0.005, f64::NAN), estimate(0.1, f64::INFINITY)],
+                vec![mean(-1e-3, 1e300), mean(0.0, f64::NEG_INFINITY)],
+            ),
+        ] {
+            for (name, svg) in drawn(&impact(estimates, &means)) {
+                assert!(texts(&tree(&svg)).len() > 5, "{name}");
+            }
+        }
+    }
+}

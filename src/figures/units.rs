@@ -1,5 +1,7 @@
 //! Units for numbers that people read.
 
+use crate::senses::Quantity;
+
 /// A unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
@@ -37,6 +39,18 @@ impl Unit {
     /// The unit for energies up to `largest` \[J\].
     pub fn energy(largest: f64) -> Self {
         Self::fitting(largest, [(1e3, "J", 1.0), (1e7, "kJ", 1e-3)], ("MJ", 1e-6))
+    }
+
+    /// The unit for readings of a sensor up to `largest` in the unit of its quantity.
+    pub fn of_sensor(quantity: Quantity, largest: f64) -> Self {
+        let unit = |symbol, per_si| Self { symbol, per_si };
+        match quantity {
+            Quantity::Acceleration => unit("m/s²", 1.0),
+            Quantity::Displacement => Self::length(largest),
+            Quantity::Rotation => unit("mrad", 1e3),
+            Quantity::BendingStrain | Quantity::AxialStrain => unit("µm/m", 1e6),
+            Quantity::ContactForce => Self::force(largest),
+        }
     }
 
     /// The first unit whose limit, in SI units, is above `largest`; the second, most common one for zero.

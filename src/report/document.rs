@@ -2,6 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+#[cfg(feature = "record")]
+use super::felt_section;
 use super::impact_section;
 use super::limits::LIMITS;
 use super::provenance;
@@ -75,28 +77,16 @@ impl ReportDocument {
             Some(column) => format!("Impact report: column {column}"),
             None => "Impact report".to_owned(),
         };
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    meta name="generator" content=(provenance::program());
-                    title { (title) }
-                    style { (PreEscaped(STYLE)) }
-                }
-                body {
-                    main {
-                        (self.overview())
-                        @for section in &sections { (section) }
-                        (limits())
-                        (self.provenance())
-                        (self.appendix())
-                    }
-                }
-            }
+        let felt = self.felt()?;
+        let body = html! {
+            (self.overview())
+            @for section in &sections { (section) }
+            (felt)
+            (limits())
+            (self.provenance())
+            (self.appendix())
         };
-        Ok(page.into_string())
+        Ok(page(&title, &body))
     }
 
     fn overview(&self) -> Markup {
@@ -107,16 +97,22 @@ impl ReportDocument {
         }
     }
 
+    /// What the sensors have felt.
+    fn felt(&self) -> Result<Markup, FigureError> {
+        match &self.origin {
+            Origin::Simulation => Ok(html! {}),
+            #[cfg(feature = "record")]
+            Origin::Recording(recorded) => felt_section::markup(&recorded.felt),
+        }
+    }
+
     fn provenance(&self) -> Markup {
         html! {
             section id="provenance" {
                 h2 { "Provenance" }
                 table.facts {
                     tbody {
-                        (fact("Program", provenance::program()))
-                        @if let Some(build) = provenance::build() {
-                            tr { th scope="row" { "Build" } td { code { (build) } } }
-                        }
+                        (program_facts())
                         (self.origin.facts())
                     }
                 }
@@ -148,21 +144,58 @@ impl ReportDocument {
     fn appendix(&self) -> Markup {
         html! {
             @for (number, parameters) in self.parameter_sets() {
-                section.appendix {
-                    h2 { "Appendix: all parameters" (of_impacts(number)) }
-                    table.parameters {
-                        thead {
-                            tr { th { "parameter" } th { "value" } th { "unit" } th { "meaning" } }
-                        }
-                        tbody {
-                            @for (parameter, value) in parameters.iter() {
-                                tr {
-                                    th scope="row" { code { (parameter.name) } }
-                                    td { (shown(&value)) }
-                                    td { (parameter.row.unit) }
-                                    td { (parameter.row.meaning) }
-                                }
-                            }
+                (all_parameters(parameters, number))
+            }
+        }
+    }
+}
+
+/// The whole file, with this title and content.
+pub(super) fn page(title: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content=(provenance::program());
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main { (body) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// Rows of a table of facts: the program and its build.
+pub(super) fn program_facts() -> Markup {
+    html! {
+        (fact("Program", provenance::program()))
+        @if let Some(build) = provenance::build() {
+            tr { th scope="row" { "Build" } td { code { (build) } } }
+        }
+    }
+}
+
+/// The appendix with all parameters; `number` of the first impact for which they held, where there are several sets.
+pub(super) fn all_parameters(parameters: &Parameters, number: Option<usize>) -> Markup {
+    html! {
+        section.appendix {
+            h2 { "Appendix: all parameters" (of_impacts(number)) }
+            table.parameters {
+                thead {
+                    tr { th { "parameter" } th { "value" } th { "unit" } th { "meaning" } }
+                }
+                tbody {
+                    @for (parameter, value) in parameters.iter() {
+                        tr {
+                            th scope="row" { code { (parameter.name) } }
+                            td { (shown(&value)) }
+                            td { (parameter.row.unit) }
+                            td { (parameter.row.meaning) }
                         }
                     }
                 }
@@ -196,7 +229,8 @@ fn default_of(row: &Parameter) -> String {
     }
 }
 
-fn changed_parameters(parameters: &Parameters) -> Markup {
+/// A table of the parameters that differ from their defaults.
+pub(super) fn changed_parameters(parameters: &Parameters) -> Markup {
     let defaults = Parameters::default();
     let changed = parameters.changed_from(&defaults);
     html! {
@@ -220,7 +254,8 @@ fn changed_parameters(parameters: &Parameters) -> Markup {
     }
 }
 
-fn limits() -> Markup {
+/// What the model does not know.
+pub(super) fn limits() -> Markup {
     html! {
         section id="limits" {
             h2 { "What this report cannot know" }

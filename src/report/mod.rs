@@ -1,4 +1,5 @@
-//! The report for people: one HTML file about one impact or all impacts of a recording, with everything inside it.
+//! The report for people: one HTML file about one impact, all impacts of a recording, or an impact that was estimated from
+//! the readings of sensors, with everything inside it.
 //!
 //! It needs no script, no other file and no network, and prints on A4. Every text that comes from outside is escaped. The
 //! same input gives the same bytes: the file contains no date of its own.
@@ -11,6 +12,10 @@ mod assessment_section;
 mod course;
 mod document;
 mod energy_balance;
+mod estimate_document;
+mod estimate_section;
+#[cfg(feature = "record")]
+mod felt_section;
 mod impact_section;
 mod limits;
 mod provenance;
@@ -26,6 +31,7 @@ mod words;
 pub use course::Struck;
 pub use document::{Origin, ReportDocument};
 pub use energy_balance::{EnergyBalance, EnergyEntry};
+pub use estimate_document::EstimateDocument;
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;

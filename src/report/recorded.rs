@@ -15,6 +15,7 @@ use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
 use crate::parameters::Parameters;
 use crate::recording::{self, EventSummary, Reader, RecordingError, SealFinding};
+use crate::senses::EstimateRecord;
 use crate::study::VehicleLimits;
 use crate::twin::{
     ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
@@ -49,6 +50,8 @@ pub struct ReportedRecording {
     pub without_section: usize,
     /// How fast each vehicle may hit the column next, at the end of the recording; `None` if it is not known there.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
+    /// The last impacts that the sensors have felt, at most [`MAX_SECTIONS`], each with its estimates in their order.
+    pub felt: Vec<Vec<Arc<EstimateRecord>>>,
 }
 
 /// A file of a recording.
@@ -130,6 +133,7 @@ impl ReportDocument {
             events,
             without_section: gathered.without_section + reports - impacts.len(),
             critical_velocities: gathered.critical_velocities,
+            felt: gathered.felt.into(),
         };
         Ok(Self {
             origin: Origin::Recording(Box::new(recorded)),
@@ -252,6 +256,7 @@ struct Gathered {
     finished: VecDeque<Finished>,
     without_section: usize,
     critical_velocities: Option<Arc<[VehicleLimits]>>,
+    felt: VecDeque<Vec<Arc<EstimateRecord>>>,
 }
 
 impl Gathered {
@@ -279,6 +284,9 @@ impl Gathered {
         }
         if record.refusal.is_some() {
             return;
+        }
+        if let Command::Estimate(estimate) = &record.command {
+            self.feel(estimate);
         }
         // Whatever else is accepted may change the column.
         self.critical_velocities = match &record.command {
@@ -309,6 +317,23 @@ impl Gathered {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Takes an estimate: another one of the last impact that was felt, or the first one of the next.
+    fn feel(&mut self, record: &Arc<EstimateRecord>) {
+        let is_other = |wanted: &str| *wanted != *record.event_id;
+        if self.wanted.as_deref().is_some_and(is_other) {
+            return;
+        }
+        let last = self.felt.back_mut();
+        let same = last.filter(|it| it[0].event_id == record.event_id);
+        match same {
+            Some(estimates) => estimates.push(Arc::clone(record)),
+            None => self.felt.push_back(vec![Arc::clone(record)]),
+        }
+        if self.felt.len() > MAX_SECTIONS {
+            self.felt.pop_front();
         }
     }
 

@@ -80,7 +80,8 @@ impl Verdict {
     }
 }
 
-fn class_of(severity: Severity) -> &'static str {
+/// The style of the box of a severity.
+pub(super) fn class_of(severity: Severity) -> &'static str {
     match severity {
         Severity::None => "calm",
         Severity::Inspect => "notice",

@@ -27,7 +27,21 @@ pub const FEWEST_RESPONSES: f64 = 20.0;
 #[cfg(feature = "study")]
 const TAIL: f64 = 0.05;
 
+/// Standard deviations to either end of a 90 % interval of a normal distribution.
+#[cfg(feature = "study")]
+const TAIL_DEVIATIONS: f64 = 1.645;
+
 impl CredibleInterval {
+    /// Of a normal distribution.
+    #[cfg(feature = "study")]
+    pub(super) fn normal(mean: f64, deviation: f64) -> Self {
+        Self {
+            mean,
+            low: mean - TAIL_DEVIATIONS * deviation,
+            high: mean + TAIL_DEVIATIONS * deviation,
+        }
+    }
+
     /// Of weighted values; NaN without any. Values that are not finite do not count.
     #[cfg(feature = "study")]
     pub(super) fn of(values: impl Iterator<Item = (f64, f64)>) -> Self {

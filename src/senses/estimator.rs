@@ -1,6 +1,7 @@
 //! From readings to estimates.
 
 use super::blocks::Blocks;
+use super::comparison::SensorComparison;
 use super::estimate::{CredibleInterval, ImpactEstimate};
 use super::hypothesis::{Front, Hypothesis};
 use super::member::Member;
@@ -54,9 +55,6 @@ const BEST_YIELD_SCATTER: f64 = 0.015;
 
 /// Weight below which a response does not count: two thousand of them change nothing that can be seen.
 const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
-
-/// Standard deviations to either end of a 90 % interval of a normal distribution.
-const TAIL_DEVIATIONS: f64 = 1.645;
 
 /// Why sensors cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -389,6 +387,21 @@ impl Estimator {
         Some((assess(&input).severity, remaining.ratio))
     }
 
+    /// What each sensor has read so far, against what the responses predict, which the same data have weighed.
+    #[must_use]
+    pub fn comparisons(&self) -> Vec<SensorComparison> {
+        self.population.compare(&self.weights())
+    }
+
+    /// The weights of the responses, without those that do not count.
+    fn weights(&self) -> Vec<f64> {
+        let mut weights = self.population.weights();
+        for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
+            *weight = 0.0;
+        }
+        weights
+    }
+
     fn doubtful(&self) -> impl Iterator<Item = &str> {
         let each = self.sensors.iter().zip(&self.doubtful);
         each.filter(|(_, doubtful)| **doubtful)
@@ -397,10 +410,7 @@ impl Estimator {
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
-        let mut weights = self.population.weights();
-        for weight in weights.iter_mut().filter(|it| **it < NEGLIGIBLE_WEIGHT) {
-            *weight = 0.0;
-        }
+        let weights = self.weights();
         let assessed = self.assess(&weights);
         let members = || {
             let all = self.population.members.iter().zip(weights.iter().copied());
@@ -452,11 +462,7 @@ impl Estimator {
         };
         ImpactEstimate {
             data_until,
-            contact_time: CredibleInterval {
-                mean: contact,
-                low: contact - TAIL_DEVIATIONS * deviation,
-                high: contact + TAIL_DEVIATIONS * deviation,
-            },
+            contact_time: CredibleInterval::normal(contact, deviation),
             mass: positive(&|member| member.unknowns[0]),
             velocity: positive(&|member| member.unknowns[1]),
             momentum: positive(&|member| member.unknowns[0] + member.unknowns[1]),

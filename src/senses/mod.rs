@@ -13,6 +13,8 @@ mod batch;
 mod blocks;
 mod collector;
 #[cfg(feature = "study")]
+mod comparison;
+#[cfg(feature = "study")]
 mod contradiction;
 mod detection;
 mod estimate;
@@ -54,6 +56,8 @@ mod virgin_capacities;
 
 pub use batch::Batch;
 pub use collector::{BATCH_DURATION, Collected, Collector};
+#[cfg(feature = "study")]
+pub use comparison::{ComparedMean, SensorComparison};
 pub use detection::{Detection, Detector, Onset};
 pub use estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use estimate_record::EstimateRecord;

@@ -47,13 +47,19 @@ impl ModelError {
     /// is `largest`. `yielded`: hinges have yielded, so that strains elsewhere depend on the details of the plastic zones.
     pub fn variance(&self, until: f64, length: f64, largest: f64, yielded: bool) -> f64 {
         let middle = (until - 0.5 * length).max(0.0);
-        let mut share = self.shape + self.waves * libm::exp(-middle / WAVES);
+        let correlated = (CORRELATION_SHARE * middle).max(self.correlation);
+        let deviation = self.deviation(middle, largest, yielded);
+        deviation * deviation * (correlated / length).max(1.0)
+    }
+
+    /// Standard deviation of the error of the shape at a time after contact \[s\]; the other arguments are those of
+    /// [`variance`](Self::variance), which lets correlated errors count once.
+    pub fn deviation(&self, time: f64, largest: f64, yielded: bool) -> f64 {
+        let mut share = self.shape + self.waves * libm::exp(-time.max(0.0) / WAVES);
         if yielded {
             share = share.max(YIELDED_STRAIN);
         }
-        let correlated = (CORRELATION_SHARE * middle).max(self.correlation);
-        let deviation = share * largest;
-        deviation * deviation * (correlated / length).max(1.0)
+        share * largest
     }
 }
 

@@ -7,6 +7,7 @@
 use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use super::blocks::{Block, BlockMean};
+use super::comparison::{Compared, SensorComparison};
 use super::contradiction::{contradictions, explains_all, largest};
 use super::hypothesis::{Hypothesis, UNKNOWNS};
 use super::member::{Member, NO_SCALE, Observed, SHIFTS, Weighing, log_sum};
@@ -486,6 +487,19 @@ impl Population {
     /// See [`contradictions`]; all members have to be weighed with all data.
     pub fn contradictions(&self) -> [Vec<bool>; 2] {
         contradictions(&self.members, &self.observed, &self.sensors)
+    }
+
+    /// What each sensor has read, against what the responses with these weights predict.
+    pub fn compare(&self, weights: &[f64]) -> Vec<SensorComparison> {
+        let compared = Compared {
+            members: &self.members,
+            weights,
+            observed: &self.observed,
+            sensors: &self.sensors,
+            ignored: &self.ignored,
+            grid: &self.grid,
+        };
+        compared.sensors()
     }
 
     /// Lets these sensors no longer count; whether that changes anything. The members have to be weighed then.

@@ -1,5 +1,6 @@
 //! Estimates from recorded readings: the same detection and the same updates as with live ones.
 
+use super::comparison::SensorComparison;
 use super::detection::{Detection, Detector};
 use super::estimate::ImpactEstimate;
 use super::estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
@@ -20,6 +21,8 @@ pub struct RecordedImpact {
     pub detection: Detection,
     /// One estimate for each instant of [`UPDATE_INSTANTS`] up to which there are data, and one for all data; at least one.
     pub estimates: Vec<ImpactEstimate>,
+    /// For each sensor, what it has read against what the last estimate predicts.
+    pub comparisons: Vec<SensorComparison>,
 }
 
 /// Finds the first impact in recorded readings and estimates it; `None` without an impact. `progress` is called before each
@@ -70,6 +73,7 @@ pub fn estimate_recorded(
         estimates.push(estimator.estimate(contact + instant));
     }
     Ok(Some(RecordedImpact {
+        comparisons: estimator.comparisons(),
         detection,
         estimates,
     }))

@@ -8,6 +8,7 @@ mod browser;
 #[allow(dead_code)] // the tests of the evidence use more of it
 #[path = "../evidence/copies.rs"]
 mod copies;
+mod estimates;
 #[allow(dead_code)] // the tests of the evidence use more of it
 #[path = "../evidence/recorded_twin.rs"]
 mod recorded_twin;

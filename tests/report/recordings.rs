@@ -76,7 +76,8 @@ pub fn three_impacts() -> Finished {
     twin.finish()
 }
 
-fn report_of(bag: &Path, options: &[&str]) -> (i32, String, String) {
+/// Writes the report about a recording: exit code, the report, and standard error.
+pub fn report_of(bag: &Path, options: &[&str]) -> (i32, String, String) {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("report.html");
     let (code, stderr) = reported(bag, &path, options);

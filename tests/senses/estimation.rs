@@ -1,7 +1,9 @@
 //! Estimates of the fibre-beam signals with the errors of industrial sensors.
 
 use column_twin::assessment::Severity;
-use column_twin::senses::{CredibleInterval, ImpactEstimate, RecordedImpact, estimate_recorded};
+use column_twin::senses::{
+    CredibleInterval, ImpactEstimate, Readings, RecordedImpact, SensorComparison, estimate_recorded,
+};
 
 use super::signals::{NAMES, Signal};
 
@@ -86,6 +88,49 @@ fn the_last_estimate_with_all_sensors_is_close_to_the_truth() {
         let none = last.severity.iter().find(|it| it.0 == Severity::None);
         assert!(none.is_some_and(|it| (it.1 > 0.9) == elastic), "{report}");
     }
+}
+
+/// The data that are compared have weighed the responses, so that fewer than 90 % inside would show a band that is too narrow.
+#[test]
+fn most_readings_are_within_the_predicted_band_and_those_of_a_wrong_sensor_are_not() {
+    let signal = Signal::read("s02_rigid_10");
+    let (sensors, mut readings) = signal.readings(SETS[0], 11);
+    let laser = sensors
+        .iter()
+        .position(|it| it.name == "v1")
+        .expect("a laser");
+    let estimate = |readings: &Readings| {
+        estimate_recorded(&signal.parameters(), &sensors, readings, 1, &mut |_| {})
+            .expect("sensors")
+            .expect("an impact")
+    };
+    let share = |comparison: &SensorComparison| {
+        let inside = comparison
+            .means
+            .iter()
+            .filter(|it| is_within(&it.predicted, it.measured));
+        inside.count() as f64 / comparison.means.len() as f64
+    };
+    let right = estimate(&readings);
+    assert_eq!(right.comparisons.len(), sensors.len());
+    for comparison in &right.comparisons {
+        let name = &sensors[comparison.sensor].name;
+        assert!(comparison.counts && !comparison.means.is_empty(), "{name}");
+        assert!(share(comparison) >= 0.9, "{name}: {}", share(comparison));
+    }
+    // The largest mean of the laser is that of the displacement at its peak, which the truth knows.
+    let means = right.comparisons[laser].means.iter();
+    let largest = means.map(|it| it.measured).fold(0.0, f64::max);
+    let peak = signal.number("peak_v1");
+    assert!((largest / peak - 1.0).abs() < 0.05, "{largest} {peak}");
+
+    for row in readings.values.chunks_exact_mut(sensors.len()) {
+        row[laser] *= -3.0;
+    }
+    let wrong = estimate(&readings);
+    let comparison = &wrong.comparisons[laser];
+    assert!(!comparison.counts);
+    assert!(share(comparison) < 0.5, "{}", share(comparison));
 }
 
 #[test]

@@ -76,6 +76,7 @@ fn displacement(reference: &Reference, samples: &[Sample], title: &str) -> Drawn
         quantity: "displacement v",
         unit: Unit::length(0.1),
         span: (0.0, DURATION),
+        bands: Vec::new(),
         curves: vec![
             line(
                 "v₁",
