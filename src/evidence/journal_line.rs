@@ -7,6 +7,7 @@ use super::about::About;
 use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
+use crate::senses::IntakeState;
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Format name in every line.
@@ -30,6 +31,10 @@ pub struct JournalLine {
     /// The recording program. Present with every checkpoint, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
+    /// Present with every checkpoint of a column with sensors: the intake of their measurements, after those that were recorded
+    /// before this line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intake: Option<IntakeState>,
     /// The entry.
     pub entry: JournalEntry,
 }
@@ -167,7 +172,7 @@ struct Header {
 }
 
 impl JournalLine {
-    /// A line with an entry, recorded at this time; a checkpoint also has `about`.
+    /// A line with an entry, recorded at this time; a checkpoint also has `about`, and with sensors their intake.
     #[must_use]
     pub fn new(
         entry: JournalEntry,
@@ -175,6 +180,7 @@ impl JournalLine {
         number: u64,
         recorded: Nanos,
         since: Tally,
+        intake: Option<IntakeState>,
     ) -> Self {
         Self {
             format: JOURNAL_FORMAT.to_owned(),
@@ -183,6 +189,7 @@ impl JournalLine {
             recorded,
             since,
             about,
+            intake,
             entry,
         }
     }
