@@ -56,6 +56,11 @@ impl EntryEncoder {
         self.since.add_measurement(published, bytes);
     }
 
+    /// Takes note of measurements that the node took and that could not be recorded.
+    pub fn lost_measurement(&mut self) {
+        self.since.add_lost_measurement();
+    }
+
     /// The entry about a received message.
     pub fn received(endpoint: &Endpoint, bytes: &[u8], published: i64) -> JournalEntry {
         JournalEntry::Received {

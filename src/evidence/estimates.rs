@@ -23,9 +23,10 @@ pub(super) struct EstimateCheck {
     unchecked: Option<Unchecked>,
 }
 
-/// Estimates of one impact that were not computed again.
+/// Estimates that were not computed again: of one impact, or for one reason.
 #[derive(Debug)]
 struct Unchecked {
+    /// The impact of the first of them.
     event_id: Arc<str>,
     count: u64,
     /// Why the first of them was not.
@@ -128,7 +129,9 @@ impl EstimateCheck {
 
     fn note_unchecked(&mut self, event_id: &Arc<str>, why: String, found: &mut Verification) {
         match &mut self.unchecked {
-            Some(unchecked) if unchecked.event_id == *event_id => unchecked.count += 1,
+            Some(unchecked) if unchecked.event_id == *event_id || unchecked.why == why => {
+                unchecked.count += 1;
+            }
             _ => {
                 self.tell(found);
                 self.unchecked = Some(Unchecked {
@@ -148,7 +151,7 @@ impl EstimateCheck {
         }) = self.unchecked.take()
         {
             found.note_unchecked(format!(
-                "{count} estimates of \"{event_id}\" were not computed again: {why}; their messages are compared with the \
+                "{count} of the estimates, from one of \"{event_id}\" on, were not computed again: {why}; their messages are compared with the \
                  journal"
             ));
         }

@@ -53,6 +53,13 @@ pub struct Tally {
     /// a line about each.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub measurements: String,
+    /// Measurements that the node took in the same time and that could not be recorded.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub lost_measurements: u64,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Counts messages between two lines of the journal.
@@ -63,6 +70,7 @@ pub(super) struct Counting {
     times: Sha256,
     has_measurements: bool,
     measurements: Sha256,
+    lost_measurements: u64,
 }
 
 impl Counting {
@@ -84,6 +92,11 @@ impl Counting {
         self.measurements.update(bytes);
     }
 
+    /// Adds measurements that could not be recorded.
+    pub fn add_lost_measurement(&mut self) {
+        self.lost_measurements += 1;
+    }
+
     /// The messages so far.
     pub fn tally(&self) -> Tally {
         const DIGITS: usize = 32;
@@ -100,6 +113,7 @@ impl Counting {
             others: self.others,
             times: digest(self.messages > 0, &self.times),
             measurements: digest(self.has_measurements, &self.measurements),
+            lost_measurements: self.lost_measurements,
         }
     }
 }

@@ -145,6 +145,7 @@ impl Lines {
             others,
             times,
             measurements,
+            lost_measurements: _,
         } = &line.since;
         let difference = || {
             place.difference(

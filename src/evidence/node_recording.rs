@@ -212,6 +212,8 @@ impl RecordingTap for NodeRecording {
         let bytes = Arc::<[u8]>::from(bytes);
         if open.message(endpoint, Arc::clone(&bytes), now, received) {
             open.encoder.recorded_measurement(received, &bytes);
+        } else {
+            open.encoder.lost_measurement();
         }
     }
 
@@ -225,6 +227,10 @@ impl RecordingTap for NodeRecording {
             code,
             reason: reason.to_owned(),
         };
+        if endpoint.name == endpoints::MEASUREMENTS.name && code.is_none() {
+            // The node took what it could not encode.
+            open.encoder.lost_measurement();
+        }
         self.line(&mut open, entry, stamp, None);
     }
 

@@ -258,7 +258,11 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             Gap::None => {}
         }
         let measured = &mut self.replayer.estimates.measured;
-        if !self.lines.count(line, gap, is_first, place, found) {
+        let is_measured = self.lines.count(line, gap, is_first, place, found);
+        let is_next = matches!(gap, Gap::None | Gap::Earlier(0));
+        if line.since.lost_measurements > 0 {
+            measured.lose("measurements that the node took could not be recorded");
+        } else if !is_measured || !is_next {
             measured.lose("measurements are missing, or are not those that the journal tells of");
         }
         if let JournalEntry::Twin(Journal::Checkpoint(checkpoint)) = &line.entry {

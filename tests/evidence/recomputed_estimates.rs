@@ -6,7 +6,8 @@ use column_twin::evidence::{JournalLine, Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::Measurement;
 use column_twin::messages::std_msgs::Header;
-use column_twin::parameters::Value;
+use column_twin::parameters::{RecordMode, Value};
+use column_twin::recording::RecorderOptions;
 use column_twin::senses::{EstimateRecord, Readings, Sensing, StandingColumn, Work};
 use column_twin::twin::{Command, Nanos};
 
@@ -38,7 +39,10 @@ struct Felt {
 }
 
 impl Felt {
-    fn new(signal: &Signal) -> (Self, Readings) {
+    fn new(
+        signal: &Signal,
+        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
+    ) -> (Self, Readings) {
         let (sensors, readings) = signal.readings(&CHOSEN, 3);
         let changes = [
             ("solver.dt", Value::from(1e-4)),
@@ -48,7 +52,7 @@ impl Felt {
         ];
         let parameters = with_sensors(&signal.parameters(), &sensors);
         let parameters = parameters.with_changes(changes).expect("admissible");
-        let twin = RecordedTwin::new(parameters);
+        let twin = RecordedTwin::with_options(parameters, RecordMode::Always, options);
         let parameters = twin.twin.parameters();
         let column = StandingColumn::virgin(parameters);
         let felt = Self {
@@ -116,20 +120,24 @@ impl Felt {
         self.twin.until_rest();
         self.twin.advance(1_200 * MS);
     }
+
+    fn play_twice(&mut self, readings: &Readings, change: &dyn Fn(u64, &mut Measurement)) {
+        self.play(readings, change);
+        let snapshot = self.twin.twin.snapshot();
+        let column = snapshot.standing().expect("it stands").expect("at rest");
+        let parameters = Arc::clone(self.twin.twin.parameters());
+        let followed = self.sensing.set_column(&parameters, column);
+        followed.expect("a column");
+        self.play(readings, change);
+    }
 }
 
-/// Two impacts.
+/// Two impacts of the signal.
 fn recorded(lost: &[u64], change: &dyn Fn(u64, &mut Measurement)) -> Finished {
     let signal = Signal::read("s02_rigid_10");
-    let (mut felt, readings) = Felt::new(&signal);
+    let (mut felt, readings) = Felt::new(&signal, |options| options);
     felt.lost = lost.to_vec();
-    felt.play(&readings, change);
-    let snapshot = felt.twin.twin.snapshot();
-    let column = snapshot.standing().expect("it stands").expect("at rest");
-    let parameters = Arc::clone(felt.twin.twin.parameters());
-    let followed = felt.sensing.set_column(&parameters, column);
-    followed.expect("a column");
-    felt.play(&readings, change);
+    felt.play_twice(&readings, change);
     felt.twin.finish()
 }
 
@@ -216,5 +224,27 @@ fn estimates_on_lost_batches_are_no_differences() {
     assert!(found.estimates.compared > 0, "{found}");
     assert_eq!(found.estimates.differing, 0, "{found}");
     let says = |it: &String| it.contains("1 batches of measurements were lost");
+    assert!(found.unchecked.iter().any(says), "{found}");
+}
+
+#[test]
+fn measurements_that_could_not_be_recorded_are_no_differences() {
+    let signal = Signal::read("s02_rigid_10");
+    // A batch of this size exceeds the queue of the recorder, everything else does not.
+    const LARGE: usize = 65_536;
+    let (mut felt, readings) = Felt::new(&signal, |options| RecorderOptions {
+        queue_bytes: LARGE,
+        ..options
+    });
+    let nothing = vec![f64::NAN; CHOSEN.len()];
+    let rows = vec![(0.0, nothing.as_slice()); LARGE];
+    felt.measure(&rows, |_, _| {});
+    felt.play_twice(&readings, &|_, _| {});
+    let found = felt.twin.finish_with_loss(CHOSEN.len() as u64).verify();
+    assert!(found.is_equal(), "{found}");
+    // The checkpoint after the first impact tells how the intake was.
+    assert!(found.estimates.unchecked > 0, "{found}");
+    assert!(found.estimates.compared > 0, "{found}");
+    let says = |it: &String| it.contains("measurements that the node took could not be recorded");
     assert!(found.unchecked.iter().any(says), "{found}");
 }

@@ -251,8 +251,13 @@ impl RecordedTwin {
 
     /// Ends the recording.
     pub fn finish(self) -> Finished {
+        self.finish_with_loss(0)
+    }
+
+    /// As [`finish`](Self::finish) of a recorder that has lost so many messages.
+    pub fn finish_with_loss(self, lost: u64) -> Finished {
         let statistics = self.recording.stop().expect("it ran");
-        assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
+        assert_eq!((statistics.lost, statistics.write_errors), (lost, 0));
         Finished {
             directory: self.directory,
         }
