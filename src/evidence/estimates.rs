@@ -151,8 +151,8 @@ impl EstimateCheck {
         }) = self.unchecked.take()
         {
             found.note_unchecked(format!(
-                "{count} of the estimates, from one of \"{event_id}\" on, were not computed again: {why}; their messages are compared with the \
-                 journal"
+                "{count} of the estimates, from one of \"{event_id}\" on, were not computed again: {why}; their messages \
+                 are compared with the journal"
             ));
         }
     }

@@ -123,8 +123,8 @@ impl Lines {
         }
     }
 
-    /// Compares the messages since the previous line with its count. `is_first` if there was no line before. Whether the
-    /// measurements are those that the line tells of.
+    /// Compares the messages since the previous line with its count. `is_first` if there was no line before.
+    /// Returns whether the measurements are those that the line tells of.
     pub fn count(
         &mut self,
         line: &JournalLine,

@@ -76,7 +76,7 @@ impl Measured {
             while self.samples > MAX_SAMPLES || self.batches.len() > MAX_BATCHES {
                 let oldest = self.batches.pop_front();
                 self.samples -= oldest.map_or(0, |it| it.values.len());
-                self.first += 1;
+                self.first = self.first.saturating_add(1);
             }
         }
     }
@@ -108,7 +108,11 @@ impl Measured {
             self.intake = Ok(intake);
         } else {
             let expected = format!("{} sensors", parameters.sensors().len());
-            found.note_difference(place.difference("intake", "another number", expected));
+            found.note_difference(place.difference(
+                "intake",
+                "another number of sensors",
+                expected,
+            ));
         }
     }
 
@@ -132,6 +136,6 @@ impl Measured {
 
     /// The number of the next batch.
     pub fn next(&self) -> u64 {
-        self.first + self.batches.len() as u64
+        self.first.saturating_add(self.batches.len() as u64)
     }
 }

@@ -418,10 +418,14 @@ impl Channel {
 
     fn resume(&mut self, state: &ChannelState) {
         *self = Self::new(&self.sensor);
-        self.counts.batches = state.batches;
+        // Whatever a file says, there is room to count on.
+        self.counts.batches = state.batches.min(u64::MAX / 2);
         self.next = state.next;
         self.clock = state.clock.clone();
-        self.doubted = state.doubted;
+        self.doubted = state.doubted.map(|it| Doubted {
+            count: it.count.min(BELIEVED),
+            ..it
+        });
         self.last_received = state.last_received;
         let newest_first = state.remembered.iter().rev().take(REMEMBERED);
         for (age, time) in (1_u64..).zip(newest_first) {

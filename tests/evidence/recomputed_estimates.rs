@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use column_twin::evidence::{JournalLine, Verification, verify};
 use column_twin::messages::builtin_interfaces::Time;
+use column_twin::messages::cdr;
 use column_twin::messages::column_twin::Measurement;
-use column_twin::messages::std_msgs::Header;
+use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::senses::{EstimateRecord, Readings, Sensing, StandingColumn, Work};
@@ -195,6 +196,20 @@ fn estimates_are_computed_again_bit_for_bit_and_forged_records_are_found() {
     assert_eq!(field, "recorded estimate: prepared");
     let field = forged(2, |it| it.origin += 1);
     assert_eq!(field, "recorded estimate: origin");
+    let field = forged(2, |it| it.detection.contact.deviation *= 2.0);
+    assert_eq!(field, "recorded estimate: detection.contact.deviation");
+    // The last checkpoint tells of ten times as many batches, and more.
+    let last = places.last().expect("a checkpoint");
+    let mut changed = all.clone();
+    let mut text: std_msgs::String = cdr::decode(&changed[last].data).expect("a text");
+    let counted = "\"channels\":[{\"batches\":";
+    assert!(text.data.contains(counted));
+    text.data = text.data.replacen(counted, &format!("{counted}1"), 1);
+    changed[last].data = cdr::encode(&text).expect("bytes");
+    let (_directory, path) = written(&changed);
+    let found = verify(&path).expect("can be verified");
+    assert_eq!(first_field(&found), "intake.channels[0].batches");
+
     let field = forged(3, |it| it.batches += 10_000);
     assert_eq!(field, "recorded estimate");
     let field = forged(3, |it| it.batches -= 3);
