@@ -7,6 +7,7 @@ use super::journal_line::{Counting, JournalEntry, JournalError, JournalLine};
 use super::topics::{Topics, is_recomputed};
 use crate::endpoints::{self, Endpoint};
 use crate::recording::Entry;
+use crate::senses::IntakeState;
 use crate::twin::Journal;
 
 /// Encodes messages and journal entries for a recording. What it is told to have been recorded appears in the next line of
@@ -55,6 +56,11 @@ impl EntryEncoder {
         self.since.add_measurement(published, bytes);
     }
 
+    /// Takes note of measurements that the node took and that could not be recorded.
+    pub fn lost_measurement(&mut self) {
+        self.since.add_lost_measurement();
+    }
+
     /// The entry about a received message.
     pub fn received(endpoint: &Endpoint, bytes: &[u8], published: i64) -> JournalEntry {
         JournalEntry::Received {
@@ -64,11 +70,17 @@ impl EntryEncoder {
         }
     }
 
-    /// The next line of the journal.
-    pub fn line(&self, entry: JournalEntry, time: i64) -> Result<Option<Entry>, JournalError> {
+    /// The next line of the journal; `intake` is that of the measurements that were recorded before it, for a checkpoint.
+    pub fn line(
+        &self,
+        entry: JournalEntry,
+        time: i64,
+        intake: Option<IntakeState>,
+    ) -> Result<Option<Entry>, JournalError> {
         let is_checkpoint = matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_)));
         let about = is_checkpoint.then(|| self.about.clone());
-        let line = JournalLine::new(entry, about, self.next_number, time, self.since.tally());
+        let since = self.since.tally();
+        let line = JournalLine::new(entry, about, self.next_number, time, since, intake);
         let data = line.encode()?.into();
         Ok(
             Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {

@@ -1,37 +1,173 @@
-//! The estimates of a recording: each is a command in its journal.
+//! The estimates of a recording: each is a command in its journal, and is computed again from the recorded measurements.
 
 use std::sync::Arc;
 
+use super::comparison::{Difference, Place};
+use super::measured::Measured;
 use super::verification::Verification;
-use crate::senses::EstimateRecord;
+use crate::parameters::Parameters;
+use crate::senses::{EstimateRecord, NotRecomputed, Recomputation};
 use crate::twin::Command;
-
-/// Why no estimate is computed again.
-const NO_MEASUREMENTS: &str = "the recording has no measurements";
 
 /// Checks the estimates of a recording.
 #[derive(Debug, Default)]
 pub(super) struct EstimateCheck {
-    /// Estimates that were not computed again.
-    unchecked: u64,
+    pub measured: Measured,
+    /// The parameters of the twin, and those before them: the estimator may not have followed the last change yet when an
+    /// impact came.
+    parameters: [Option<Arc<Parameters>>; 2],
+    /// The recomputation of the present impact.
+    recomputation: Option<(Arc<Parameters>, Recomputation)>,
+    /// The impact whose last estimate was computed again.
+    compared: Option<Arc<str>>,
+    unchecked: Option<Unchecked>,
+}
+
+/// Estimates that were not computed again: of one impact, or for one reason.
+#[derive(Debug)]
+struct Unchecked {
+    /// The impact of the first of them.
+    event_id: Arc<str>,
+    count: u64,
+    /// Why the first of them was not.
+    why: String,
 }
 
 impl EstimateCheck {
+    /// Takes the parameters that hold from now on.
+    pub fn parameters(&mut self, parameters: &Arc<Parameters>) {
+        let [now, before] = &mut self.parameters;
+        if now.as_ref().is_none_or(|it| !Arc::ptr_eq(it, parameters)) {
+            *before = now.replace(Arc::clone(parameters));
+        }
+    }
+
     /// Takes an estimate of the journal; the command with which the recomputed twin goes on.
-    pub fn command(&mut self, recorded: &Arc<EstimateRecord>, found: &mut Verification) -> Command {
+    pub fn command(
+        &mut self,
+        recorded: &Arc<EstimateRecord>,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) -> Command {
         found.estimates.recorded += 1;
-        found.estimates.unchecked += 1;
-        self.unchecked += 1;
+        let is_continued = self.compared.take().as_ref() == Some(&recorded.event_id);
+        let outcome = match self.measured.unknown() {
+            Some(why) => Err(Why::Unknown(why.to_owned())),
+            None => self.repeat(recorded, is_continued),
+        };
+        match outcome {
+            Ok(computed) => {
+                found.estimates.compared += 1;
+                self.compared = Some(Arc::clone(&recorded.event_id));
+                if let Some(difference) = place.first_difference(&**recorded, &computed) {
+                    found.estimates.differing += 1;
+                    let field = format!("recorded estimate: {}", difference.field);
+                    found.note_difference(Difference {
+                        field,
+                        ..difference
+                    });
+                }
+            }
+            Err(Why::Impossible(why)) => {
+                found.estimates.compared += 1;
+                found.estimates.differing += 1;
+                let field = "recorded estimate";
+                found.note_difference(place.difference(field, why, "one that can be computed"));
+            }
+            Err(Why::Unknown(why)) => {
+                found.estimates.unchecked += 1;
+                self.note_unchecked(&recorded.event_id, why, found);
+            }
+        }
         Command::Estimate(Arc::clone(recorded))
     }
 
-    /// Tells what was not checked.
-    pub fn finish(self, found: &mut Verification) {
-        if self.unchecked > 0 {
+    fn repeat(
+        &mut self,
+        recorded: &EstimateRecord,
+        is_continued: bool,
+    ) -> Result<EstimateRecord, Why> {
+        let measured = &self.measured;
+        let batch = |number| measured.batch(number);
+        let why = |reason: NotRecomputed| {
+            let may_be = match &reason {
+                NotRecomputed::Lost { .. } => true,
+                NotRecomputed::NotInOrder { .. } => !is_continued,
+                NotRecomputed::Missing { missing, .. } => *missing < measured.next(),
+                NotRecomputed::Impossible { .. } | NotRecomputed::Estimator(_) => false,
+            };
+            match may_be {
+                true => Why::Unknown(reason.to_string()),
+                false => Why::Impossible(reason.to_string()),
+            }
+        };
+        let is_begun = recorded.update > 0;
+        if let (true, Some((_, recomputation))) = (is_begun, &mut self.recomputation) {
+            return recomputation.repeat(recorded, batch).map_err(why);
+        }
+        let mut first = None;
+        for parameters in self.parameters.iter().flatten() {
+            // What was prepared for an earlier impact may hold for this one.
+            let prepared = self.recomputation.take();
+            let prepared = prepared.filter(|(of, _)| Arc::ptr_eq(of, parameters));
+            let (_, recomputation) = self.recomputation.insert(
+                prepared
+                    .unwrap_or_else(|| (Arc::clone(parameters), Recomputation::new(parameters))),
+            );
+            let outcome = recomputation.repeat(recorded, batch).map_err(why);
+            let is_same = outcome
+                .as_ref()
+                .is_ok_and(|it| Place::default().first_difference(recorded, it).is_none());
+            if is_same {
+                return outcome;
+            }
+            first.get_or_insert(outcome);
+        }
+        let unknown = "the parameters of the twin are not known".to_owned();
+        first.unwrap_or(Err(Why::Unknown(unknown)))
+    }
+
+    fn note_unchecked(&mut self, event_id: &Arc<str>, why: String, found: &mut Verification) {
+        match &mut self.unchecked {
+            Some(unchecked) if unchecked.event_id == *event_id || unchecked.why == why => {
+                unchecked.count += 1;
+            }
+            _ => {
+                self.tell(found);
+                self.unchecked = Some(Unchecked {
+                    event_id: Arc::clone(event_id),
+                    count: 1,
+                    why,
+                });
+            }
+        }
+    }
+
+    fn tell(&mut self, found: &mut Verification) {
+        if let Some(Unchecked {
+            event_id,
+            count,
+            why,
+        }) = self.unchecked.take()
+        {
             found.note_unchecked(format!(
-                "{} estimates were not computed again: {NO_MEASUREMENTS}; their messages are compared with the journal",
-                self.unchecked
+                "{count} of the estimates, from one of \"{event_id}\" on, were not computed again: {why}; their messages \
+                 are compared with the journal"
             ));
         }
     }
+
+    /// Tells what was not checked.
+    pub fn finish(mut self, found: &mut Verification) {
+        self.tell(found);
+    }
+}
+
+/// Why an estimate was not computed again.
+#[derive(Debug)]
+enum Why {
+    /// What it rests on is not known.
+    Unknown(String),
+    /// No estimator makes such an estimate of the recorded measurements.
+    Impossible(String),
 }

@@ -7,6 +7,7 @@ use super::about::About;
 use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
+use crate::senses::IntakeState;
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Format name in every line.
@@ -30,6 +31,10 @@ pub struct JournalLine {
     /// The recording program. Present with every checkpoint, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
+    /// Present with every checkpoint of a column with sensors: the intake of their measurements, after those that were recorded
+    /// before this line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intake: Option<IntakeState>,
     /// The entry.
     pub entry: JournalEntry,
 }
@@ -48,6 +53,13 @@ pub struct Tally {
     /// a line about each.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub measurements: String,
+    /// Measurements that the node took in the same time and that could not be recorded.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub lost_measurements: u64,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Counts messages between two lines of the journal.
@@ -58,6 +70,7 @@ pub(super) struct Counting {
     times: Sha256,
     has_measurements: bool,
     measurements: Sha256,
+    lost_measurements: u64,
 }
 
 impl Counting {
@@ -79,6 +92,11 @@ impl Counting {
         self.measurements.update(bytes);
     }
 
+    /// Adds measurements that could not be recorded.
+    pub fn add_lost_measurement(&mut self) {
+        self.lost_measurements += 1;
+    }
+
     /// The messages so far.
     pub fn tally(&self) -> Tally {
         const DIGITS: usize = 32;
@@ -95,6 +113,7 @@ impl Counting {
             others: self.others,
             times: digest(self.messages > 0, &self.times),
             measurements: digest(self.has_measurements, &self.measurements),
+            lost_measurements: self.lost_measurements,
         }
     }
 }
@@ -167,7 +186,7 @@ struct Header {
 }
 
 impl JournalLine {
-    /// A line with an entry, recorded at this time; a checkpoint also has `about`.
+    /// A line with an entry, recorded at this time; a checkpoint also has `about`, and with sensors their intake.
     #[must_use]
     pub fn new(
         entry: JournalEntry,
@@ -175,6 +194,7 @@ impl JournalLine {
         number: u64,
         recorded: Nanos,
         since: Tally,
+        intake: Option<IntakeState>,
     ) -> Self {
         Self {
             format: JOURNAL_FORMAT.to_owned(),
@@ -183,6 +203,7 @@ impl JournalLine {
             recorded,
             since,
             about,
+            intake,
             entry,
         }
     }

@@ -124,6 +124,7 @@ impl Lines {
     }
 
     /// Compares the messages since the previous line with its count. `is_first` if there was no line before.
+    /// Returns whether the measurements are those that the line tells of.
     pub fn count(
         &mut self,
         line: &JournalLine,
@@ -131,18 +132,20 @@ impl Lines {
         is_first: bool,
         place: &Place<'_>,
         found: &mut Verification,
-    ) {
+    ) -> bool {
         let own = std::mem::take(&mut self.since).tally();
+        let is_measured = own.measurements == line.since.measurements;
         // The messages before the first line are in an earlier recording, unless it is the first of all.
         let is_known = gap == Gap::None && (!is_first || line.number == 0);
         if !is_known || !self.is_undamaged {
-            return;
+            return is_measured;
         }
         let Tally {
             messages,
             others,
             times,
             measurements,
+            lost_measurements: _,
         } = &line.since;
         let difference = || {
             place.difference(
@@ -180,6 +183,7 @@ impl Lines {
                 measurements.clone(),
             ));
         }
+        is_measured
     }
 
     /// Settles the counts where recomputation has noted everything that is missing, `noted` messages since the last time.

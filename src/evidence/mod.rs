@@ -17,6 +17,7 @@ mod inputs;
 mod journal_line;
 mod lines;
 mod losses;
+mod measured;
 mod node_recording;
 mod parameter_events;
 mod replayed_twin;

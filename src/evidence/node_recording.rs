@@ -1,7 +1,7 @@
 //! The recording of a running node.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entry_encoder::EntryEncoder;
@@ -17,6 +17,7 @@ use crate::parameters::{RecordMode, RecordSettings};
 use crate::recording::{
     self, Entry, Recorder, RecorderHandle, RecorderOptions, RecorderStatistics, RecordingError,
 };
+use crate::senses::{Intake, IntakeState};
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Records everything that a node receives and sends; a separate thread writes it.
@@ -24,6 +25,8 @@ use crate::twin::{Journal, Nanos, RefusalCode};
 /// The mode `events` leaves out the periodic messages while the column is at rest: status, and diagnostics without a
 /// change of level. Both modes record every command, all its consequences, every checkpoint, and all measurements.
 pub struct NodeRecording {
+    /// Where the measurements come from, if there are sensors. Locked before `open`.
+    intake: OnceLock<Arc<Mutex<Intake>>>,
     /// Held while a message gets its time and is queued, so that messages are recorded in the order of their times.
     open: Mutex<Open>,
     events_only: bool,
@@ -89,6 +92,7 @@ impl NodeRecording {
         let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
+            intake: OnceLock::new(),
             open: Mutex::new(Open {
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
@@ -105,7 +109,7 @@ impl NodeRecording {
     pub fn stop(&self) -> Option<RecorderStatistics> {
         let mut open = self.open();
         let now = open.now();
-        self.line(&mut open, JournalEntry::End {}, now);
+        self.line(&mut open, JournalEntry::End {}, now, None);
         let recorder = open.recorder.take();
         drop(open);
         let mut statistics = recorder.map(RecorderHandle::stop)?;
@@ -118,11 +122,11 @@ impl NodeRecording {
     }
 
     /// Records a line of the journal.
-    fn line(&self, open: &mut Open, entry: JournalEntry, now: i64) {
+    fn line(&self, open: &mut Open, entry: JournalEntry, now: i64, intake: Option<IntakeState>) {
         if open.recorder.is_none() {
             return;
         }
-        let Ok(line) = open.encoder.line(entry, now) else {
+        let Ok(line) = open.encoder.line(entry, now, intake) else {
             self.unencoded.fetch_add(1, Ordering::Relaxed);
             return;
         };
@@ -194,7 +198,12 @@ impl RecordingTap for NodeRecording {
         let published = source_stamp.filter(|stamp| *stamp >= 0).unwrap_or(now);
         let line = EntryEncoder::received(endpoint, &bytes, published);
         open.message(endpoint, bytes.into(), now, published);
-        self.line(&mut open, line, now);
+        self.line(&mut open, line, now, None);
+    }
+
+    fn sensors(&self, intake: &Arc<Mutex<Intake>>) {
+        // A node has one intake.
+        let _ = self.intake.set(Arc::clone(intake));
     }
 
     fn measured(&self, endpoint: &Endpoint, bytes: Vec<u8>, received: Nanos) {
@@ -203,6 +212,8 @@ impl RecordingTap for NodeRecording {
         let bytes = Arc::<[u8]>::from(bytes);
         if open.message(endpoint, Arc::clone(&bytes), now, received) {
             open.encoder.recorded_measurement(received, &bytes);
+        } else {
+            open.encoder.lost_measurement();
         }
     }
 
@@ -216,7 +227,11 @@ impl RecordingTap for NodeRecording {
             code,
             reason: reason.to_owned(),
         };
-        self.line(&mut open, entry, stamp);
+        if endpoint.name == endpoints::MEASUREMENTS.name && code.is_none() {
+            // The node took what it could not encode.
+            open.encoder.lost_measurement();
+        }
+        self.line(&mut open, entry, stamp, None);
     }
 
     fn journal(&self, entry: &Journal) {
@@ -228,9 +243,16 @@ impl RecordingTap for NodeRecording {
             }
             Journal::Checkpoint(_) | Journal::Status(_) => {}
         }
+        // Locked until the line is recorded, so that no measurement comes between the two.
+        let intake = match entry {
+            Journal::Checkpoint(_) => self.intake.get(),
+            Journal::Command(_) | Journal::Status(_) => None,
+        };
+        let intake = intake.map(|it| it.lock().unwrap_or_else(PoisonError::into_inner));
+        let state = intake.as_ref().map(|it| it.state());
         let mut open = self.open();
         let now = open.now();
-        self.line(&mut open, JournalEntry::Twin(entry.clone()), now);
+        self.line(&mut open, JournalEntry::Twin(entry.clone()), now, state);
     }
 
     fn health(&self) -> RecordingHealth {

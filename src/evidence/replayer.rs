@@ -45,7 +45,7 @@ pub(super) struct Replayer {
     outputs: Vec<Output>,
     /// The last recorded status: its counters must not decrease.
     last_status: Option<TwinStatus>,
-    estimates: EstimateCheck,
+    pub estimates: EstimateCheck,
     /// The recording declares losses, or is damaged: a message that is not expected may belong to what is missing.
     declares_losses: bool,
 }
@@ -203,13 +203,14 @@ impl Replayer {
             stamp: Some(record.now),
             ..*place
         };
+        self.estimates.parameters(replayed.twin.parameters());
         let outcome = |it: &CommandRecord| (it.refusal.clone(), it.taken_back);
         let command = match &record.command {
             Command::CriticalVelocities { vehicles } => {
                 let task = replayed.twin.critical_velocity_task();
                 check_critical_velocities(vehicles, task, &place, found)
             }
-            Command::Estimate(estimate) => self.estimates.command(estimate, found),
+            Command::Estimate(estimate) => self.estimates.command(estimate, &place, found),
             other => other.clone(),
         };
         let Some(own) = replayed.execute(command, record.now) else {

@@ -176,7 +176,7 @@ impl ImpactRecorder {
     }
 
     fn line(&mut self, entry: JournalEntry, now: Nanos) -> Result<(), SimulatedRecordingError> {
-        if let Some(entry) = self.encoder.line(entry, now)? {
+        if let Some(entry) = self.encoder.line(entry, now, None)? {
             self.writer.write(&entry)?;
             self.encoder.recorded_line();
         }

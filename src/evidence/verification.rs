@@ -16,7 +16,7 @@ const MAX_REASONS: usize = 20;
 const MAX_EXAMPLES: usize = 5;
 
 /// Fields that depend on the machine or on other threads, by topic, and what was done with them instead.
-pub const NOT_RECOMPUTED: [(&str, &str); 7] = [
+pub const NOT_RECOMPUTED: [(&str, &str); 8] = [
     (
         "impact_forecast, impact_report",
         "compute_time; the time at which a forecast was complete",
@@ -33,6 +33,10 @@ pub const NOT_RECOMPUTED: [(&str, &str); 7] = [
     (
         "impact_event, column_parameters",
         "whether sender and publish time are genuine; bytes and times are compared with the journal",
+    ),
+    (
+        "estimates in the journal",
+        "the instant of contact and the zeros of the sensors with which an impact was detected, and its first batch",
     ),
     (
         "journal",

@@ -191,6 +191,12 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         if is_measurement {
             // Its publish time is that of its arrival by the clock of the twin.
             self.lines.measurement(message.publish_time, &message.data);
+            self.replayer.estimates.measured.message(
+                &message.data,
+                message.publish_time,
+                &place,
+                &mut self.found,
+            );
         } else if input.is_none() && message.publish_time != message.log_time {
             let difference = place.difference(
                 "publish time",
@@ -251,7 +257,17 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             Gap::Earlier(_) => self.inputs.continue_at(place.log_time),
             Gap::None => {}
         }
-        self.lines.count(line, gap, is_first, place, found);
+        let measured = &mut self.replayer.estimates.measured;
+        let is_measured = self.lines.count(line, gap, is_first, place, found);
+        let is_next = matches!(gap, Gap::None | Gap::Earlier(0));
+        if line.since.lost_measurements > 0 {
+            measured.lose("measurements that the node took could not be recorded");
+        } else if !is_measured || !is_next {
+            measured.lose("measurements are missing, or are not those that the journal tells of");
+        }
+        if let JournalEntry::Twin(Journal::Checkpoint(checkpoint)) = &line.entry {
+            measured.checkpoint(line.intake.as_ref(), &checkpoint.parameters, place, found);
+        }
         match &line.entry {
             JournalEntry::Twin(entry) => {
                 let before = self.replayer.parameters();

@@ -1,9 +1,10 @@
 //! The interface through which the node passes messages to a recording.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use crate::endpoints::Endpoint;
 use crate::live::QueueStats;
+use crate::senses::Intake;
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
@@ -13,6 +14,10 @@ pub trait RecordingTap: Send + Sync + 'static {
 
     /// The node received a message; `source_stamp` is the time of sending \[ns since 1970\], if known.
     fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>);
+
+    /// The measurements come through this intake. It is locked from when it takes a batch until
+    /// [`measured`](Self::measured) has returned.
+    fn sensors(&self, intake: &Arc<Mutex<Intake>>);
 
     /// The node received measurements at `received` \[ns\], by the clock that drives the twin. The recording contains this time as
     /// the publish time of the message: with it, the intake of measurements can be repeated.

@@ -32,7 +32,7 @@ use super::sensor_watch::{SensorStatus, SensorWatch};
 /// Takes the measurements of all sensors, from whatever topic: into the recording, and into the queue of those who use them.
 pub(super) struct SensorInputs {
     column_id: String,
-    intake: Mutex<Intake>,
+    intake: Arc<Mutex<Intake>>,
     queue: Arc<MeasurementQueue>,
     recording: Option<Arc<dyn RecordingTap>>,
     watch: Mutex<SensorWatch>,
@@ -56,8 +56,12 @@ impl SensorInputs {
         let queue = Arc::clone(twin.measurements()?);
         let sensors = parameters.sensors();
         let column_id = parameters.settings().column_id.clone();
+        let intake = Arc::new(Mutex::new(Intake::new(&sensors, &column_id)));
+        if let Some(recording) = &recording {
+            recording.sensors(&intake);
+        }
         Some(Arc::new(Self {
-            intake: Mutex::new(Intake::new(&sensors, &column_id)),
+            intake,
             column_id,
             queue,
             recording,
@@ -67,7 +71,9 @@ impl SensorInputs {
 
     /// Takes a batch that arrived at `received`, by the clock that drives the twin.
     fn take(&self, measurement: &Measurement, received: Nanos) {
-        let taken = self.intake().take(&raw_batch(measurement), received);
+        // Locked until the batch is recorded: a checkpoint of the journal has the intake after what was recorded before.
+        let mut intake = self.intake();
+        let taken = intake.take(&raw_batch(measurement), received);
         let is_needed = match &taken {
             Ok(_) => true,
             Err(rejection) => rejection.depends_on_order(),
@@ -76,6 +82,7 @@ impl SensorInputs {
         if is_needed {
             self.record(measurement, received);
         }
+        drop(intake);
         match taken {
             Ok(batch) => self.queue.push(batch),
             // Columns may share a topic.

@@ -12,6 +12,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::batch::Batch;
 use super::sensor::Sensor;
 use super::sensor_clock::SensorClock;
@@ -213,6 +215,35 @@ pub struct Strays {
     pub last: Option<Rejection>,
 }
 
+/// Everything on which it depends how the next batches are taken: with it, an intake goes on where another one was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IntakeState {
+    /// One for each sensor, in the order of the parameters.
+    channels: Vec<ChannelState>,
+}
+
+impl IntakeState {
+    /// Batches that were taken since the start, of all sensors.
+    #[must_use]
+    pub fn batches(&self) -> u64 {
+        let each = self.channels.iter().map(|it| it.batches);
+        each.fold(0, u64::saturating_add)
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChannelState {
+    batches: u64,
+    next: Option<Nanos>,
+    clock: SensorClock,
+    doubted: Option<Doubted>,
+    /// The times of the last batches, the oldest first.
+    remembered: Vec<Nanos>,
+    last_received: Option<Nanos>,
+}
+
 /// The measurements of all sensors of one column.
 #[derive(Debug, Clone)]
 pub struct Intake {
@@ -274,6 +305,24 @@ impl Intake {
         rejection
     }
 
+    /// What the next batches depend on.
+    #[must_use]
+    pub fn state(&self) -> IntakeState {
+        let channels = self.channels.iter().map(Channel::state).collect();
+        IntakeState { channels }
+    }
+
+    /// Goes on where the intake of the same sensors was that had this state; `false` if it has another number of sensors. What
+    /// was counted is not known then, but for the batches.
+    pub fn resume(&mut self, state: &IntakeState) -> bool {
+        let fits = state.channels.len() == self.channels.len();
+        if fits {
+            let channels = self.channels.iter_mut().zip(&state.channels);
+            channels.for_each(|(channel, state)| channel.resume(state));
+        }
+        fits
+    }
+
     /// The health of every sensor at `now`, in the order of the parameters.
     #[must_use]
     pub fn health(&self, now: Nanos) -> Vec<SensorHealth> {
@@ -299,7 +348,8 @@ struct Taken {
 }
 
 /// A row of doubted batches that follow one another.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Doubted {
     next: Nanos,
     count: u32,
@@ -348,6 +398,40 @@ impl Channel {
             stillness: Stillness::default(),
             counts: SensorCounts::default(),
             last_rejection: None,
+        }
+    }
+
+    fn state(&self) -> ChannelState {
+        let oldest = (self.counts.batches % REMEMBERED as u64) as usize;
+        let (newer, older) = self.remembered.split_at(oldest);
+        let is_known = |time: &Nanos| *time != Nanos::MIN;
+        let remembered = older.iter().chain(newer).copied().filter(is_known);
+        ChannelState {
+            batches: self.counts.batches,
+            next: self.next,
+            clock: self.clock.clone(),
+            doubted: self.doubted,
+            remembered: remembered.collect(),
+            last_received: self.last_received,
+        }
+    }
+
+    fn resume(&mut self, state: &ChannelState) {
+        *self = Self::new(&self.sensor);
+        // Whatever a file says, there is room to count on.
+        self.counts.batches = state.batches.min(u64::MAX / 2);
+        self.next = state.next;
+        self.clock = state.clock.clone();
+        self.doubted = state.doubted.map(|it| Doubted {
+            count: it.count.min(BELIEVED),
+            ..it
+        });
+        self.last_received = state.last_received;
+        let newest_first = state.remembered.iter().rev().take(REMEMBERED);
+        for (age, time) in (1_u64..).zip(newest_first) {
+            // Before the slot of the next batch, around the ring.
+            let slot = state.batches.wrapping_sub(age) % REMEMBERED as u64;
+            self.remembered[slot as usize] = *time;
         }
     }
 

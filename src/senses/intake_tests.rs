@@ -368,7 +368,8 @@ fn any_sequence_is_deterministic_and_loses_no_count() {
             };
             let mut stamp = EPOCH;
             let mut results = Vec::new();
-            for _ in 0..400 {
+            let mut resumed = None;
+            for step in 0..400 {
                 match below(12) {
                     0 => stamp -= below(4) * BATCH,
                     1 => stamp += below(4) * BATCH,
@@ -381,7 +382,20 @@ fn any_sequence_is_deterministic_and_loses_no_count() {
                 let given = values(stamp, count as usize);
                 let received = stamp + count * PERIOD + below(30) * MILLISECOND;
                 sent += given.len() as u64;
-                results.push(intake.take(&raw(&given, stamp), received));
+                let result = intake.take(&raw(&given, stamp), received);
+                if let Some(other) = &mut resumed {
+                    // One that goes on from the state of this one takes the same.
+                    assert_eq!(Intake::take(other, &raw(&given, stamp), received), result);
+                    assert_eq!(other.state(), intake.state(), "{seed}");
+                }
+                results.push(result);
+                if step % 80 == 79 {
+                    let text = serde_json::to_string(&intake.state()).expect("JSON");
+                    let state: IntakeState = serde_json::from_str(&text).expect("the same");
+                    let mut other = self::intake();
+                    assert!(other.resume(&state));
+                    resumed = Some(other);
+                }
                 stamp += count * PERIOD;
             }
             let counts = counts(&intake);

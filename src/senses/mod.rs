@@ -66,8 +66,9 @@ pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 #[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
 pub use intake::{
-    BELIEVED, Intake, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER, PERIOD_TOLERANCE, RawBatch,
-    Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth, Strays,
+    BELIEVED, Intake, IntakeState, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER,
+    PERIOD_TOLERANCE, RawBatch, Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth,
+    Strays,
 };
 pub use probe::Probe;
 #[cfg(feature = "study")]

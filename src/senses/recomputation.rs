@@ -77,8 +77,17 @@ pub struct Recomputation {
     parameters: Parameters,
     sensors: Vec<Sensor>,
     prepared: Option<(StandingColumn, Estimator)>,
-    /// The impact: its name, the number of the next estimate, and of the next batch.
-    current: Option<(String, u32, u64)>,
+    current: Option<Current>,
+}
+
+/// An impact of which estimates were computed again.
+#[derive(Debug)]
+struct Current {
+    /// The first estimate.
+    begun: EstimateRecord,
+    /// The numbers of the next estimate and of the next batch.
+    update: u32,
+    batch: u64,
 }
 
 impl Recomputation {
@@ -128,15 +137,17 @@ impl Recomputation {
                 "it has another number of sensors than the parameters",
             ));
         }
-        let next = match (&record.column, current) {
+        let (begun, next) = match (&record.column, current) {
             (Some(column), _) if update == 0 => {
                 if !column.fits(&self.parameters) {
                     return Err(impossible("its impact is not on the column"));
                 }
                 self.begin(record, column)?;
-                record.first_batch
+                (record.clone(), record.first_batch)
             }
-            (None, Some((event, number, next))) if event == event_id() && number == update => next,
+            (None, Some(it)) if it.begun.event_id == record.event_id && it.update == update => {
+                (it.begun, it.batch)
+            }
             _ => {
                 return Err(NotRecomputed::NotInOrder {
                     event_id: event_id(),
@@ -159,7 +170,7 @@ impl Recomputation {
                 until: record.batches,
                 missing: number,
             })?;
-            feed(estimator, record.origin, known);
+            feed(estimator, begun.origin, known);
         }
         let until = record.estimate.data_until;
         let refine = Refinement::again(record.drawn);
@@ -175,15 +186,24 @@ impl Recomputation {
             .checked_sub(1)
             .and_then(&batch)
             .map(|batch| (batch.sensor, batch.first));
-        self.current = Some((event_id(), update + 1, record.batches));
-        Ok(EstimateRecord {
+        let again = EstimateRecord {
+            origin: begun.origin,
+            detection: begun.detection.clone(),
+            first_batch: begun.first_batch,
+            prepared: estimator.prepared() as u32,
             drawn_before: refinement.drawn(),
             drawn: work.drawn(),
             last_batch: last.unwrap_or(record.last_batch),
             estimate: estimator.estimate(until),
             best,
             ..record.clone()
-        })
+        };
+        self.current = Some(Current {
+            begun,
+            update: update.saturating_add(1),
+            batch: record.batches,
+        });
+        Ok(again)
     }
 
     fn begin(

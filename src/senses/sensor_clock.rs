@@ -3,6 +3,8 @@
 //! A batch cannot arrive before its last sample was taken. How long after it the fastest of many batches arrives is
 //! therefore what the two clocks differ by, and the shortest time of transport, which is a millisecond or two.
 
+use serde::{Deserialize, Serialize};
+
 use crate::twin::Nanos;
 
 /// Differences between the clocks up to this are left as they are \[ns\]: synchronised clocks differ by less, and most of such a
@@ -22,7 +24,8 @@ const MAX_SLEW: f64 = 500e-6;
 const STEP: u64 = 100_000_000;
 
 /// Follows the clock of one sensor.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct SensorClock {
     /// End of the first batch and of the last one, by the sensor's clock.
     span: Option<(Nanos, Nanos)>,

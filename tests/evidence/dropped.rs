@@ -15,6 +15,7 @@ use column_twin::outgoing::{RecordingHealth, RecordingTap};
 use column_twin::parameters::{RecordMode, RecordSettings};
 use column_twin::recording::Reader;
 use column_twin::ros::{LiveTwin, Names, TwinNode, qos};
+use column_twin::senses::Intake;
 use column_twin::twin::{Command, Journal, Output, Refusal, RefusalCode};
 
 use super::domain::{Domain, PATIENCE};
@@ -45,6 +46,8 @@ impl RecordingTap for Tap {
     }
 
     fn received(&self, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
+
+    fn sensors(&self, _: &Arc<Mutex<Intake>>) {}
 
     fn measured(&self, _: &Endpoint, _: Vec<u8>, _: i64) {}
 

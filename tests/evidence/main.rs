@@ -24,10 +24,14 @@ mod node;
 #[allow(dead_code)] // the tests of the recordings use the rest
 #[path = "../../crates/recording/tests/recording/random_damage.rs"]
 mod random_damage;
+mod recomputed_estimates;
 mod recorded_twin;
 mod replayed;
 mod scenarios;
 mod sealed;
+#[allow(dead_code)] // the tests of the sensors use the rest
+#[path = "../senses/signals.rs"]
+mod signals;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
 mod tampering;

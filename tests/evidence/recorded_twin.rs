@@ -2,12 +2,12 @@
 
 use column_twin::column::ImpactSpecification;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use column_twin::endpoints::{self, Endpoint};
 use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
-use column_twin::incoming::column_command;
+use column_twin::incoming::{column_command, raw_batch};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement};
 use column_twin::messages::std_msgs::Header;
@@ -15,6 +15,7 @@ use column_twin::messages::{Message, cdr};
 use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
+use column_twin::senses::{Batch, Intake};
 use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
 use tempfile::TempDir;
 
@@ -55,6 +56,8 @@ pub struct RecordedTwin {
     dropped_states: u64,
     outgoing: Outgoing,
     recording: Arc<NodeRecording>,
+    /// Where its measurements come from, if it has sensors.
+    intake: Option<Arc<Mutex<Intake>>>,
     directory: TempDir,
 }
 
@@ -86,6 +89,13 @@ impl RecordedTwin {
         let recording = NodeRecording::start(&record, &topics, options)
             .expect("starts")
             .expect("is asked for");
+        let sensors = parameters.sensors();
+        let intake = (!sensors.is_empty()).then(|| {
+            let intake = Intake::new(&sensors, &parameters.settings().column_id);
+            let intake = Arc::new(Mutex::new(intake));
+            recording.sensors(&intake);
+            intake
+        });
         let outgoing = Outgoing::new(&parameters);
         let twin = Twin::new(parameters, None, Box::new(|| 0), START).expect("stands");
         let mut recorded = Self {
@@ -95,6 +105,7 @@ impl RecordedTwin {
             dropped_states: 0,
             outgoing,
             recording,
+            intake,
             directory,
         };
         recorded.advance(0);
@@ -165,7 +176,16 @@ impl RecordedTwin {
         self.recording.received(endpoint, bytes, Some(sent));
     }
 
-    /// The node receives measurements now.
+    /// The node receives measurements now, and records others; what the intake makes of those that it receives.
+    pub fn measure_but_record(&self, message: &Measurement, recorded: &Measurement) -> Batch {
+        let intake = self.intake.as_ref().expect("sensors");
+        let mut intake = intake.lock().expect("no panic");
+        let batch = intake.take(&raw_batch(message), self.now).expect("taken");
+        self.measure(recorded);
+        batch
+    }
+
+    /// Records measurements that the node receives now.
     pub fn measure(&self, message: &Measurement) {
         let bytes = cdr::encode(message).expect("bytes");
         self.recording
@@ -231,8 +251,13 @@ impl RecordedTwin {
 
     /// Ends the recording.
     pub fn finish(self) -> Finished {
+        self.finish_with_loss(0)
+    }
+
+    /// As [`finish`](Self::finish) of a recorder that has lost so many messages.
+    pub fn finish_with_loss(self, lost: u64) -> Finished {
         let statistics = self.recording.stop().expect("it ran");
-        assert_eq!((statistics.lost, statistics.write_errors), (0, 0));
+        assert_eq!((statistics.lost, statistics.write_errors), (lost, 0));
         Finished {
             directory: self.directory,
         }

@@ -132,6 +132,7 @@ fn recount(all: &mut [Message]) {
             others: std::mem::take(&mut others),
             times: digits[..32].to_owned(),
             measurements: String::new(),
+            lost_measurements: 0,
         };
         if line.since.messages == 0 {
             line.since.times.clear();

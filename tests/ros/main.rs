@@ -6,6 +6,8 @@
 mod bad_input;
 mod domain;
 mod duplicates;
+#[cfg(feature = "record")]
+mod felt;
 mod hostile;
 #[allow(dead_code)] // the tests of recordings use more of it
 mod incoming;
@@ -19,5 +21,8 @@ mod real_peers;
 mod real_time;
 mod restart;
 mod senders;
+#[allow(dead_code)] // the tests of the sensors use the rest
+#[path = "../senses/signals.rs"]
+mod signals;
 mod simulation;
 mod transport;
