@@ -171,8 +171,8 @@ fn estimates_are_computed_again_bit_for_bit_and_forged_records_are_found() {
     let is_estimate = |it: &column_twin::recording::Message| it.topic.ends_with("/impact_estimate");
     let estimates: Vec<_> = (0..all.len()).filter(|it| is_estimate(&all[*it])).collect();
     let middle = estimates[estimates.len() / 2];
-    let places = (0..all.len()).filter(|it| is_checkpoint(&all[*it]));
-    let begin = places.clone().filter(|it| *it < middle).last();
+    let mut places = (0..all.len()).filter(|it| is_checkpoint(&all[*it]));
+    let begin = places.clone().rfind(|it| *it < middle);
     let (_directory, path) = written(&all[begin.expect("a checkpoint")..]);
     let later = verify(&path).expect("can be verified");
     assert_computed_again(&later);
@@ -199,7 +199,7 @@ fn estimates_are_computed_again_bit_for_bit_and_forged_records_are_found() {
     let field = forged(2, |it| it.detection.contact.deviation *= 2.0);
     assert_eq!(field, "recorded estimate: detection.contact.deviation");
     // The last checkpoint tells of ten times as many batches, and more.
-    let last = places.last().expect("a checkpoint");
+    let last = places.next_back().expect("a checkpoint");
     let mut changed = all.clone();
     let mut text: std_msgs::String = cdr::decode(&changed[last].data).expect("a text");
     let counted = "\"channels\":[{\"batches\":";
