@@ -314,6 +314,8 @@ fn bad_input_ends_the_command_with_what_to_do() {
                 "sensors.laser.quantity:=displacement",
                 "-p",
                 "sensors.laser.rate:=1000.0",
+                "-p",
+                "sensors.laser.height:=1.0",
             ]),
             "has sensors (laser), but a fleet does not take measurements",
         ),
