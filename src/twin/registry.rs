@@ -42,6 +42,7 @@ pub struct Counts {
 
 /// What the column has been through since the last reset, in responses that have ended.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Life {
     /// Accepted impacts since the last reset.
     pub impacts_since_reset: u32,
