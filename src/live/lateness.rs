@@ -1,5 +1,7 @@
 //! The lateness of a cycle of the solver.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::twin::Nanos;
 
 /// The lateness of a cycle.
@@ -9,6 +11,22 @@ pub struct Lateness {
     pub nanos: u64,
     /// Whole periods within the delay: their cycles are skipped, and this cycle makes up for their steps.
     pub skipped_periods: u64,
+}
+
+impl Lateness {
+    /// Counts it among the largest lateness, the late cycles and the skipped periods.
+    pub(super) fn count(
+        self,
+        worst: &AtomicU64,
+        overruns: &AtomicU64,
+        skipped_periods: &AtomicU64,
+    ) {
+        worst.fetch_max(self.nanos, Ordering::Relaxed);
+        if self.skipped_periods > 0 {
+            overruns.fetch_add(1, Ordering::Relaxed);
+            skipped_periods.fetch_add(self.skipped_periods, Ordering::Relaxed);
+        }
+    }
 }
 
 /// The lateness of a cycle that was due at `deadline` and starts at `now`. Deadlines stay a whole number of periods apart,

@@ -249,15 +249,11 @@ impl Solver {
         };
         let late = lateness(deadline, period, self.clock.now());
         let shared = &self.shared;
-        shared
-            .worst_lateness
-            .fetch_max(late.nanos, Ordering::Relaxed);
-        if late.skipped_periods > 0 {
-            shared.overruns.fetch_add(1, Ordering::Relaxed);
-            shared
-                .skipped_periods
-                .fetch_add(late.skipped_periods, Ordering::Relaxed);
-        }
+        late.count(
+            &shared.worst_lateness,
+            &shared.overruns,
+            &shared.skipped_periods,
+        );
     }
 
     fn publish_statistics(&self) {

@@ -109,25 +109,7 @@ impl Subscriptions {
                 }
             },
         );
-        let clock = async {
-            if let Some(clock) = &self.clock {
-                each(
-                    clock,
-                    &qos::CLOCK,
-                    &counters,
-                    |message: Clock, _| match message.clock.to_nanos() {
-                        Some(now) => {
-                            if let Some(clock) = &counters.clock {
-                                clock.received();
-                            }
-                            twin.set_clock(now);
-                        }
-                        None => NodeCounters::count(&counters.unreadable),
-                    },
-                )
-                .await;
-            }
-        };
+        let clock = follow_clock(self.clock.as_ref(), &counters, |now| twin.set_clock(now));
         let measurements = async {
             if let Some(measurements) = self.measurements {
                 measurements.run(&twin, &counters).await;
@@ -135,6 +117,25 @@ impl Subscriptions {
         };
         join!(events, clock, measurements);
     }
+}
+
+/// Passes the simulated time to `set`, if the node follows it, and notes that there is a clock.
+pub(super) async fn follow_clock(
+    clock: Option<&Subscription<Clock>>,
+    counters: &NodeCounters,
+    set: impl Fn(i64),
+) {
+    let Some(clock) = clock else { return };
+    let handle = |message: Clock, _| match message.clock.to_nanos() {
+        Some(now) => {
+            if let Some(clock) = &counters.clock {
+                clock.received();
+            }
+            set(now);
+        }
+        None => NodeCounters::count(&counters.unreadable),
+    };
+    each(clock, &qos::CLOCK, counters, handle).await;
 }
 
 /// As [`each_on`] of an endpoint.

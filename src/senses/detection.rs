@@ -52,7 +52,7 @@ const SPREAD_SAMPLES: f64 = 500.0;
 /// Judged readings that a level is compared with, the older half of them: it has to have risen since.
 const RECENT: usize = 64;
 
-/// A sensor that has been outside of its noise for so long without an impact learns its zero anew \[s\].
+/// A sensor that has been outside its noise for this long without an impact learns its zero again \[s\].
 const RELEARNING: f64 = 2.0;
 
 /// Onsets of one impact are at most so far apart \[s\].
@@ -585,7 +585,7 @@ impl Channel {
         self.recent.clear();
         self.oldest = 0;
         if last.count < LEAST_SAMPLES {
-            // A slow sensor learns anew.
+            // A slow sensor learns again.
             self.samples = 0.0;
             return;
         }

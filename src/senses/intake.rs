@@ -7,7 +7,7 @@
 //! - Samples between two batches that did not arrive are counted as lost; after [`SILENCE`] the sensor was interrupted instead.
 //! - Samples that arrive again, or after later ones, are dropped and counted.
 //! - A batch that is ahead of the sensor's clock by more than [`MAX_CLOCK_ERROR`], or out of order and as far behind, is doubted: it
-//!   is dropped, until [`BELIEVED`] in a row follow one another. Then the clock was set, and the sensor begins anew.
+//!   is dropped, until [`BELIEVED`] in a row follow one another. Then the clock was set, and the sensor starts again.
 //! - A clock that differs from the twin's by more than [`TOLERATED_OFFSET`](super::TOLERATED_OFFSET) is corrected.
 
 use std::sync::Arc;

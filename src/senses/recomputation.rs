@@ -25,7 +25,7 @@ pub enum NotRecomputed {
     },
     /// Measurements did not reach the estimator.
     #[error(
-        "{lost} batches of measurements were lost before they reached the estimator, so that nobody knows what estimate \
+        "{lost} batches of measurements were lost before they reached the estimator, so it is not known what estimate \
          {update} of {event_id} rests on"
     )]
     Lost {

@@ -267,7 +267,7 @@ impl Sensing {
         }
     }
 
-    /// Learns the zeros of the sensors anew.
+    /// Learns the zeros of the sensors again.
     fn settle(&mut self) {
         self.detector = Detector::new(&self.sensors);
         self.base = None;

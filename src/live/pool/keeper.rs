@@ -18,9 +18,6 @@ const KEEPER_THREAD: &str = "column_twin/state_file";
 /// Its stack \[B\]: a state is written as text, and the memory may be locked.
 const STACK: usize = 256 << 10;
 
-/// Maximum sleep between two checks of the stop flag.
-const MAX_SLEEP: Duration = Duration::from_secs(3600);
-
 /// The states to be written: of each column the newest, so that there are at most as many as columns.
 #[derive(Debug)]
 pub struct Keeper {
@@ -89,7 +86,7 @@ impl Keeper {
                 if stop {
                     return;
                 }
-                self.notifier.wait(MAX_SLEEP);
+                self.notifier.wait(Duration::MAX);
                 continue;
             };
             let Some(path) = paths.get(column as usize) else {

@@ -285,15 +285,11 @@ impl Shared {
         }
         let late = lateness(deadline, slot.twin.period(), now);
         let counters = &self.counters;
-        counters
-            .worst_lateness
-            .fetch_max(late.nanos, Ordering::Relaxed);
-        if late.skipped_periods > 0 {
-            counters.overruns.fetch_add(1, Ordering::Relaxed);
-            counters
-                .skipped_periods
-                .fetch_add(late.skipped_periods, Ordering::Relaxed);
-        }
+        late.count(
+            &counters.worst_lateness,
+            &counters.overruns,
+            &counters.skipped_periods,
+        );
     }
 
     fn plan_of(&self, column: u32, slot: &mut Slot) -> Plan {

@@ -19,7 +19,7 @@ use crate::messages::std_msgs::Header;
 use crate::twin::{Command, Refusal, RefusalCode};
 
 use super::super::diagnostics::NodeCounters;
-use super::super::inputs::{MAX_NAMED_CHARS, answer, answer_from, each, tell};
+use super::super::inputs::{MAX_NAMED_CHARS, answer, answer_from, each, follow_clock, tell};
 use super::super::node::{Node, NodeError};
 use super::super::qos;
 use super::super::senders::Senders;
@@ -78,25 +78,7 @@ impl FleetSubscriptions {
                 }
             },
         );
-        let clock = async {
-            if let Some(clock) = &self.clock {
-                each(
-                    clock,
-                    &qos::CLOCK,
-                    &counters,
-                    |message: Clock, _| match message.clock.to_nanos() {
-                        Some(now) => {
-                            if let Some(clock) = &counters.clock {
-                                clock.received();
-                            }
-                            fleet.set_clock(now);
-                        }
-                        None => NodeCounters::count(&counters.unreadable),
-                    },
-                )
-                .await;
-            }
-        };
+        let clock = follow_clock(self.clock.as_ref(), &counters, |now| fleet.set_clock(now));
         join!(events, clock);
     }
 }

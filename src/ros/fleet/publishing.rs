@@ -31,7 +31,7 @@ use super::live_fleet::FleetTwin;
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// Maximum wait for an output before the thread checks the stop flag and whether there are new readers.
+/// Maximum wait for an output before the thread checks whether there are new readers. A stop wakes it.
 const MAX_WAIT: Duration = Duration::from_millis(250);
 
 /// Minimum time between two rounds of all columns that new readers cause.
