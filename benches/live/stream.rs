@@ -25,6 +25,13 @@ const AHEAD: i64 = 5_000_000;
 const LATENESS: f64 = 0.5;
 const LATENCY_RATIO: f64 = 1.5;
 
+/// States with a longer distance in time belong to different responses \[ns\].
+const SAME_RESPONSE: i64 = 3_000_000;
+
+/// The start of a response, in which forecast, report of the previous impact, statuses and the sender of the events share
+/// the processors with the stream \[ns\].
+const START: i64 = 20_000_000;
+
 /// Maximum time in transit of the last messages.
 const STRAGGLERS: Duration = Duration::from_secs(1);
 
@@ -94,12 +101,34 @@ impl Record {
     }
 
     fn latency(&self) -> Ranked {
-        Ranked::new(
-            self.arrivals
-                .iter()
-                .map(|it| 1e-6 * (it.received - it.stamp) as f64),
-        )
+        Ranked::new(self.arrivals.iter().map(latency))
     }
+
+    /// The latencies in the first [`START`] of each response, and those of all later messages.
+    fn latencies_at_start_and_later(&self) -> (Ranked, Ranked) {
+        let mut sorted: Vec<_> = self.arrivals.iter().collect();
+        sorted.sort_by_key(|it| it.stamp);
+        let (mut first, mut last) = (i64::MIN, i64::MIN);
+        let (mut start, mut later) = (Vec::new(), Vec::new());
+        for arrival in sorted {
+            if arrival.stamp.saturating_sub(last) > SAME_RESPONSE {
+                first = arrival.stamp;
+            }
+            last = arrival.stamp;
+            let group = if arrival.stamp - first < START {
+                &mut start
+            } else {
+                &mut later
+            };
+            group.push(latency(arrival));
+        }
+        (Ranked::new(start), Ranked::new(later))
+    }
+}
+
+/// From the stamp of a message to the code of the reader \[ms\].
+fn latency(arrival: &Arrival) -> f64 {
+    1e-6 * (arrival.received - arrival.stamp) as f64
 }
 
 /// The arrivals of one Rust reader.
@@ -219,6 +248,14 @@ fn print_reader(name: &str, records: &[Record]) {
                 &format!("  latency, p{percent} [ms]"),
                 latency.percentile(percent),
                 bare_latency.percentile(percent),
+            );
+        }
+        let (start, later) = node.latencies_at_start_and_later();
+        for (name, group) in [("first 20 ms of a response", start), ("later", later)] {
+            compared(
+                &format!("  {name}: {} messages, p99 [ms]", group.len()),
+                group.percentile(99.0),
+                bare_latency.percentile(99.0),
             );
         }
         row(

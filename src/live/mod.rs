@@ -37,6 +37,7 @@ pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue}
 pub use notifier::Notifier;
 pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THREADS};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
+use real_time::Urgency;
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 #[cfg(feature = "study")]
 pub use sensing::{Deliver, SENSING_THREAD};
@@ -191,7 +192,7 @@ impl Live {
             },
             reserved: options.real_time.processors.clone(),
         };
-        let solver = Solver {
+        let mut solver = Solver {
             twin,
             clock,
             shared,
@@ -200,6 +201,8 @@ impl Live {
             latest: None,
             completing_cycles: 0,
             planned: None,
+            urgency: Urgency::default(),
+            awaited_since: None,
         };
         let (sender, grants) = sync_channel(1);
         let real_time = options.real_time;
@@ -208,7 +211,9 @@ impl Live {
                 .name(SOLVER_THREAD.to_owned())
                 .stack_size(THREAD_STACK)
                 .spawn(move || {
-                    let _ = sender.try_send(real_time::request(&real_time)); // there is room for one
+                    let grants = real_time::request(&real_time);
+                    solver.urgency = Urgency::of(&real_time, &grants);
+                    let _ = sender.try_send(grants); // there is room for one
                     solver.run();
                 })?,
         );

@@ -127,6 +127,60 @@ pub fn request_for_publisher(wanted: &RealTime) {
     }
 }
 
+/// The priority of a thread of real time that also computes for milliseconds what has no deadline.
+///
+/// Such work runs with normal priority. The system does not move a waiting thread of normal priority away from a processor that
+/// one of real time keeps, even if another processor is idle: measured were readers and DDS threads that waited up to 5 ms
+/// for the end of a forecast.
+#[derive(Debug, Default)]
+pub(super) struct Urgency {
+    /// The priority under SCHED_FIFO, if it was granted.
+    fifo_priority: Option<u8>,
+    is_relaxed: bool,
+}
+
+impl Urgency {
+    /// Of a thread that requested `wanted`, with the outcome `grants`.
+    pub fn of(wanted: &RealTime, grants: &RealTimeGrants) -> Self {
+        let fifo_priority = wanted
+            .fifo_priority
+            .filter(|_| grants.fifo == Grant::Granted);
+        Self {
+            fifo_priority,
+            is_relaxed: false,
+        }
+    }
+
+    /// Gives the calling thread normal priority.
+    pub fn relax(&mut self) {
+        if self.fifo_priority.is_some() && !self.is_relaxed {
+            let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+            let own = thread_native_id();
+            self.is_relaxed =
+                set_thread_priority_and_policy(own, ThreadPriority::Min, normal).is_ok();
+        }
+    }
+
+    /// Gives the calling thread its priority of real time again.
+    ///
+    /// # Errors
+    /// The system denies it now. It is not requested again.
+    pub fn restore(&mut self) -> Result<(), String> {
+        if !std::mem::take(&mut self.is_relaxed) {
+            return Ok(());
+        }
+        match self.fifo_priority.map_or(Grant::NotRequested, fifo) {
+            Grant::Denied { reason, hint } => {
+                self.fifo_priority = None;
+                Err(format!(
+                    "SCHED_FIFO no longer granted to the solver's thread: {reason}; {hint}"
+                ))
+            }
+            Grant::Granted | Grant::NotRequested => Ok(()),
+        }
+    }
+}
+
 /// Gives the calling thread the lowest priority, and these processors. `false` if it still has a
 /// real-time priority, with which it would delay other threads.
 pub(super) fn lower_priority(processors: Option<&CpuSet>) -> bool {
@@ -233,5 +287,37 @@ mod tests {
             .expect("no panic");
         let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
         assert_eq!(lowered, (true, Ok(idle)));
+    }
+
+    /// Where the system denies SCHED_FIFO, the priority is normal all the time.
+    #[test]
+    fn a_forecast_is_computed_with_normal_priority_and_a_sample_with_that_of_real_time() {
+        let policies = std::thread::Builder::new()
+            .name("urgency".to_owned())
+            .spawn(|| {
+                let wanted = RealTime {
+                    fifo_priority: Some(7),
+                    ..RealTime::none()
+                };
+                let grants = request(&wanted);
+                let mut urgency = Urgency::of(&wanted, &grants);
+                urgency.relax();
+                let relaxed = thread_schedule_policy();
+                let restored = urgency.restore().map(|()| thread_schedule_policy());
+                (grants.fifo, relaxed, restored)
+            })
+            .expect("starts")
+            .join()
+            .expect("no panic");
+        let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+        let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+        let (granted, relaxed, restored) = policies;
+        assert_eq!(relaxed, Ok(normal));
+        let expected = if granted == Grant::Granted {
+            fifo
+        } else {
+            normal
+        };
+        assert_eq!(restored, Ok(Ok(expected)));
     }
 }

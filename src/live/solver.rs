@@ -8,6 +8,7 @@ use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
 use super::queue::OutputQueues;
+use super::real_time::Urgency;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
 use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
@@ -26,6 +27,14 @@ const SLICE: u64 = 16;
 /// forecasts of earlier responses: this thread has a high priority, and on two processors those who publish and receive the
 /// samples need the rest. A response takes 3 % of its own time to compute, and its error twice as much.
 const BACKGROUND_SHARE: u64 = 4;
+
+/// The thread has its priority of real time again this long before a deadline, so that it does not wait for a processor at the
+/// deadline \[ns\].
+const URGENT_BEFORE_DEADLINE: Nanos = 300_000;
+
+/// A forecast is computed with normal priority for at most this long \[ns\]: on processors that other programs keep busy, the
+/// rest gets the priority of real time.
+const PATIENCE: u64 = 10_000_000;
 
 /// Steps of a forecast per cycle while the response catches up, when samples are late anyway.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
@@ -101,6 +110,10 @@ pub(super) struct Solver {
     pub completing_cycles: u32,
     /// When the next cycle is to start, if that is known.
     pub planned: Option<PlannedCycle>,
+    /// The priority of the thread.
+    pub urgency: Urgency,
+    /// Since when a forecast is awaited, by the monotonic clock \[ns\].
+    pub awaited_since: Option<u64>,
 }
 
 impl Solver {
@@ -206,10 +219,17 @@ impl Solver {
         }
         let mut slice_nanos = 0;
         let (started, share) = (monotonic_nanos(), self.twin.period() / BACKGROUND_SHARE);
+        let is_patient = self.is_patient(started);
         while self.twin.is_looking_ahead()
             && (self.twin.awaits_forecast() || monotonic_nanos().saturating_sub(started) < share)
             && before.saturating_add(slice_nanos) < self.twin.next_deadline(before)
         {
+            let left = self.twin.next_deadline(before).saturating_sub(before);
+            if is_patient && left > URGENT_BEFORE_DEADLINE {
+                self.urgency.relax();
+            } else {
+                self.restore_urgency();
+            }
             self.twin.run_ahead(SLICE, before, &mut self.sink);
             // At once, because a reader of the forecast would otherwise wait for the deadline.
             self.sink.notify();
@@ -220,6 +240,24 @@ impl Solver {
             if self.has_requests() {
                 break;
             }
+        }
+        self.restore_urgency();
+    }
+
+    /// Whether what is computed ahead can be computed with normal priority.
+    fn is_patient(&mut self, now: u64) -> bool {
+        if !self.twin.awaits_forecast() {
+            self.awaited_since = None;
+            return true;
+        }
+        let since = *self.awaited_since.get_or_insert(now);
+        now.saturating_sub(since) < PATIENCE
+    }
+
+    fn restore_urgency(&mut self) {
+        if let Err(reason) = self.urgency.restore() {
+            let now = self.clock.now();
+            self.sink.notice(NoticeLevel::Warning, now, reason);
         }
     }
 
@@ -406,6 +444,8 @@ mod tests {
             latest: None,
             completing_cycles: 0,
             planned: None,
+            urgency: Urgency::default(),
+            awaited_since: None,
         };
         solver.run();
         let mut receiver = Receiver::new(queues);
