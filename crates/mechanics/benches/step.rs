@@ -171,6 +171,57 @@ fn print_vehicles() {
     }
 }
 
+/// Steps in which the column and all springs stay elastic, and vehicle and column touch.
+const ELASTIC_STEPS: u64 = 1_000;
+
+/// Compares the steps of compliant vehicles with those of a rigid one where nothing yields, so that nothing but the vehicle's
+/// own equations makes the difference. The runs alternate, so that other load on the machine meets all of them.
+fn print_elastic_vehicles() {
+    println!(
+        "\nns per step of the first {ELASTIC_STEPS} after an impact of 8 t at 0.2 m/s, all elastic"
+    );
+    println!(
+        "{:<20}{:<15}{:>10}{:>8}",
+        "scheme", "vehicle", "step", "ratio"
+    );
+    for scheme in SCHEMES {
+        let chosen = format!("solver.scheme:={scheme}");
+        let (properties, rigid) = example(&[
+            &chosen,
+            "solver.dt:=1.0e-5",
+            "impact.mass:=8000.0",
+            "impact.velocity:=0.2",
+        ]);
+        let model = Model::new(&properties).expect("a column");
+        let compliant = vehicles().map(|(name, vehicle)| {
+            let vehicle = Some(vehicle);
+            (name, Impact { vehicle, ..rigid })
+        });
+        let mut impacts = vec![("rigid", rigid)];
+        impacts.extend(compliant);
+        let mut fastest = vec![Duration::MAX; impacts.len()];
+        for _ in 0..RUNS {
+            for ((_, impact), fastest) in impacts.iter().zip(&mut fastest) {
+                let mut state = State::at_rest(&model);
+                begin_impact(&model, &mut state, *impact).expect("an impact");
+                let began = Instant::now();
+                for _ in 0..ELASTIC_STEPS {
+                    step(black_box(&model), &mut state).expect("a step");
+                }
+                *fastest = began.elapsed().min(*fastest);
+                black_box(state);
+            }
+        }
+        for ((name, _), time) in impacts.iter().zip(&fastest) {
+            println!(
+                "{scheme:<20}{name:<15}{:>10.0}{:>8.2}",
+                time.as_secs_f64() * 1e9 / ELASTIC_STEPS as f64,
+                time.as_secs_f64() / fastest[0].as_secs_f64()
+            );
+        }
+    }
+}
+
 /// Time of one `step` with each of the [`STRENGTHS`] \[ns\]. The runs alternate, so that other load on the machine meets
 /// all of them.
 fn costs_of_strengths(properties: &ColumnProperties, impact: &Impact) -> [f64; 3] {
@@ -232,6 +283,7 @@ fn main() {
         }
     }
     print_vehicles();
+    print_elastic_vehicles();
     println!(
         "\nns per step of the same with strain rate and hardening, and its ratio to that with constant strength"
     );
