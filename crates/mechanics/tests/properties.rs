@@ -279,13 +279,19 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
 }
 
 fn run(scheme: Scheme, impacts: impl Strategy<Value = Impact>) {
+    // The columns are the same in every run; COLUMN_TWIN_EXPLORE draws as many new ones as it says.
+    let explored: Option<u32> = std::env::var("COLUMN_TWIN_EXPLORE").ok().map(|count| {
+        count
+            .parse()
+            .expect("COLUMN_TWIN_EXPLORE is a number of columns")
+    });
+    let cases = explored.unwrap_or(CASES);
     let config = Config {
-        cases: CASES,
-        max_global_rejects: 20 * CASES,
+        cases,
+        max_global_rejects: cases.saturating_mul(20),
         ..Config::default()
     };
-    // The columns are the same in every run; COLUMN_TWIN_EXPLORE=1 draws new ones.
-    let mut runner = if std::env::var_os("COLUMN_TWIN_EXPLORE").is_some() {
+    let mut runner = if explored.is_some() {
         TestRunner::new(config)
     } else {
         let seed = TestRng::deterministic_rng(config.rng_algorithm);

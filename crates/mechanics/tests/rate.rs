@@ -663,7 +663,7 @@ fn run(scheme: Scheme) {
         max_global_rejects: 20 * CASES,
         ..Config::default()
     };
-    // The columns are the same in every run; COLUMN_TWIN_EXPLORE=1 draws new ones.
+    // The columns are the same in every run; COLUMN_TWIN_EXPLORE draws new ones.
     let mut runner = if std::env::var_os("COLUMN_TWIN_EXPLORE").is_some() {
         TestRunner::new(config)
     } else {
