@@ -192,6 +192,21 @@ fn check_vehicle(impact: &Impact, before: &Sample, sample: &Sample) -> Result<()
 }
 
 /// Follows a response and checks every step of it.
+/// What the ledger loses to round-off in the springs of a vehicle: the crush `d` has a relative error, the force `k` times
+/// its absolute one, and acts over the distance of a step; the errors of the steps add up like a random walk \[J\]. It matters
+/// for fronts that become as stiff as solid steel after they were crushed by metres.
+fn round_off(properties: &ColumnProperties, impact: &Impact) -> f64 {
+    let springs = impact.vehicle.iter().flat_map(|vehicle| vehicle.springs());
+    let force: f64 = springs
+        .map(|spring| {
+            let longest = spring.envelope.points().last().map_or(0.0, |it| it[0]);
+            spring.unloading_stiffness * f64::EPSILON * longest.max(1.0)
+        })
+        .sum();
+    let distance = impact.velocity * 1e-9 * properties.step_nanos as f64;
+    force * distance * f64::from(STEPS).sqrt()
+}
+
 fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCaseError> {
     let Ok(model) = Model::new(properties) else {
         return Err(TestCaseError::reject(
@@ -257,7 +272,7 @@ fn follow(properties: &ColumnProperties, impact: &Impact) -> Result<(), TestCase
                 prop_assert!(excess <= 1e-9, "{hinge:?}");
             }
             prop_assert!(
-                sample.ledger_residual.abs() <= 1e-10 * scale,
+                sample.ledger_residual.abs() <= 1e-10 * scale + round_off(properties, impact),
                 "ledger {} of {scale}",
                 sample.ledger_residual
             );
