@@ -304,6 +304,7 @@ fn run(scheme: Scheme, impacts: impl Strategy<Value = Impact>) {
     let config = Config {
         cases,
         max_global_rejects: cases.saturating_mul(20),
+        max_local_rejects: cases.saturating_mul(20),
         ..Config::default()
     };
     let mut runner = if explored.is_some() {
