@@ -8,6 +8,9 @@ use super::population::Round;
 /// Responses weighed in one slice.
 const WEIGHED: usize = 128;
 
+/// Responses that get a first impression in one slice.
+const SCREENED: usize = 512;
+
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
 
@@ -105,6 +108,7 @@ pub(super) struct Update {
 
 #[derive(Debug, Clone)]
 enum Task {
+    Screen(usize),
     Weigh,
     Refine,
     /// All responses are weighed with all data, because sensors may contradict each other.
@@ -128,7 +132,7 @@ impl Update {
         Self {
             refinement,
             judges: !is_first,
-            task: Task::Weigh,
+            task: Task::Screen(0),
         }
     }
 
@@ -149,6 +153,10 @@ impl Update {
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         self.task = match std::mem::replace(&mut self.task, Task::Over) {
+            Task::Screen(first) => match estimator.screen(first, SCREENED) {
+                true => Task::Screen(first + SCREENED),
+                false => Task::Weigh,
+            },
             Task::Weigh => match estimator.weigh_some(WEIGHED) {
                 true => Task::Weigh,
                 false => Task::Refine,

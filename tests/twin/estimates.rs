@@ -49,6 +49,7 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
         prepared: 3,
         drawn_before: 0,
         drawn: 20,
+        events: Vec::new(),
         estimate: ImpactEstimate {
             data_until: 3.02,
             contact_time,
