@@ -48,7 +48,7 @@ const ROUND: usize = 20;
 const LIVE_EXPLORATION: f64 = 0.4;
 
 /// Responses whose remaining capacity is computed for an estimate, chosen by their weights: severities come in steps of 1 %.
-const ASSESSED: usize = 100;
+pub(super) const ASSESSED: usize = 100;
 
 /// Standard deviation of the logarithm of the yield strength by which the single best impact is held to the given one: it has
 /// to explain the data on the column as the parameters describe it.
@@ -350,10 +350,10 @@ impl Estimator {
         }
     }
 
-    /// The responses whose severity an estimate needs and that are not assessed yet.
-    pub(super) fn unassessed(&self) -> Vec<usize> {
-        let weights = self.population.weights();
-        let mut chosen = self.population.chosen(&weights, ASSESSED);
+    /// The responses whose severity an estimate with so many chosen ones needs and that are not assessed yet.
+    pub(super) fn unassessed(&self, count: usize) -> Vec<usize> {
+        let weights = self.weights();
+        let mut chosen = self.population.chosen(&weights, count);
         chosen.dedup();
         chosen.retain(|&index| self.population.members[index].assessed.is_none());
         chosen
@@ -376,8 +376,8 @@ impl Estimator {
     }
 
     /// Severity and capacity ratio after responses that are chosen by their weights.
-    fn assess(&mut self, weights: &[f64]) -> Vec<(Severity, f64)> {
-        let chosen = self.population.chosen(weights, ASSESSED);
+    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Severity, f64)> {
+        let chosen = self.population.chosen(weights, count);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
                 self.assess_one(index);
@@ -439,8 +439,13 @@ impl Estimator {
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
+        self.estimate_with(data_until, ASSESSED)
+    }
+
+    /// The same with severity and remaining capacity of so many responses, which are chosen by their weights.
+    pub(super) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
         let weights = self.weights();
-        let assessed = self.assess(&weights);
+        let assessed = self.assess(&weights, count);
         let members = || {
             let all = self.population.members.iter().zip(weights.iter().copied());
             all.filter(|(_, weight)| *weight > 0.0)

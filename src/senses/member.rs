@@ -163,10 +163,10 @@ impl Member {
         self.sums[self.shift * groups + sensor / WIDTH].of(sensor % WIDTH)
     }
 
-    /// Takes at most `count` more blocks.
-    pub fn weigh(&mut self, weighing: &Weighing, count: usize) {
-        let until = weighing.blocks.len().min(self.seen.saturating_add(count));
-        let blocks = &weighing.blocks[self.seen.min(until)..until];
+    /// Takes all blocks that are not in the sums yet.
+    pub fn weigh(&mut self, weighing: &Weighing) {
+        let until = weighing.blocks.len();
+        let blocks = &weighing.blocks[self.seen.min(until)..];
         let groups = self.sums.len() / SHIFTS;
         for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
             for (group, sums) in sums.iter_mut().enumerate() {

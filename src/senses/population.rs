@@ -50,9 +50,6 @@ const NEGLIGIBLE: f64 = 30.0;
 /// The last blocks of data, by which a member that was never weighed gives a first impression.
 const SCREENED_BLOCKS: usize = 4;
 
-/// Blocks of data after which it is seen whether a member has become negligible.
-const BLOCKS_AT_ONCE: usize = 8;
-
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
 
@@ -454,11 +451,11 @@ impl Population {
         let weighing = self.take_weighing();
         self.members
             .par_iter_mut()
-            .for_each(|member| member.weigh(&weighing, usize::MAX));
+            .for_each(|member| member.weigh(&weighing));
         self.weighing = Some(weighing);
     }
 
-    /// Brings the likelihoods of at most `count` members closer to the data, in this thread; returns whether there are more.
+    /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.
     ///
     /// More data never make a likelihood larger: a member that the data so far have made negligible stays so, and is left
     /// where it is.
@@ -482,13 +479,10 @@ impl Population {
         }
         let weighing = self.take_weighing();
         for (_, index) in &behind {
-            self.members[*index].weigh(&weighing, BLOCKS_AT_ONCE);
+            self.members[*index].weigh(&weighing);
         }
         self.weighing = Some(weighing);
-        !(is_all
-            && behind
-                .iter()
-                .all(|(_, index)| self.members[*index].seen == blocks))
+        !is_all
     }
 
     /// Gives at most `count` members from `first` on that were never weighed a first impression by the newest data, in this
@@ -506,7 +500,7 @@ impl Population {
     pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
         let weighing = self.take_weighing();
         let some = self.members.iter_mut().skip(first).take(count);
-        some.for_each(|it| it.weigh(&weighing, usize::MAX));
+        some.for_each(|it| it.weigh(&weighing));
         self.weighing = Some(weighing);
         first + count < self.members.len()
     }

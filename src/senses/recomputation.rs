@@ -179,7 +179,7 @@ impl Recomputation {
         let until = record.estimate.data_until;
         estimator.set_events(&record.events);
         let refine = Refinement::again(record.drawn);
-        let mut work = Update::new(estimator, until, update == 0, refine);
+        let mut work = Update::new(estimator, until, update, record.is_final, refine);
         while !work.is_over() {
             work.step(estimator);
         }
@@ -200,7 +200,7 @@ impl Recomputation {
             drawn: work.drawn(),
             events: record.events.clone(),
             last_batch: last.unwrap_or(record.last_batch),
-            estimate: estimator.estimate(until),
+            estimate: work.estimate(estimator),
             best,
             ..record.clone()
         };

@@ -17,7 +17,7 @@ use super::hypothesis::hypotheses;
 use super::prediction::HORIZON;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
-use super::update::{Refinement, Update};
+use super::update::{Refinement, Update, assessed};
 use crate::parameters::Parameters;
 use crate::twin::Nanos;
 
@@ -397,7 +397,8 @@ impl Sensing {
             }
             Task::Between(refinement) if refinement.is_over() => {
                 impact.drawn_before = refinement.drawn();
-                impact.task = Task::Assess(estimator.unassessed());
+                let count = assessed(estimator, impact.update, impact.is_complete);
+                impact.task = Task::Assess(estimator.unassessed(count));
                 Work::More { is_urgent: false }
             }
             Task::Between(refinement) => {
@@ -466,7 +467,7 @@ impl CurrentImpact {
         estimator.set_events(&self.events);
         let refinement = Refinement::at_most(most);
         self.task = Task::Update(Underway {
-            update: Update::new(estimator, until, self.update == 0, refinement),
+            update: Update::new(estimator, until, self.update, self.is_complete, refinement),
             until,
             batches,
             last_batch,
@@ -512,7 +513,7 @@ impl CurrentImpact {
             drawn_before: self.drawn_before,
             drawn: underway.update.drawn(),
             events: underway.events.clone(),
-            estimate: estimator.estimate(underway.until),
+            estimate: underway.update.estimate(estimator),
             best: estimator.best()?,
         })
     }
