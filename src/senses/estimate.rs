@@ -31,19 +31,19 @@ const TAIL: f64 = 0.05;
 #[cfg(feature = "study")]
 const TAIL_DEVIATIONS: f64 = 1.645;
 
-/// Quantiles of the standard normal distribution at the middles of ten equal shares. The outermost ones are the ends of its 90 %
-/// interval.
+/// Ten equal shares of the standard normal distribution. The outermost ones are the ends of its 90 % interval; the others are the
+/// quantiles at the middles of their shares, stretched so that all have its variance.
 #[cfg(feature = "study")]
 const QUANTILES: [f64; 10] = [
     -TAIL_DEVIATIONS,
-    -1.036_43,
-    -0.674_49,
-    -0.385_32,
-    -0.125_66,
-    0.125_66,
-    0.385_32,
-    0.674_49,
-    1.036_43,
+    -1.206_30,
+    -0.785_04,
+    -0.448_47,
+    -0.146_26,
+    0.146_26,
+    0.448_47,
+    0.785_04,
+    1.206_30,
     TAIL_DEVIATIONS,
 ];
 

@@ -204,7 +204,8 @@ impl Population {
         self.random = random.clone();
         self.ignored.fill(false);
         self.weighing = None;
-        if self.observed.is_empty() && self.events.is_empty() && self.members.len() == *members {
+        let is_prepared = self.members.len() == *members && self.drawn.len() == *drawn;
+        if is_prepared && self.observed.is_empty() && self.events.is_empty() {
             return;
         }
         self.members.truncate(*members);

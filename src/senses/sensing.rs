@@ -292,7 +292,9 @@ impl Sensing {
 
     /// Learns the zeros of the sensors again.
     fn settle(&mut self) {
-        self.estimator.rewind();
+        if self.is_estimating() {
+            self.estimator.rewind();
+        }
         self.detector = Detector::new(&self.sensors);
         self.base = None;
         let newest = self.ends.iter().flatten().max();

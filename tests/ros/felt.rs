@@ -41,7 +41,7 @@ fn config(name: &str) -> PathBuf {
 }
 
 /// The column and its sensors as in the signal, whose steel does not become stronger with the strain rate: with
-/// strengthening, the same signal is that of a vehicle with a fifth more momentum.
+/// strengthening, the same signal is that of a vehicle with 17 % more momentum.
 const OVERRIDES: [&str; 6] = [
     "rate.law:=none",
     "geometry.length_below:=0.8",
