@@ -1,13 +1,14 @@
 //! The estimates of a recording: each is a command in its journal, and is computed again from the recorded measurements.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::comparison::{Difference, Place};
 use super::measured::Measured;
 use super::verification::Verification;
 use crate::parameters::Parameters;
-use crate::senses::{EstimateRecord, NotRecomputed, Recomputation};
-use crate::twin::Command;
+use crate::senses::{EstimateRecord, EventEvidence, NotRecomputed, Recomputation};
+use crate::twin::{Command, MergedEvent};
 
 /// Checks the estimates of a recording.
 #[derive(Debug, Default)]
@@ -46,6 +47,7 @@ impl EstimateCheck {
     pub fn command(
         &mut self,
         recorded: &Arc<EstimateRecord>,
+        merged: &VecDeque<MergedEvent>,
         place: &Place<'_>,
         found: &mut Verification,
     ) -> Command {
@@ -59,6 +61,10 @@ impl EstimateCheck {
             Ok(computed) => {
                 found.estimates.compared += 1;
                 self.compared = Some(Arc::clone(&recorded.event_id));
+                let computed = EstimateRecord {
+                    events: events(recorded, merged),
+                    ..computed
+                };
                 if let Some(difference) = place.first_difference(&**recorded, &computed) {
                     found.estimates.differing += 1;
                     let field = format!("recorded estimate: {}", difference.field);
@@ -161,6 +167,19 @@ impl EstimateCheck {
     pub fn finish(mut self, found: &mut Verification) {
         self.tell(found);
     }
+}
+
+/// What the events that count for a recorded estimate say, by the twin that repeats the recorded one. An event that is not the same
+/// impact for it is not among them.
+fn events(recorded: &EstimateRecord, merged: &VecDeque<MergedEvent>) -> Vec<EventEvidence> {
+    let own = |wanted: &EventEvidence| {
+        let mut same = merged.iter().rev();
+        let same = same.find(|it| {
+            it.estimate_id == recorded.event_id && it.evidence.event_id == wanted.event_id
+        });
+        same.map(|it| it.evidence.clone())
+    };
+    recorded.events.iter().filter_map(own).collect()
 }
 
 /// Why an estimate was not computed again.

@@ -10,7 +10,10 @@ use crate::column::ModelError;
 use crate::live::monotonic_nanos;
 use crate::messages::column_twin::{ColumnState, ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Outgoing, Topic};
-use crate::twin::{Checkpoint, Command, CommandRecord, Journal, Nanos, Output, StateOutput, Twin};
+use crate::senses::MAX_EVENTS;
+use crate::twin::{
+    Checkpoint, Command, CommandRecord, Journal, MergedEvent, Nanos, Output, StateOutput, Twin,
+};
 
 /// A twin that follows the recorded one.
 pub(super) struct ReplayedTwin {
@@ -35,7 +38,12 @@ pub(super) struct ReplayedTwin {
     pub has_ended: bool,
     /// The next entry must be a status.
     pub must_report: bool,
+    /// The newest events that are the same impact as an estimate.
+    pub merged: VecDeque<MergedEvent>,
 }
+
+/// Most merged events that are kept: an estimate rests on fewer.
+const MAX_MERGED: usize = 4 * MAX_EVENTS;
 
 /// What has to be recorded next.
 #[derive(Debug, Clone)]
@@ -92,6 +100,7 @@ impl ReplayedTwin {
             unexpected: Vec::new(),
             has_ended: false,
             must_report: false,
+            merged: VecDeque::new(),
         })
     }
 
@@ -124,6 +133,12 @@ impl ReplayedTwin {
     pub fn convert(&mut self, output: &Output) {
         if let Output::State(state) = output {
             return self.due.push_back(Due::State(Box::new(state.clone())));
+        }
+        if let Output::Merged(event) = output {
+            self.merged.push_back(event.clone());
+            if self.merged.len() > MAX_MERGED {
+                self.merged.pop_front();
+            }
         }
         if let Output::Replaced(event_id) = output {
             return self.forecasts.replace(event_id);

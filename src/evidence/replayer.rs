@@ -210,7 +210,10 @@ impl Replayer {
                 let task = replayed.twin.critical_velocity_task();
                 check_critical_velocities(vehicles, task, &place, found)
             }
-            Command::Estimate(estimate) => self.estimates.command(estimate, &place, found),
+            Command::Estimate(estimate) => {
+                let merged = &replayed.merged;
+                self.estimates.command(estimate, merged, &place, found)
+            }
             other => other.clone(),
         };
         let Some(own) = replayed.execute(command, record.now) else {

@@ -27,6 +27,7 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
 
+use crossbeam_queue::ArrayQueue;
 use thiserror::Error;
 
 pub use background::BACKGROUND_THREAD;
@@ -52,7 +53,7 @@ use inbox::{ANSWER_TIMEOUT, Reply, Request};
 use queue::OutputQueues;
 #[cfg(feature = "study")]
 use sensing::{SensingThread, Surroundings};
-use solver::{Shared, Sink, Solver};
+use solver::{MAX_MERGED_EVENTS, MergedEvents, Shared, Sink, Solver};
 use state_writer::StateWriter;
 
 /// Options of a live twin.
@@ -164,11 +165,15 @@ impl Live {
             .as_ref()
             .map(|(state_writer, _)| Arc::clone(state_writer));
         let parameters = Arc::clone(&handle.parameters);
+        let made_for_events = || Arc::new(ArrayQueue::new(MAX_MERGED_EVENTS));
+        let merged_events: Option<MergedEvents> =
+            (cfg!(feature = "study") && options.measurements.is_some()).then(made_for_events);
         let sink = Sink {
             queues: queues.clone(),
             state_writer,
             parameters,
             column_changes: Arc::clone(&shared.column_changes),
+            merged_events: merged_events.clone(),
             unnotified: false,
         };
         #[cfg(feature = "study")]
@@ -186,6 +191,7 @@ impl Live {
             clock: Arc::clone(&clock),
             outputs: queues.clone(),
             changes: Arc::clone(&shared.column_changes),
+            merged_events: merged_events.unwrap_or_else(made_for_events),
             snapshot: {
                 let shared = Arc::clone(&shared);
                 Box::new(move || shared.snapshot().ok())

@@ -15,7 +15,8 @@ use super::clock::Clock;
 use super::measurements::MeasurementQueue;
 use super::queue::OutputQueues;
 use super::real_time::yield_to_others;
-use crate::senses::{EstimateRecord, EstimatorError, Sensing, Work};
+use super::solver::MergedEvents;
+use crate::senses::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
 use crate::twin::{ColumnSnapshot, Condition, Nanos, Notice, NoticeLevel, Output, Refusal};
 
 /// The thread's name.
@@ -63,6 +64,7 @@ pub(super) struct Surroundings {
     /// Where messages to the operator go.
     pub outputs: Vec<Arc<OutputQueues>>,
     pub changes: ColumnChanges,
+    pub merged_events: MergedEvents,
     /// A copy of the column; `None` if the solver does not answer.
     pub snapshot: Box<dyn Fn() -> Option<ColumnSnapshot> + Send>,
     /// The processors of the solver's thread; empty: all.
@@ -158,6 +160,7 @@ impl Loop {
         while !self.stop.load(Ordering::SeqCst) {
             self.follow_column();
             self.take_batches();
+            self.take_events();
             let now = self.surroundings.clock.now();
             let work = self.sensing.as_mut().map_or(Work::Idle, |sensing| {
                 sensing.note_time(now);
@@ -183,6 +186,24 @@ impl Loop {
             };
             if let Some(sensing) = &mut self.sensing {
                 sensing.push(number, batch);
+            }
+        }
+    }
+
+    /// Lets what events say count for the estimates of the same impact.
+    fn take_events(&mut self) {
+        while let Some(event) = self.surroundings.merged_events.pop() {
+            let counts = self
+                .sensing
+                .as_mut()
+                .is_some_and(|it| it.note_event(&event.estimate_id, event.evidence));
+            if !counts {
+                let text = format!(
+                    "impact event \"{}\" does not count as evidence for \"{}\": its final estimate is made, or {MAX_EVENTS} events \
+                     count already",
+                    event.event_id, event.estimate_id
+                );
+                self.say(NoticeLevel::Info, text);
             }
         }
     }
@@ -372,6 +393,7 @@ mod tests {
             clock: Arc::new(SimClock::new(0)),
             outputs: vec![queues],
             changes: Arc::clone(&changes),
+            merged_events: Arc::new(crossbeam_queue::ArrayQueue::new(1)),
             snapshot: Box::new(move || Some(snapshot.clone())),
             reserved: Vec::new(),
         };

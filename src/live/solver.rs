@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
+use crossbeam_queue::ArrayQueue;
+
 use super::background::Background;
 use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Inbox, MAX_COMMANDS, Request};
@@ -11,7 +13,10 @@ use super::queue::OutputQueues;
 use super::real_time::Urgency;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
+use crate::senses::MAX_EVENTS;
+use crate::twin::{
+    ColumnSnapshot, Command, MergedEvent, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin,
+};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -49,6 +54,12 @@ pub const MAX_CLOCK_STEP_BACK: Nanos = 100_000_000;
 /// Requests wait for at most this many cycles until a response is complete during which the clock has jumped back: less than
 /// a second. Impacts that are handled before have stamps that are out of order.
 pub(super) const MAX_CYCLES_COMPLETING: u32 = 200;
+
+/// Most events that wait to become evidence for an estimate.
+pub(super) const MAX_MERGED_EVENTS: usize = MAX_EVENTS;
+
+/// Events that are the same impact as an estimate.
+pub(super) type MergedEvents = Arc<ArrayQueue<MergedEvent>>;
 
 /// The state that the solver's thread shares with the others.
 #[derive(Debug)]
@@ -348,6 +359,8 @@ pub(super) struct Sink {
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
     /// See [`Shared::column_changes`].
     pub column_changes: Arc<AtomicU64>,
+    /// Where events go that are evidence for an estimate; `None` if nothing is estimated.
+    pub merged_events: Option<MergedEvents>,
     /// There are outputs of which the readers have not been notified.
     pub unnotified: bool,
 }
@@ -364,6 +377,16 @@ impl Outputs for Sink {
     fn put(&mut self, output: Output) {
         if matches!(output, Output::Save(_) | Output::ParametersChanged(_)) {
             self.column_changes.fetch_add(1, Ordering::SeqCst);
+        }
+        if let (Output::Merged(event), Some(events)) = (&output, &self.merged_events)
+            && let Some(lost) = events.force_push(event.clone())
+        {
+            let text = format!(
+                "impact event \"{}\" does not count as evidence for \"{}\": more than {MAX_MERGED_EVENTS} events wait to be taken",
+                lost.event_id, lost.estimate_id
+            );
+            let stamp = event.contact;
+            self.notice(NoticeLevel::Error, stamp, text);
         }
         if let Output::Save(saved) = &output {
             if let Some(state_writer) = &self.state_writer {
@@ -438,6 +461,7 @@ mod tests {
                 state_writer: None,
                 parameters: Arc::default(),
                 column_changes: Arc::default(),
+                merged_events: None,
                 unnotified: false,
             },
             background: Background::new(),
@@ -477,6 +501,7 @@ mod tests {
             state_writer: None,
             parameters: Arc::default(),
             column_changes: Arc::default(),
+            merged_events: None,
             unnotified: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");

@@ -122,7 +122,14 @@ groups! {
     /// Who may send events, parameters and resets, and how often.
     SendersSettings { allowed: Vec<String>, max_rate: f64, burst: u32 }
     /// When estimates from sensors become impacts.
-    EstimationSettings { accept: AcceptEstimates, momentum_width: f64, yield_certainty: f64, merge_window: f64 }
+    EstimationSettings {
+        accept: AcceptEstimates,
+        momentum_width: f64,
+        yield_certainty: f64,
+        merge_window: f64,
+        event_mass_deviation: f64,
+        event_velocity_deviation: f64,
+    }
     /// Time stepping.
     SolverSettings { scheme: Scheme, dt: f64 }
     /// Damping of the elastic modes.

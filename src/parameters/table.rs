@@ -644,6 +644,31 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "largest difference of the instants of contact of an impact event and an estimate that are the same impact",
     },
     Parameter {
+        name: "estimation.event_mass_deviation",
+        unit: "",
+        default: DefaultValue::Double(0.3),
+        admissible: Admissible::Real {
+            min: 0.01,
+            max: 10.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "relative standard deviation of the mass in an impact event that is the same impact as an estimate, by which the event \
+                  counts for later estimates. 0.3: as much as the masses of the vehicles of one kind differ, because a camera or a \
+                  person sees the kind and not the load [A]",
+    },
+    Parameter {
+        name: "estimation.event_velocity_deviation",
+        unit: "",
+        default: DefaultValue::Double(0.15),
+        admissible: Admissible::Real {
+            min: 0.01,
+            max: 10.0,
+        },
+        applies: Applies::AtOnce,
+        meaning: "the same for the speed in such an event. 0.15: braking between the place where a camera measures the speed and the \
+                  column is not seen [A]",
+    },
+    Parameter {
         name: "rate.law",
         unit: "",
         default: DefaultValue::Text("none"),

@@ -2,10 +2,12 @@
 
 use super::blocks::Block;
 use super::estimate::CredibleInterval;
-use super::member::{Member, Observed};
+use super::lanes::WIDTH;
+use super::member::Member;
 use super::model_error::ModelError;
 use super::prediction::TimeGrid;
 use super::sensor::Sensor;
+use super::weighing::Observed;
 
 /// What one sensor has read after an impact, and what the responses say that it reads.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,13 +83,13 @@ impl Compared<'_> {
         for (member, weight) in likely.filter(|(_, weight)| **weight > 0.0) {
             let integral = |time: f64| {
                 let place = self.grid.place(time - member.delay);
-                member.prediction.integral(sensor, place)
+                member.prediction.integrals(sensor / WIDTH, place)[sensor % WIDTH]
             };
             let end = block.start + block.length;
             let predicted = (integral(end) - integral(block.start)) / block.length;
             let [_, cross, squares] = match self.ignored[sensor] {
                 true => [0.0; 3],
-                false => member.sums[sensor][member.shift],
+                false => member.sums(sensor),
             };
             let information = squares + prior;
             let factor = 1.0 + cross / information;

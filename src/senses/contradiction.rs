@@ -1,8 +1,9 @@
 //! Sensors that contradict each other.
 
-use super::member::{Fit, Member, Observed};
+use super::member::{Fit, Member};
 use super::model_error::ModelError;
 use super::sensor::Sensor;
+use super::weighing::Observed;
 
 /// Blocks that a sensor needs before it may contradict the others.
 const LEAST_BLOCKS: usize = 5;
@@ -17,7 +18,7 @@ const CONTRADICTION: f64 = 4.0;
 /// the closer look of [`contradictions`] is not necessary.
 pub(super) fn explains_all(members: &[Member], observed: &[Observed], sensors: &[Sensor]) -> bool {
     let up_to_date = || members.iter().filter(|it| it.seen == observed.len());
-    let best = largest(up_to_date().map(|member| member.log_posterior));
+    let best = largest(up_to_date().map(Member::log_posterior));
     let blocks: Vec<usize> = (0..sensors.len())
         .map(|sensor| {
             let means = observed.iter().map(|(_, means)| means[sensor]);
@@ -25,12 +26,12 @@ pub(super) fn explains_all(members: &[Member], observed: &[Observed], sensors: &
         })
         .collect();
     up_to_date()
-        .filter(|member| member.log_posterior >= best - PLAUSIBLE)
+        .filter(|member| member.log_posterior() >= best - PLAUSIBLE)
         .any(|member| {
-            let mut each = member.sums.iter().zip(sensors).zip(&blocks);
-            each.all(|((sums, sensor), &blocks)| {
+            let mut each = sensors.iter().zip(&blocks).enumerate();
+            each.all(|(index, (sensor, &blocks))| {
                 let error = ModelError::of(sensor.quantity);
-                Fit::new(&sums[member.shift], error).squares <= CONTRADICTION * blocks as f64
+                Fit::new(member.sums(index), error).squares <= CONTRADICTION * blocks as f64
             })
         })
 }
@@ -56,9 +57,9 @@ pub(super) fn contradictions(
     let fits: Vec<Vec<Fit>> = members
         .iter()
         .map(|member| {
-            let each = member.sums.iter().zip(sensors);
-            each.map(|(sums, sensor)| {
-                Fit::new(&sums[member.shift], ModelError::of(sensor.quantity))
+            let each = sensors.iter().enumerate();
+            each.map(|(index, sensor)| {
+                Fit::new(member.sums(index), ModelError::of(sensor.quantity))
             })
             .collect()
         })
@@ -74,7 +75,7 @@ pub(super) fn contradictions(
                     .zip(&fits)
                     .map(|(member, fits)| {
                         let each = others.clone().map(|other| fits[other].log_likelihood);
-                        member.log_prior + each.sum::<f64>()
+                        member.log_prior + member.log_events + each.sum::<f64>()
                     })
                     .collect();
                 let best = largest(likelihoods.iter().copied());

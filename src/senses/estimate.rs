@@ -31,6 +31,31 @@ const TAIL: f64 = 0.05;
 #[cfg(feature = "study")]
 const TAIL_DEVIATIONS: f64 = 1.645;
 
+/// Ten equal shares of the standard normal distribution. The outermost ones are the ends of its 90 % interval; the others are the
+/// quantiles at the middles of their shares, stretched so that all have its variance.
+#[cfg(feature = "study")]
+const QUANTILES: [f64; 10] = [
+    -TAIL_DEVIATIONS,
+    -1.206_30,
+    -0.785_04,
+    -0.448_47,
+    -0.146_26,
+    0.146_26,
+    0.448_47,
+    0.785_04,
+    1.206_30,
+    TAIL_DEVIATIONS,
+];
+
+/// A weighted value with its own standard deviation.
+#[cfg(feature = "study")]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spread {
+    pub mean: f64,
+    pub deviation: f64,
+    pub weight: f64,
+}
+
 impl CredibleInterval {
     /// Of a normal distribution.
     #[cfg(feature = "study")]
@@ -42,6 +67,27 @@ impl CredibleInterval {
         }
     }
 
+    /// Of weighted values that are themselves uncertain, of which so many are effective; NaN without any. Values that are not
+    /// finite do not count.
+    ///
+    /// The fewer they are, the less they show how far apart the values are that were not computed: each of them stands for a
+    /// distribution about it that is wider by the variance of their mean.
+    #[cfg(feature = "study")]
+    pub(super) fn of_spread(mut values: Vec<Spread>, effective: f64) -> Self {
+        values.retain(|it| it.mean.is_finite() && it.weight > 0.0);
+        let sum = |of: &dyn Fn(&Spread) -> f64| values.iter().fold(0.0, |sum, it| sum + of(it));
+        let total = sum(&|it| it.weight);
+        let mean = sum(&|it| it.weight * it.mean) / total;
+        let variance = sum(&|it| it.weight * (it.mean - mean) * (it.mean - mean)) / total;
+        let others = effective - 1.0;
+        let of_few = if others > 0.0 { variance / others } else { 0.0 };
+        let each = values.iter().flat_map(|it| {
+            let deviation = (it.deviation * it.deviation + of_few).sqrt();
+            QUANTILES.map(|z| (it.mean + deviation * z, it.weight))
+        });
+        Self::of(each)
+    }
+
     /// Of weighted values; NaN without any. Values that are not finite do not count.
     #[cfg(feature = "study")]
     pub(super) fn of(values: impl Iterator<Item = (f64, f64)>) -> Self {
@@ -49,7 +95,7 @@ impl CredibleInterval {
             .filter(|(value, weight)| value.is_finite() && *weight > 0.0)
             .collect();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+        let total = values.iter().fold(0.0, |sum, (_, weight)| sum + weight);
         let quantile = |share: f64| {
             let mut sum = 0.0;
             let found = values.iter().find(|(_, weight)| {
@@ -112,4 +158,66 @@ pub struct ImpactEstimate {
     /// Names of the sensors that contradict the others: no response that the others consider plausible explains what they
     /// read. They do not count, unless several are equally suspicious.
     pub doubtful_sensors: Vec<String>,
+}
+
+#[cfg(all(test, feature = "study"))]
+mod tests {
+    use super::*;
+
+    fn spread(mean: f64, deviation: f64, weight: f64) -> Spread {
+        Spread {
+            mean,
+            deviation,
+            weight,
+        }
+    }
+
+    #[test]
+    fn the_interval_of_one_value_is_that_of_its_own_normal_law() {
+        let one = CredibleInterval::of_spread(vec![spread(2.0, 0.1, 1.0)], 1.0);
+        assert!((one.low - (2.0 - 0.1645)).abs() < 1e-9, "{one:?}");
+        assert!((one.high - (2.0 + 0.1645)).abs() < 1e-9, "{one:?}");
+        assert!((one.mean - 2.0).abs() < 1e-12, "{one:?}");
+    }
+
+    /// The interval of a normal law that is represented by the middles of equal shares of it.
+    #[test]
+    fn the_interval_of_many_values_is_that_of_their_law_with_their_own() {
+        let count = 400;
+        let each = |k: i32| {
+            let z = normal_quantile((f64::from(k) + 0.5) / f64::from(count));
+            spread(5.0 + 0.3 * z, 0.4, 1.0)
+        };
+        let many = CredibleInterval::of_spread((0..count).map(each).collect(), f64::from(count));
+        // sqrt(0.3^2 + 0.4^2) = 0.5; ten points for a normal law leave 1 or 2 %.
+        assert!((many.high - (5.0 + 0.5 * 1.645)).abs() < 0.02, "{many:?}");
+        assert!((many.low - (5.0 - 0.5 * 1.645)).abs() < 0.02, "{many:?}");
+    }
+
+    #[test]
+    fn a_dominating_value_does_not_hide_how_far_the_next_one_is() {
+        let values = vec![spread(1.0, 0.03, 0.98), spread(2.0, 0.03, 0.02)];
+        let effective = 1.0 / (0.98_f64.powi(2) + 0.02_f64.powi(2));
+        let of_two = CredibleInterval::of_spread(values, effective);
+        assert!(of_two.high > 1.5, "{of_two:?}");
+        // Values that are no numbers do not count.
+        let values = vec![spread(f64::NAN, 0.1, 0.5), spread(1.0, 0.1, 0.5)];
+        let one = CredibleInterval::of_spread(values, 1.0);
+        assert!((one.mean - 1.0).abs() < 1e-12);
+        assert!(CredibleInterval::of_spread(Vec::new(), 1.0).mean.is_nan());
+    }
+
+    /// Quantile of the standard normal distribution, by halving an interval of its distribution function.
+    fn normal_quantile(share: f64) -> f64 {
+        let below = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+        let (mut low, mut high) = (-8.0, 8.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match below(middle) < share {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
 }

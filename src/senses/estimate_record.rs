@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::detection::Detection;
 use super::estimate::ImpactEstimate;
+use super::event_evidence::EventEvidence;
 use super::standing_column::StandingColumn;
 use crate::column::{Impact, Vehicle};
 use crate::exact_number;
@@ -42,6 +43,8 @@ pub struct EstimateRecord {
     pub drawn_before: u32,
     /// Responses that were drawn with the data of this estimate.
     pub drawn: u32,
+    /// What events say about the impact, which counted beside the data.
+    pub events: Vec<EventEvidence>,
     /// What the data say.
     pub estimate: ImpactEstimate,
     /// The single impact that explains the data best on the column as the parameters describe it, with its vehicle: what

@@ -2,7 +2,8 @@
 
 use super::blocks::Blocks;
 use super::comparison::SensorComparison;
-use super::estimate::{CredibleInterval, ImpactEstimate};
+use super::estimate::{CredibleInterval, ImpactEstimate, Spread};
+use super::event_evidence::EventEvidence;
 use super::hypothesis::{Front, Hypothesis};
 use super::member::Member;
 use super::population::{EXPLORATION, Population, Round};
@@ -34,8 +35,8 @@ const PEAK_ERROR: f64 = 0.03;
 /// The same of a residual displacement, also relative to the peak \[A\].
 const RESIDUAL_ERROR: f64 = 0.04;
 
-/// Quantiles of the standard normal distribution at the middles of five equal shares: the spread about each member.
-const SPREAD: [f64; 5] = [-1.281_55, -0.524_40, 0.0, 0.524_40, 1.281_55];
+/// The same of mass, speed and momentum, relative to them \[A\].
+const IMPACT_ERROR: f64 = 0.03;
 
 /// Effective number of responses that suffice.
 const ENOUGH_RESPONSES: f64 = 60.0;
@@ -46,8 +47,8 @@ const ROUND: usize = 20;
 /// As [`EXPLORATION`], where there is time for few responses only.
 const LIVE_EXPLORATION: f64 = 0.4;
 
-/// Responses whose remaining capacity is computed for an estimate.
-const ASSESSED: usize = 24;
+/// Responses whose remaining capacity is computed for an estimate, chosen by their weights: severities come in steps of 1 %.
+pub(super) const ASSESSED: usize = 100;
 
 /// Standard deviation of the logarithm of the yield strength by which the single best impact is held to the given one: it has
 /// to explain the data on the column as the parameters describe it.
@@ -84,6 +85,8 @@ pub struct Estimator {
     prepared: usize,
     /// The responses to the next hypothesis, as far as they are prepared.
     preparing: Option<Round>,
+    /// Responses that are assessed, from the first on.
+    assessed: usize,
     /// Sensors that contradict the others.
     doubtful: Vec<bool>,
 }
@@ -120,6 +123,7 @@ impl Estimator {
             observed: 0,
             prepared: 0,
             preparing: None,
+            assessed: 0,
         })
     }
 
@@ -136,6 +140,9 @@ impl Estimator {
         self.parameters = parameters.clone();
         let properties = self.population.properties();
         self.virgin = VirginCapacities::new(parameters, properties);
+        self.assessed = 0;
+        let members = self.population.members.iter_mut();
+        members.for_each(|member| member.assessed = None);
     }
 
     /// Computes the responses of one more hypothesis before any impact, on all processors; returns whether all of them are
@@ -148,9 +155,14 @@ impl Estimator {
         self.is_prepared()
     }
 
-    /// Computes one more response before any impact, in this thread; returns whether all of them are prepared.
+    /// Computes or assesses one more response before any impact, in this thread; returns whether everything is prepared.
     pub fn prepare_one(&mut self) -> bool {
-        if let Some(mut round) = self.next_preparation() {
+        if self.preparing.is_none() && self.assessed < self.population.members.len() {
+            if self.population.members[self.assessed].assessed.is_none() {
+                self.assess_one(self.assessed);
+            }
+            self.assessed += 1;
+        } else if let Some(mut round) = self.next_preparation() {
             self.population.compute_next(&mut round);
             if round.is_complete() {
                 self.finish_preparation(round);
@@ -158,7 +170,7 @@ impl Estimator {
                 self.preparing = Some(round);
             }
         }
-        self.is_prepared()
+        self.is_prepared() && self.assessed >= self.population.members.len()
     }
 
     /// Hypotheses whose responses are prepared, among the first of all of them.
@@ -197,8 +209,7 @@ impl Estimator {
     pub fn begin(&mut self, contact: f64, deviation: f64, zeros: &[(f64, f64)]) {
         let yield_strain = self.yield_strain;
         self.contact = [contact, deviation];
-        self.preparing = None;
-        self.population.rewind();
+        self.rewind();
         self.population.set_contact_deviation(deviation);
         self.doubtful.fill(false);
         self.blocks = Some(Blocks::new(
@@ -209,6 +220,18 @@ impl Estimator {
             zeros,
         ));
         self.observed = 0;
+    }
+
+    /// Forgets an impact, and responses of a hypothesis that are not completely prepared.
+    pub(super) fn rewind(&mut self) {
+        self.preparing = None;
+        self.population.rewind();
+        self.assessed = self.assessed.min(self.population.members.len());
+    }
+
+    /// Takes what events say about the impact, instead of what they said before. The responses have to be weighed then.
+    pub(super) fn set_events(&mut self, events: &[EventEvidence]) {
+        self.population.set_events(events);
     }
 
     /// Takes a sample of a sensor.
@@ -233,6 +256,12 @@ impl Estimator {
                 .observe(blocks.layout()[index], means.collect());
             self.observed = index + 1;
         }
+    }
+
+    /// Gives at most `count` responses from `first` on that were never weighed a first impression, in this thread; returns
+    /// whether there are more.
+    pub(super) fn screen(&mut self, first: usize, count: usize) -> bool {
+        self.population.screen(first, count)
     }
 
     /// Weighs at most `count` responses as far as they matter, in this thread; returns whether there are more.
@@ -321,10 +350,10 @@ impl Estimator {
         }
     }
 
-    /// The responses whose severity an estimate needs and that are not assessed yet.
-    pub(super) fn unassessed(&self) -> Vec<usize> {
-        let weights = self.population.weights();
-        let mut chosen = self.population.chosen(&weights, ASSESSED);
+    /// The responses whose severity an estimate with so many chosen ones needs and that are not assessed yet.
+    pub(super) fn unassessed(&self, count: usize) -> Vec<usize> {
+        let weights = self.weights();
+        let mut chosen = self.population.chosen(&weights, count);
         chosen.dedup();
         chosen.retain(|&index| self.population.members[index].assessed.is_none());
         chosen
@@ -332,7 +361,7 @@ impl Estimator {
 
     /// Assesses one response.
     pub(super) fn assess_one(&mut self, index: usize) {
-        self.population.members[index].assessed = self.assessed(index);
+        self.population.members[index].assessed = Some(self.assessed(index));
     }
 
     /// The single impact that explains the data best on the column as the parameters describe it.
@@ -340,22 +369,22 @@ impl Estimator {
         let members = self.population.members.iter();
         let likelihood = |member: &Member| {
             let z = member.unknowns[3] / BEST_YIELD_SCATTER;
-            member.log_posterior - 0.5 * z * z
+            member.log_posterior() - 0.5 * z * z
         };
         let best = members.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))?;
         self.population.case(best).map(|(_, impact)| impact)
     }
 
     /// Severity and capacity ratio after responses that are chosen by their weights.
-    fn assess(&mut self, weights: &[f64]) -> Vec<(Severity, f64)> {
-        let chosen = self.population.chosen(weights, ASSESSED);
+    fn assess(&mut self, weights: &[f64], count: usize) -> Vec<(Severity, f64)> {
+        let chosen = self.population.chosen(weights, count);
         for &index in &chosen {
             if self.population.members[index].assessed.is_none() {
                 self.assess_one(index);
             }
         }
         let members = chosen.iter().map(|&index| &self.population.members[index]);
-        members.filter_map(|member| member.assessed).collect()
+        members.filter_map(|member| member.assessed?).collect()
     }
 
     fn assessed(&self, index: usize) -> Option<(Severity, f64)> {
@@ -410,16 +439,26 @@ impl Estimator {
 
     /// What the data so far say.
     pub fn estimate(&mut self, data_until: f64) -> ImpactEstimate {
+        self.estimate_with(data_until, ASSESSED)
+    }
+
+    /// The same with severity and remaining capacity of so many responses, which are chosen by their weights.
+    pub(super) fn estimate_with(&mut self, data_until: f64, count: usize) -> ImpactEstimate {
         let weights = self.weights();
-        let assessed = self.assess(&weights);
+        let assessed = self.assess(&weights, count);
         let members = || {
             let all = self.population.members.iter().zip(weights.iter().copied());
             all.filter(|(_, weight)| *weight > 0.0)
         };
+        let effective = effective(&weights);
         // Their distributions are skew: the mean is that of the logarithm.
         let positive = |logarithm: &dyn Fn(&Member) -> f64| {
-            let interval =
-                CredibleInterval::of(members().map(|(member, weight)| (logarithm(member), weight)));
+            let each = members().map(|(member, weight)| Spread {
+                mean: logarithm(member),
+                deviation: IMPACT_ERROR,
+                weight,
+            });
+            let interval = CredibleInterval::of_spread(each.collect(), effective);
             CredibleInterval {
                 mean: libm::exp(interval.mean),
                 low: libm::exp(interval.low),
@@ -429,22 +468,25 @@ impl Estimator {
         // The factor of the response belongs to what the impact adds.
         let before = self.rest_v1;
         let spread = |value: &dyn Fn(&Member) -> f64, error: f64| {
-            CredibleInterval::of(members().flat_map(|(member, weight)| {
+            let each = members().map(|(member, weight)| {
                 let [scale, deviation] = member.scale;
                 let added = value(member) - before;
                 let (scaled, error) = (
                     deviation * added,
                     error * (member.prediction.report.max_v1 - before),
                 );
-                let deviation = (scaled * scaled + error * error).sqrt();
-                SPREAD.map(|z| (scale * added + deviation * z + before, weight))
-            }))
+                Spread {
+                    mean: scale * added + before,
+                    deviation: (scaled * scaled + error * error).sqrt(),
+                    weight,
+                }
+            });
+            CredibleInterval::of_spread(each.collect(), effective)
         };
         let share = |is: &dyn Fn(&Member) -> bool| -> f64 {
             members()
                 .filter(|(member, _)| is(member))
-                .map(|(_, weight)| weight)
-                .sum()
+                .fold(0.0, |sum, (_, weight)| sum + weight)
         };
         let mut vehicles: Vec<(String, f64)> = self
             .population
@@ -483,7 +525,7 @@ impl Estimator {
             capacity_ratio: CredibleInterval::of(assessed.iter().map(|(_, ratio)| (*ratio, 1.0))),
             severity: Severity::ALL.map(with_severity).to_vec(),
             vehicle_probabilities: vehicles,
-            effective_responses: effective(&weights),
+            effective_responses: effective,
             doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
         }
     }

@@ -1,17 +1,12 @@
 //! One response among those that are weighed: its likelihood by the data.
 
-use super::blocks::{Block, BlockMean};
 use super::hypothesis::UNKNOWNS;
+use super::lanes::{Lanes, WIDTH, ZERO};
 use super::model_error::ModelError;
-use super::prediction::{Place, Prediction, TimeGrid};
-use super::sensor::{Quantity, Sensor};
+use super::prediction::{Place, Prediction};
+use super::sensor::Quantity;
+use super::weighing::{SCREENED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
 use crate::assessment::Severity;
-
-/// Instants of contact that are considered, about the detected one.
-pub(super) const SHIFTS: usize = 13;
-
-/// Distance between them, in standard deviations of the detected instant.
-const SHIFT_SPACING: f64 = 0.4;
 
 /// Factor between the column's displacements and the model's, with its standard deviation, before any data.
 pub(super) const NO_SCALE: [f64; 2] = [1.0, ModelError::of(Quantity::Displacement).scale];
@@ -19,8 +14,8 @@ pub(super) const NO_SCALE: [f64; 2] = [1.0, ModelError::of(Quantity::Displacemen
 /// Product of ratios beyond which its logarithm is taken, so that it does not overflow.
 const LARGEST_RATIO: f64 = 1e100;
 
-/// What the sensors have read over a block, sensor by sensor.
-pub(super) type Observed = (Block, Vec<Option<BlockMean>>);
+/// Logarithm of a share that adds nothing.
+const NOTHING: f64 = -40.0;
 
 /// One response.
 #[derive(Debug, Clone)]
@@ -28,17 +23,20 @@ pub(super) struct Member {
     pub hypothesis: usize,
     pub unknowns: [f64; UNKNOWNS],
     pub prediction: Prediction,
+    /// Logarithm of its density before anything is measured, and of the likelihood of what events say.
     pub log_prior: f64,
+    pub log_events: f64,
+    /// Logarithm of the likelihood of the data; more than that as long as not all of them are taken.
+    pub log_likelihood: f64,
     /// Logarithm of the density with which members of its hypothesis were drawn, by so many distributions of the population.
     pub log_drawn: f64,
     pub known_drawn: usize,
     /// Blocks whose data are in the sums.
     pub seen: usize,
-    /// For each sensor and shift: the sums of `e^2 / var`, `e p / var`, `p^2 / var` with the predictions `p` and `e = y - p`.
-    pub sums: Vec<[[f64; 3]; SHIFTS]>,
-    pub log_posterior: f64,
-    /// Severity and capacity ratio, once they were computed.
-    pub assessed: Option<(Severity, f64)>,
+    /// For each instant of contact and group of sensors.
+    sums: Vec<Sums>,
+    /// Severity and capacity ratio, once they were computed; `None` in it if they cannot be.
+    pub assessed: Option<Option<(Severity, f64)>>,
     /// The most likely instant of contact, among those that are considered.
     pub shift: usize,
     /// Its delay behind the detected one \[s\].
@@ -46,6 +44,20 @@ pub(super) struct Member {
     /// Expected factor between the column's displacements and the model's, and its standard deviation.
     pub scale: [f64; 2],
 }
+
+/// With the predictions `p` and `e = y - p`: the sums of `e^2 / var`, `e p / var`, `p^2 / var`.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    squares: Lanes,
+    cross: Lanes,
+    predicted: Lanes,
+}
+
+const NO_SUMS: Sums = Sums {
+    squares: ZERO,
+    cross: ZERO,
+    predicted: ZERO,
+};
 
 /// How well a response explains what a sensor reads.
 pub(super) struct Fit {
@@ -55,7 +67,7 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    pub fn new([squares, cross, predicted]: &[f64; 3], error: ModelError) -> Self {
+    pub fn new([squares, cross, predicted]: [f64; 3], error: ModelError) -> Self {
         let prior = 1.0 / (error.scale * error.scale);
         let information = predicted + prior;
         let squares = squares - cross * cross / information;
@@ -66,145 +78,169 @@ impl Fit {
     }
 }
 
-/// What the likelihood of every member needs.
-pub(super) struct Weighing {
-    blocks: Vec<WeighedBlock>,
-    errors: Vec<ModelError>,
-    /// Instants of contact that are considered, about the detected one \[s\].
-    delays: [f64; SHIFTS],
-    /// Standard deviation of that \[s\].
-    deviation: f64,
-}
-
-struct WeighedBlock {
-    /// Where the block begins and ends in the predictions, for each instant of contact.
-    start: [Place; SHIFTS],
-    end: [Place; SHIFTS],
-    length: f64,
-    /// For each sensor the mean over the block, and its precision.
-    terms: Vec<Option<(f64, f64)>>,
-}
-
-impl Weighing {
-    /// For these data.
-    pub fn new(observed: &[Observed], sensors: &[Sensor], grid: &TimeGrid, deviation: f64) -> Self {
-        let errors: Vec<_> = sensors
-            .iter()
-            .map(|sensor| ModelError::of(sensor.quantity))
-            .collect();
-        let delays: [f64; SHIFTS] = std::array::from_fn(|shift| {
-            (shift as f64 - (SHIFTS / 2) as f64) * SHIFT_SPACING * deviation
-        });
-        let blocks = observed.iter().map(|(block, means)| {
-            let terms = means.iter().zip(&errors).map(|(mean, error)| {
-                mean.map(|it| {
-                    let until = block.start + block.length;
-                    let model = error.variance(until, block.length, it.largest, it.yielded);
-                    (it.mean, 1.0 / (it.variance + model).max(f64::MIN_POSITIVE))
-                })
-            });
-            WeighedBlock {
-                start: delays.map(|delay| grid.place(block.start - delay)),
-                end: delays.map(|delay| grid.place(block.start + block.length - delay)),
-                length: block.length,
-                terms: terms.collect(),
+impl Sums {
+    /// Takes consecutive blocks, for one instant of contact and group of sensors.
+    fn take(
+        &mut self,
+        blocks: &[WeighedBlock],
+        shift: usize,
+        group: usize,
+        prediction: &Prediction,
+    ) {
+        let Some(first) = blocks.first() else { return };
+        let integrals = |place: &[Place; SHIFTS]| prediction.integrals(group, place[shift]);
+        // The integral up to the end of a block is that up to the beginning of the next one.
+        let mut start = integrals(&first.start);
+        for block in blocks {
+            let end = integrals(&block.end);
+            let [means, precisions] = &block.terms[group];
+            for k in 0..WIDTH {
+                let predicted = (end[k] - start[k]) / block.length;
+                let error = means[k] - predicted;
+                let weighed = precisions[k] * error;
+                self.squares[k] += weighed * error;
+                self.cross[k] += weighed * predicted;
+                self.predicted[k] += precisions[k] * predicted * predicted;
             }
-        });
-        Self {
-            blocks: blocks.collect(),
-            errors,
-            delays,
-            deviation,
+            start = end;
         }
+    }
+
+    fn of(&self, lane: usize) -> [f64; 3] {
+        [self.squares[lane], self.cross[lane], self.predicted[lane]]
     }
 }
 
 impl Member {
-    /// Back to what it was before any data.
+    /// Before any data.
+    pub fn new(
+        hypothesis: usize,
+        unknowns: [f64; UNKNOWNS],
+        prediction: Prediction,
+        log_prior: f64,
+        groups: usize,
+    ) -> Self {
+        Self {
+            hypothesis,
+            unknowns,
+            prediction,
+            log_prior,
+            log_events: 0.0,
+            log_likelihood: 0.0,
+            log_drawn: f64::NEG_INFINITY,
+            known_drawn: 0,
+            seen: 0,
+            sums: vec![NO_SUMS; SHIFTS * groups],
+            assessed: None,
+            shift: SHIFTS / 2,
+            delay: 0.0,
+            scale: NO_SCALE,
+        }
+    }
+
+    /// Back to what it was before any data. What was assessed does not depend on them.
     pub fn forget(&mut self) {
         (self.known_drawn, self.log_drawn) = (0, f64::NEG_INFINITY);
         self.seen = 0;
-        self.sums.fill([[0.0; 3]; SHIFTS]);
-        self.log_posterior = self.log_prior;
-        self.assessed = None;
+        self.sums.fill(NO_SUMS);
+        (self.log_events, self.log_likelihood) = (0.0, 0.0);
         (self.shift, self.delay, self.scale) = (SHIFTS / 2, 0.0, NO_SCALE);
     }
 
-    /// Takes at most `count` more blocks.
-    pub fn weigh(
-        &mut self,
-        weighing: &Weighing,
-        sensors: &[Sensor],
-        ignored: &[bool],
-        count: usize,
-    ) {
-        let until = weighing.blocks.len().min(self.seen.saturating_add(count));
-        let blocks = &weighing.blocks[self.seen.min(until)..until];
-        for (sensor, sums) in self.sums.iter_mut().enumerate() {
-            let integrals = |edge: &[Place; SHIFTS]| {
-                let prediction = &self.prediction;
-                edge.map(|place| prediction.integral(sensor, place))
-            };
-            // The integral up to the end of the last block is that up to the beginning of the next one.
-            let mut from = None;
-            for block in blocks {
-                let Some((mean, precision)) = block.terms[sensor] else {
-                    from = None;
-                    continue;
-                };
-                let start = from.unwrap_or_else(|| integrals(&block.start));
-                let end = integrals(&block.end);
-                for ((sums, start), end) in sums.iter_mut().zip(start).zip(end) {
-                    let predicted = (end - start) / block.length;
-                    let error = mean - predicted;
-                    sums[0] += precision * error * error;
-                    sums[1] += precision * error * predicted;
-                    sums[2] += precision * predicted * predicted;
-                }
-                from = Some(end);
+    /// Logarithm of prior times likelihood.
+    pub fn log_posterior(&self) -> f64 {
+        self.log_prior + self.log_events + self.log_likelihood
+    }
+
+    /// Logarithm of its weight.
+    pub fn log_weight(&self) -> f64 {
+        self.log_posterior() - self.log_drawn
+    }
+
+    /// The sums of a sensor for the most likely instant of contact.
+    pub fn sums(&self, sensor: usize) -> [f64; 3] {
+        let groups = self.sums.len() / SHIFTS;
+        self.sums[self.shift * groups + sensor / WIDTH].of(sensor % WIDTH)
+    }
+
+    /// Takes all blocks that are not in the sums yet.
+    pub fn weigh(&mut self, weighing: &Weighing) {
+        let until = weighing.blocks.len();
+        let blocks = &weighing.blocks[self.seen.min(until)..];
+        let groups = self.sums.len() / SHIFTS;
+        for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
+            for (group, sums) in sums.iter_mut().enumerate() {
+                sums.take(blocks, shift, group, &self.prediction);
             }
         }
         self.seen = until;
-        self.conclude(weighing, sensors, ignored);
+        self.conclude(weighing);
+    }
+
+    /// A first impression by the last `count` blocks only, before any were taken: the likelihood is hardly larger with all of them, because
+    /// more data never make it larger.
+    pub fn screen(&mut self, weighing: &Weighing, count: usize) {
+        let blocks = &weighing.blocks[weighing.blocks.len().saturating_sub(count)..];
+        let groups = self.sums.len() / SHIFTS;
+        let mut best = f64::NEG_INFINITY;
+        for shift in (0..SHIFTS).step_by(SCREENED_SHIFTS) {
+            let mut log = weighing.log_delays[shift];
+            for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
+                let mut sums = NO_SUMS;
+                sums.take(blocks, shift, group, &self.prediction);
+                for (lane, sensor) in sensors.iter().enumerate() {
+                    if !sensor.is_ignored {
+                        let [squares, cross, predicted] = sums.of(lane);
+                        log -= 0.5 * (squares - cross * cross / (predicted + sensor.prior));
+                    }
+                }
+            }
+            best = best.max(log);
+        }
+        self.log_likelihood = self.log_likelihood.min(best);
     }
 
     /// The likelihood over all instants of contact, with the factor of each sensor's readings integrated out.
-    fn conclude(&mut self, weighing: &Weighing, sensors: &[Sensor], ignored: &[bool]) {
-        let Weighing {
-            errors,
-            delays,
-            deviation,
-            ..
-        } = weighing;
-        let mut logs = [0.0; SHIFTS];
+    fn conclude(&mut self, weighing: &Weighing) {
+        let groups = self.sums.len() / SHIFTS;
+        let mut logs = weighing.log_delays;
+        let mut ratios = [1.0; SHIFTS];
         let mut scales = [NO_SCALE; SHIFTS];
-        for (shift, delay) in delays.iter().enumerate() {
-            let z = delay / deviation;
-            logs[shift] = -0.5 * z * z;
-            let each = self.sums.iter().zip(errors).zip(sensors).zip(ignored);
-            // One logarithm for all sensors: it would take most of the time.
-            let mut ratio = 1.0;
-            for (((sums, error), sensor), _) in each.filter(|(_, ignored)| !**ignored) {
-                let [squares, cross, predicted] = sums[shift];
-                let prior = 1.0 / (error.scale * error.scale);
-                let information = predicted + prior;
-                logs[shift] -= 0.5 * (squares - cross * cross / information);
-                ratio *= information / prior;
-                if ratio > LARGEST_RATIO {
-                    logs[shift] -= 0.5 * libm::log(ratio);
-                    ratio = 1.0;
-                }
-                if sensor.quantity == Quantity::Displacement {
-                    scales[shift] = [1.0 + cross / information, (1.0 / information).sqrt()];
+        for (shift, sums) in self.sums.chunks_exact(groups).enumerate() {
+            for (sums, sensors) in sums.iter().zip(weighing.sensors.chunks(WIDTH)) {
+                for (lane, sensor) in sensors.iter().enumerate() {
+                    if sensor.is_ignored {
+                        continue;
+                    }
+                    let [squares, cross, predicted] = sums.of(lane);
+                    let information = predicted + sensor.prior;
+                    logs[shift] -= 0.5 * (squares - cross * cross / information);
+                    // One logarithm for all sensors and instants: they would take most of the time.
+                    let ratio = &mut ratios[shift];
+                    *ratio *= information / sensor.prior;
+                    if *ratio > LARGEST_RATIO {
+                        logs[shift] -= 0.5 * libm::log(*ratio);
+                        *ratio = 1.0;
+                    }
+                    if sensor.is_displacement {
+                        scales[shift] = [1.0 + cross / information, (1.0 / information).sqrt()];
+                    }
                 }
             }
-            logs[shift] -= 0.5 * libm::log(ratio);
         }
-        let best = (0..SHIFTS).fold(0, |best, k| if logs[k] > logs[best] { k } else { best });
+        let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let shares: [f64; SHIFTS] = std::array::from_fn(|shift| {
+            let log = logs[shift] - largest;
+            match log > NOTHING {
+                true => libm::exp(log) / ratios[shift].sqrt(),
+                false => 0.0,
+            }
+        });
+        let best = (0..SHIFTS).fold(0, |best, k| if shares[k] > shares[best] { k } else { best });
         self.shift = best;
-        self.delay = delays[best];
+        self.delay = weighing.delays[best];
         self.scale = scales[best];
-        self.log_posterior = self.log_prior + log_sum(logs.into_iter());
+        self.log_likelihood = largest + libm::log(shares.iter().fold(0.0, |sum, it| sum + it));
     }
 }
 

@@ -21,9 +21,12 @@ mod estimate;
 mod estimate_record;
 #[cfg(feature = "study")]
 mod estimator;
+mod event_evidence;
 #[cfg(feature = "study")]
 mod hypothesis;
 mod intake;
+#[cfg(feature = "study")]
+mod lanes;
 #[cfg(feature = "study")]
 mod member;
 #[cfg(feature = "study")]
@@ -53,6 +56,8 @@ mod stillness;
 mod update;
 #[cfg(feature = "study")]
 mod virgin_capacities;
+#[cfg(feature = "study")]
+mod weighing;
 
 pub use batch::Batch;
 pub use collector::{BATCH_DURATION, Collected, Collector};
@@ -63,6 +68,7 @@ pub use estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use estimate_record::EstimateRecord;
 #[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+pub use event_evidence::{EventEvidence, MAX_EVENTS};
 #[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
 pub use intake::{

@@ -9,12 +9,15 @@ use rayon::iter::{IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelI
 use super::blocks::{Block, BlockMean};
 use super::comparison::{Compared, SensorComparison};
 use super::contradiction::{contradictions, explains_all, largest};
+use super::event_evidence::EventEvidence;
 use super::hypothesis::{Hypothesis, UNKNOWNS};
-use super::member::{Member, NO_SCALE, Observed, SHIFTS, Weighing, log_sum};
+use super::lanes::lanes;
+use super::member::{Member, log_sum};
 use super::prediction::{Prediction, TimeGrid};
 use super::random::Random;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
+use super::weighing::{Observed, Weighing};
 use crate::column::{ColumnProperties, Impact};
 use crate::study::cholesky::cholesky;
 
@@ -40,11 +43,12 @@ pub(super) const EXPLORATION: f64 = 0.1;
 /// Share of a hypothesis, after that power, below which it gets no new members.
 const LEAST_SHARE: f64 = 0.02;
 
-/// Logarithm of the ratio of likelihoods beyond which a member is negligible.
-const NEGLIGIBLE: f64 = 60.0;
+/// Logarithm of the ratio of weights or likelihoods beyond which a member is negligible: thousands of them change nothing that can be
+/// seen.
+const NEGLIGIBLE: f64 = 30.0;
 
-/// Blocks of data after which it is seen whether a member has become negligible.
-const BLOCKS_AT_ONCE: usize = 8;
+/// The last blocks of data, by which a member that was never weighed gives a first impression.
+const SCREENED_BLOCKS: usize = 4;
 
 /// Seconds of standard deviation of the instant of contact, at least: the half of a block.
 const LEAST_CONTACT_DEVIATION: f64 = 0.3e-3;
@@ -124,8 +128,12 @@ pub(super) struct Population {
     contact_deviation: f64,
     /// Data so far.
     observed: Vec<Observed>,
+    /// What events say about the impact.
+    events: Vec<EventEvidence>,
     /// Sensors that do not count.
     ignored: Vec<bool>,
+    /// What the likelihoods need of the data; `None` if it is to be made of them.
+    weighing: Option<Weighing>,
     /// Members, distributions and random numbers before an impact.
     prepared: (usize, usize, Random),
 }
@@ -151,6 +159,8 @@ impl Population {
             random: Random::new(seed),
             contact_deviation: LEAST_CONTACT_DEVIATION,
             observed: Vec::new(),
+            events: Vec::new(),
+            weighing: None,
             prepared: (0, 0, Random::new(seed)),
         }
     }
@@ -180,6 +190,7 @@ impl Population {
     /// The standard deviation of the detected instant of contact \[s\]. To be called before the first data.
     pub fn set_contact_deviation(&mut self, deviation: f64) {
         self.contact_deviation = deviation.max(LEAST_CONTACT_DEVIATION);
+        self.weighing = None;
     }
 
     /// Marks what was computed so far as what is known before an impact.
@@ -190,11 +201,17 @@ impl Population {
     /// Forgets an impact: what was computed for it, and its data.
     pub fn rewind(&mut self) {
         let (members, drawn, random) = &self.prepared;
+        self.random = random.clone();
+        self.ignored.fill(false);
+        self.weighing = None;
+        let is_prepared = self.members.len() == *members && self.drawn.len() == *drawn;
+        if is_prepared && self.observed.is_empty() && self.events.is_empty() {
+            return;
+        }
         self.members.truncate(*members);
         self.drawn.truncate(*drawn);
-        self.random = random.clone();
         self.observed.clear();
-        self.ignored.fill(false);
+        self.events.clear();
         let drawn = &self.drawn;
         for member in &mut self.members {
             member.forget();
@@ -205,6 +222,18 @@ impl Population {
     /// Takes the data of a block, sensor by sensor. The members have to be weighed then.
     pub fn observe(&mut self, block: Block, means: Vec<Option<BlockMean>>) {
         self.observed.push((block, means));
+        self.weighing = None;
+    }
+
+    /// Takes what events say about the impact, instead of what they said before.
+    pub fn set_events(&mut self, events: &[EventEvidence]) {
+        if self.events == events {
+            return;
+        }
+        self.events = events.to_vec();
+        for member in &mut self.members {
+            member.log_events = log_events(&self.events, &member.unknowns);
+        }
     }
 
     /// About `count` new members where the weights are, which are to be computed. They are divided among the hypotheses by
@@ -264,21 +293,11 @@ impl Population {
         let properties = with_yield_factor(&self.properties, libm::exp(unknowns[3]));
         let impact = self.hypotheses[hypothesis].impact(&unknowns)?;
         let (column, sensors) = (&self.column, &self.sensors);
-        Some(Member {
-            hypothesis,
-            prediction: Prediction::compute(column, &properties, &impact, sensors, &self.grid)?,
-            unknowns,
-            log_prior,
-            log_drawn: f64::NEG_INFINITY,
-            known_drawn: 0,
-            seen: 0,
-            sums: vec![[[0.0; 3]; SHIFTS]; sensors.len()],
-            log_posterior: log_prior,
-            assessed: None,
-            shift: SHIFTS / 2,
-            delay: 0.0,
-            scale: NO_SCALE,
-        })
+        let prediction = Prediction::compute(column, &properties, &impact, sensors, &self.grid)?;
+        let groups = lanes(sensors.len()).len();
+        let mut member = Member::new(hypothesis, unknowns, prediction, log_prior, groups);
+        member.log_events = log_events(&self.events, &unknowns);
+        Some(member)
     }
 
     /// Adds the members of a round. If it is not complete, it has only the candidates that were computed.
@@ -331,11 +350,7 @@ impl Population {
 
     /// The weights of the members, which add up to 1.
     pub fn weights(&self) -> Vec<f64> {
-        let logs: Vec<f64> = self
-            .members
-            .iter()
-            .map(|member| member.log_posterior - member.log_drawn)
-            .collect();
+        let logs: Vec<f64> = self.members.iter().map(Member::log_weight).collect();
         let largest = largest(logs.iter().copied());
         let mut weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
         let sum: f64 = weights.iter().sum();
@@ -434,25 +449,28 @@ impl Population {
 
     /// Brings the likelihood of every member up to the data, on all processors.
     pub fn weigh(&mut self) {
-        let weighing = self.weighing();
-        let (sensors, ignored) = (&self.sensors, &self.ignored);
+        let weighing = self.take_weighing();
         self.members
             .par_iter_mut()
-            .for_each(|member| member.weigh(&weighing, sensors, ignored, usize::MAX));
+            .for_each(|member| member.weigh(&weighing));
+        self.weighing = Some(weighing);
     }
 
-    /// Brings the likelihoods of at most `count` members closer to the data, in this thread; returns whether there are more.
+    /// Brings the likelihoods of at most `count` members up to the data, in this thread; returns whether there are more.
     ///
     /// More data never make a likelihood larger: a member that the data so far have made negligible stays so, and is left
     /// where it is.
     pub fn weigh_some(&mut self, count: usize) -> bool {
         let blocks = self.observed.len();
-        let up_to_date = self.members.iter().filter(|member| member.seen == blocks);
-        let best = largest(up_to_date.map(|member| member.log_posterior));
+        let up_to_date = || self.members.iter().filter(|member| member.seen == blocks);
+        let likely = largest(up_to_date().map(Member::log_posterior)) - NEGLIGIBLE;
+        let weighty = largest(up_to_date().map(Member::log_weight)) - NEGLIGIBLE;
         let mut behind: Vec<(f64, usize)> = (0..)
             .zip(&self.members)
-            .filter(|(_, it)| it.seen < blocks && it.log_posterior >= best - NEGLIGIBLE)
-            .map(|(index, it)| (it.log_posterior, index))
+            .filter(|(_, it)| {
+                it.seen < blocks && (it.log_posterior() >= likely || it.log_weight() >= weighty)
+            })
+            .map(|(index, it)| (it.log_posterior(), index))
             .collect();
         let is_all = behind.len() <= count;
         if !is_all {
@@ -460,22 +478,31 @@ impl Population {
             behind.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             behind.truncate(count);
         }
-        let weighing = self.weighing();
+        let weighing = self.take_weighing();
         for (_, index) in &behind {
-            let member = &mut self.members[*index];
-            member.weigh(&weighing, &self.sensors, &self.ignored, BLOCKS_AT_ONCE);
+            self.members[*index].weigh(&weighing);
         }
-        !(is_all
-            && behind
-                .iter()
-                .all(|(_, index)| self.members[*index].seen == blocks))
+        self.weighing = Some(weighing);
+        !is_all
+    }
+
+    /// Gives at most `count` members from `first` on that were never weighed a first impression by the newest data, in this
+    /// thread; returns whether there are more.
+    pub fn screen(&mut self, first: usize, count: usize) -> bool {
+        let weighing = self.take_weighing();
+        let some = self.members.iter_mut().skip(first).take(count);
+        some.filter(|it| it.seen == 0)
+            .for_each(|it| it.screen(&weighing, SCREENED_BLOCKS));
+        self.weighing = Some(weighing);
+        first + count < self.members.len()
     }
 
     /// Weighs at most `count` members from `first` on with all data, in this thread; returns whether there are more.
     pub fn weigh_all(&mut self, first: usize, count: usize) -> bool {
-        let weighing = self.weighing();
+        let weighing = self.take_weighing();
         let some = self.members.iter_mut().skip(first).take(count);
-        some.for_each(|it| it.weigh(&weighing, &self.sensors, &self.ignored, usize::MAX));
+        some.for_each(|it| it.weigh(&weighing));
+        self.weighing = Some(weighing);
         first + count < self.members.len()
     }
 
@@ -506,12 +533,22 @@ impl Population {
     pub fn ignore(&mut self, ignored: Vec<bool>) -> bool {
         let changes = self.ignored != ignored;
         self.ignored = ignored;
+        self.weighing = None;
         changes
     }
 
-    fn weighing(&self) -> Weighing {
-        let deviation = self.contact_deviation;
-        Weighing::new(&self.observed, &self.sensors, &self.grid, deviation)
+    fn take_weighing(&mut self) -> Weighing {
+        let (observed, sensors, grid) = (&self.observed, &self.sensors, &self.grid);
+        let made = || {
+            Weighing::new(
+                observed,
+                sensors,
+                &self.ignored,
+                grid,
+                self.contact_deviation,
+            )
+        };
+        self.weighing.take().unwrap_or_else(made)
     }
 }
 
@@ -550,6 +587,14 @@ impl Drawn {
         }
         log
     }
+}
+
+/// Logarithm of the likelihood of what events say, if these unknowns are true.
+fn log_events(events: &[EventEvidence], unknowns: &[f64; UNKNOWNS]) -> f64 {
+    let each = events
+        .iter()
+        .map(|it| it.log_likelihood(unknowns[0], unknowns[1]));
+    each.fold(0.0, |sum, it| sum + it)
 }
 
 /// The column with its yield strength times a factor.

@@ -1,5 +1,6 @@
 //! What one conceivable impact would have let the sensors read, and how it would have ended.
 
+use super::lanes::{Lanes, ZERO, lanes};
 use super::probe::SteppedProbe;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
@@ -74,10 +75,10 @@ impl TimeGrid {
 /// What one impact lets the sensors read, and how it ends.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prediction {
-    /// For each sensor, the integral of its reading from contact to each edge of the grid.
-    integrals: Vec<Vec<f64>>,
-    /// Reading of each sensor after the last edge.
-    at_end: Vec<f64>,
+    /// The integrals of the sensors' readings from contact to each edge of the grid, edge by edge.
+    integrals: Vec<Lanes>,
+    /// Readings of the sensors after the last edge.
+    at_end: Vec<Lanes>,
     /// The column at rest afterwards; `None` if it does not stand, or has no equilibrium.
     pub rest: Option<Box<State>>,
     pub report: Report,
@@ -109,11 +110,12 @@ impl Prediction {
             .iter()
             .map(|sensor| SteppedProbe::new(&model, &state, sensor))
             .collect();
-        let mut last = vec![0.0; sensors.len()];
+        let mut last = lanes(sensors.len());
         let mut response = Response::begin(&model, &mut state, *impact, 2.0 * HORIZON).ok()?;
-        let mut integrals: Vec<Vec<f64>> = sensors.iter().map(|_| vec![0.0]).collect();
+        let mut integrals = Vec::with_capacity(grid.nanos.len() * last.len());
         let mut end = None;
-        let mut sums = vec![0.0; sensors.len()];
+        let mut sums = lanes(sensors.len());
+        integrals.extend_from_slice(&sums);
         let mut last_nanos = 0;
         for &edge in &grid.nanos[1..] {
             for _ in 0..(edge - last_nanos) * parts / CELL_NANOS {
@@ -123,15 +125,17 @@ impl Prediction {
                 {
                     end = Some(over);
                 }
-                for (k, (probe, sensor)) in probes.iter_mut().zip(sensors).enumerate() {
-                    last[k] = sensor.clipped(probe.read(&state, secs, end.is_some()));
-                    sums[k] += secs * last[k];
+                let each = probes.iter_mut().zip(sensors);
+                let readings = last.as_flattened_mut().iter_mut();
+                for ((probe, sensor), reading) in each.zip(readings) {
+                    *reading = sensor.clipped(probe.read(&state, secs, end.is_some()));
+                }
+                for (sum, reading) in sums.iter_mut().zip(&last) {
+                    *sum = std::array::from_fn(|k| sum[k] + secs * reading[k]);
                 }
             }
             last_nanos = edge;
-            for (integral, sum) in integrals.iter_mut().zip(&sums) {
-                integral.push(*sum);
-            }
+            integrals.extend_from_slice(&sums);
         }
         let end = loop {
             match end {
@@ -156,10 +160,14 @@ impl Prediction {
         })
     }
 
-    /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
-    pub fn integral(&self, sensor: usize, place: Place) -> f64 {
-        let integrals = &self.integrals[sensor];
-        let (a, b) = (integrals[place.index], integrals[place.index + 1]);
-        a + place.share * (b - a) + place.beyond * self.at_end[sensor]
+    /// Integrals of the readings from contact to a place \[s, times their units\], of the sensors of one group.
+    pub fn integrals(&self, group: usize, place: Place) -> Lanes {
+        let groups = self.at_end.len();
+        let at = place.index * groups + group;
+        let (Some(a), Some(b)) = (self.integrals.get(at), self.integrals.get(at + groups)) else {
+            return ZERO;
+        };
+        let end = &self.at_end[group];
+        std::array::from_fn(|k| a[k] + place.share * (b[k] - a[k]) + place.beyond * end[k])
     }
 }

@@ -3,6 +3,7 @@
 use super::batch::Batch;
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
+use super::event_evidence::MAX_EVENTS;
 use super::sensing::{corrected_sensors, estimator_of, feed};
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
@@ -132,6 +133,9 @@ impl Recomputation {
         if record.drawn.max(record.drawn_before) > MAX_DRAWN {
             return Err(impossible("it was drawn from too many responses"));
         }
+        if record.events.len() > MAX_EVENTS {
+            return Err(impossible("too many events count for it"));
+        }
         if record.detection.zeros.len() != self.sensors.len() {
             return Err(impossible(
                 "it has another number of sensors than the parameters",
@@ -173,8 +177,9 @@ impl Recomputation {
             feed(estimator, begun.origin, known);
         }
         let until = record.estimate.data_until;
+        estimator.set_events(&record.events);
         let refine = Refinement::again(record.drawn);
-        let mut work = Update::new(estimator, until, update == 0, refine);
+        let mut work = Update::new(estimator, until, update, record.is_final, refine);
         while !work.is_over() {
             work.step(estimator);
         }
@@ -193,8 +198,9 @@ impl Recomputation {
             prepared: estimator.prepared() as u32,
             drawn_before: refinement.drawn(),
             drawn: work.drawn(),
+            events: record.events.clone(),
             last_batch: last.unwrap_or(record.last_batch),
-            estimate: estimator.estimate(until),
+            estimate: work.estimate(estimator),
             best,
             ..record.clone()
         };

@@ -12,11 +12,12 @@ use super::batch::Batch;
 use super::detection::{Detection, Detector};
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
+use super::event_evidence::{EventEvidence, MAX_EVENTS};
 use super::hypothesis::hypotheses;
 use super::prediction::HORIZON;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
-use super::update::{Refinement, Update};
+use super::update::{Refinement, Update, assessed};
 use crate::parameters::Parameters;
 use crate::twin::Nanos;
 
@@ -55,6 +56,9 @@ const MAX_WAIT: Nanos = 50_000_000;
 
 /// Without any data for this time, by the clock, an impact's data have ended \[ns\].
 const END_OF_DATA: Nanos = 300_000_000;
+
+/// Samples so long before contact do not count \[ns\]: more than the lead of the first block.
+const UNUSED: Nanos = 10_000_000;
 
 /// After an impact the next one can be detected once nothing was felt for this time \[ns\].
 const QUIET: Nanos = 1_000_000_000;
@@ -128,12 +132,16 @@ struct CurrentImpact {
     /// The next estimate is the final one.
     is_complete: bool,
     drawn_before: u32,
+    /// What events say about it.
+    events: Vec<EventEvidence>,
     task: Task,
 }
 
 #[derive(Debug)]
 enum Task {
     Between(Refinement),
+    /// The responses of the last estimate that are not assessed yet, for the next one.
+    Assess(Vec<usize>),
     Update(Underway),
 }
 
@@ -145,6 +153,7 @@ struct Underway {
     batches: u64,
     last_batch: (u16, Nanos),
     lost: u64,
+    events: Vec<EventEvidence>,
 }
 
 impl Sensing {
@@ -231,6 +240,20 @@ impl Sensing {
         }
     }
 
+    /// An event is the same impact as this estimate. Returns whether it counts, from the next estimate on: no estimate follows the final one,
+    /// and there may be enough events already.
+    pub fn note_event(&mut self, estimate_id: &str, event: EventEvidence) -> bool {
+        let Phase::Impact(impact) = &mut self.phase else {
+            return false;
+        };
+        let is_over = impact.is_complete && matches!(impact.task, Task::Update(_));
+        if *impact.event_id != *estimate_id || is_over || impact.events.len() == MAX_EVENTS {
+            return false;
+        }
+        impact.events.push(event);
+        true
+    }
+
     fn detect(&mut self, batch: &Batch) {
         if self.is_estimating() {
             return;
@@ -269,6 +292,9 @@ impl Sensing {
 
     /// Learns the zeros of the sensors again.
     fn settle(&mut self) {
+        if self.is_estimating() {
+            self.estimator.rewind();
+        }
         self.detector = Detector::new(&self.sensors);
         self.base = None;
         let newest = self.ends.iter().flatten().max();
@@ -348,6 +374,7 @@ impl Sensing {
             has_ended: false,
             is_complete: false,
             drawn_before: 0,
+            events: Vec::new(),
             task: Task::Between(Refinement::again(0)),
         }));
         URGENT
@@ -366,31 +393,31 @@ impl Sensing {
                 refinement.step(estimator);
                 if refinement.is_over() {
                     impact.drawn_before = refinement.drawn();
-                    let until = available.min(HORIZON).max(impact.until);
-                    let most = match (impact.update, impact.is_complete) {
-                        (0, _) | (_, true) => 0,
-                        _ => DRAWN_PER_UPDATE,
-                    };
-                    impact.task = Task::Update(Underway {
-                        update: Update::new(
-                            estimator,
-                            until,
-                            impact.update == 0,
-                            Refinement::at_most(most),
-                        ),
-                        until,
-                        batches: self.next,
-                        last_batch: self.last,
-                        lost: impact.lost,
-                    });
+                    impact.begin_update(estimator, available, self.next, self.last);
                 }
                 URGENT
             }
-            Task::Between(refinement) if refinement.is_over() => Work::Idle,
+            Task::Between(refinement) if refinement.is_over() => {
+                impact.drawn_before = refinement.drawn();
+                let count = assessed(estimator, impact.update, impact.is_complete);
+                impact.task = Task::Assess(estimator.unassessed(count));
+                Work::More { is_urgent: false }
+            }
             Task::Between(refinement) => {
                 refinement.step(estimator);
                 Work::More { is_urgent: false }
             }
+            Task::Assess(_) if is_due => {
+                impact.begin_update(estimator, available, self.next, self.last);
+                URGENT
+            }
+            Task::Assess(left) => match left.pop() {
+                Some(index) => {
+                    estimator.assess_one(index);
+                    Work::More { is_urgent: false }
+                }
+                None => Work::Idle,
+            },
             Task::Update(underway) => {
                 if self::is_due(underway.until, available) {
                     underway.update.end_soon();
@@ -426,6 +453,31 @@ impl Sensing {
 }
 
 impl CurrentImpact {
+    /// Begins the next estimate, with the data up to `available` \[s\]. The numbers are those of the next batch and of the last one.
+    fn begin_update(
+        &mut self,
+        estimator: &mut Estimator,
+        available: f64,
+        batches: u64,
+        last_batch: (u16, Nanos),
+    ) {
+        let until = available.min(HORIZON).max(self.until);
+        let most = match (self.update, self.is_complete) {
+            (0, _) | (_, true) => 0,
+            _ => DRAWN_PER_UPDATE,
+        };
+        estimator.set_events(&self.events);
+        let refinement = Refinement::at_most(most);
+        self.task = Task::Update(Underway {
+            update: Update::new(estimator, until, self.update, self.is_complete, refinement),
+            until,
+            batches,
+            last_batch,
+            lost: self.lost,
+            events: self.events.clone(),
+        });
+    }
+
     /// Until when the data of the sensors that are waited for are there \[s\] after contact. A sensor that is too slow is not
     /// waited for any more.
     fn available(&mut self, ends: &[Option<Nanos>]) -> f64 {
@@ -462,7 +514,8 @@ impl CurrentImpact {
             prepared: self.prepared,
             drawn_before: self.drawn_before,
             drawn: underway.update.drawn(),
-            estimate: estimator.estimate(underway.until),
+            events: underway.events.clone(),
+            estimate: underway.update.estimate(estimator),
             best: estimator.best()?,
         })
     }
@@ -479,6 +532,9 @@ fn is_due(last: f64, available: f64) -> bool {
 
 /// Lets the estimator take a batch of an impact with contact at `origin`.
 pub(super) fn feed(estimator: &mut Estimator, origin: Nanos, batch: &Batch) {
+    if batch.end() < origin.saturating_sub(UNUSED) {
+        return;
+    }
     for (time, value) in batch.samples() {
         let since = time.saturating_sub(origin) as f64 / NANOS;
         estimator.push(usize::from(batch.sensor), since, f64::from(value));

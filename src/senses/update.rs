@@ -2,11 +2,18 @@
 //!
 //! How many responses are drawn is all that depends on time; with the same numbers the result has the same bits.
 
-use super::estimator::Estimator;
+use super::estimate::ImpactEstimate;
+use super::estimator::{ASSESSED, Estimator};
 use super::population::Round;
 
 /// Responses weighed in one slice.
-const WEIGHED: usize = 128;
+const WEIGHED: usize = 64;
+
+/// Responses that are assessed for an estimate in haste, when new ones have been drawn: severities come in steps of 4 % then.
+const ASSESSED_IN_HASTE: usize = 24;
+
+/// Responses that get a first impression in one slice.
+const SCREENED: usize = 512;
 
 /// Responses of a round of refinement.
 const ROUND: usize = 20;
@@ -100,11 +107,15 @@ pub(super) struct Update {
     refinement: Refinement,
     /// Whether sensors are looked for that contradict the others.
     judges: bool,
+    until: f64,
+    /// Responses that are assessed.
+    assessed: usize,
     task: Task,
 }
 
 #[derive(Debug, Clone)]
 enum Task {
+    Screen(usize),
     Weigh,
     Refine,
     /// All responses are weighed with all data, because sensors may contradict each other.
@@ -115,20 +126,32 @@ enum Task {
     Over,
 }
 
+/// Responses that are assessed for the estimate with this number. Those that were prepared are assessed already, and for the final
+/// estimate there is time.
+pub(super) fn assessed(estimator: &Estimator, number: u32, is_final: bool) -> usize {
+    match is_final || (number == 0 && estimator.is_prepared()) {
+        true => ASSESSED,
+        false => ASSESSED_IN_HASTE,
+    }
+}
+
 impl Update {
-    /// With the data until `until` \[s\]; the first one of an impact or not. The first one does not judge the sensors: the
-    /// responses that were prepared are too few to explain all of them.
+    /// The estimate with this number and the data until `until` \[s\], the final one or not. The first one does not judge the sensors:
+    /// the responses that were prepared are too few to explain all of them.
     pub fn new(
         estimator: &mut Estimator,
         until: f64,
-        is_first: bool,
+        number: u32,
+        is_final: bool,
         refinement: Refinement,
     ) -> Self {
         estimator.note(until);
         Self {
             refinement,
-            judges: !is_first,
-            task: Task::Weigh,
+            judges: number > 0,
+            until,
+            assessed: assessed(estimator, number, is_final),
+            task: Task::Screen(0),
         }
     }
 
@@ -142,6 +165,11 @@ impl Update {
         self.refinement.drawn()
     }
 
+    /// The estimate, once it is over.
+    pub fn estimate(&self, estimator: &mut Estimator) -> ImpactEstimate {
+        estimator.estimate_with(self.until, self.assessed)
+    }
+
     pub fn is_over(&self) -> bool {
         matches!(self.task, Task::Over)
     }
@@ -149,6 +177,10 @@ impl Update {
     /// The next slice, unless it is over.
     pub fn step(&mut self, estimator: &mut Estimator) {
         self.task = match std::mem::replace(&mut self.task, Task::Over) {
+            Task::Screen(first) => match estimator.screen(first, SCREENED) {
+                true => Task::Screen(first + SCREENED),
+                false => Task::Weigh,
+            },
             Task::Weigh => match estimator.weigh_some(WEIGHED) {
                 true => Task::Weigh,
                 false => Task::Refine,
@@ -158,18 +190,18 @@ impl Update {
                 Task::Refine
             }
             Task::Refine if self.judges && estimator.has_doubts() => Task::WeighAll(0),
-            Task::Refine => Task::Assess(estimator.unassessed()),
+            Task::Refine => Task::Assess(estimator.unassessed(self.assessed)),
             Task::WeighAll(first) => match estimator.weigh_all(first, WEIGHED) {
                 true => Task::WeighAll(first + WEIGHED),
                 false => Task::JudgeSensors,
             },
             Task::JudgeSensors => match estimator.judge_sensors() {
                 true => Task::WeighAgain(0),
-                false => Task::Assess(estimator.unassessed()),
+                false => Task::Assess(estimator.unassessed(self.assessed)),
             },
             Task::WeighAgain(first) => match estimator.weigh_all(first, WEIGHED) {
                 true => Task::WeighAgain(first + WEIGHED),
-                false => Task::Assess(estimator.unassessed()),
+                false => Task::Assess(estimator.unassessed(self.assessed)),
             },
             Task::Assess(mut left) => match left.pop() {
                 Some(index) => {

@@ -13,7 +13,7 @@ use super::registry::{PendingImpact, RefusedInput, check_not_ahead, printable};
 use super::what_if::Striking;
 use crate::column::Phase;
 use crate::parameters::{AcceptEstimates, CatalogueVehicle, EstimationSettings, RIGID};
-use crate::senses::EstimateRecord;
+use crate::senses::{EstimateRecord, EventEvidence};
 
 impl Twin {
     fn estimation(&self) -> &EstimationSettings {
@@ -321,16 +321,23 @@ impl Twin {
 
     // Events that are the same impact
 
-    /// Whether an event is the same impact as an accepted one that the sensors have felt. It is kept as evidence then.
+    /// Whether an event is the same impact as an accepted one that the sensors have felt. It counts as evidence for later
+    /// estimates then; its mass does if its sender has given one.
     pub(super) fn merge(
         &mut self,
         event_id: &Arc<str>,
         contact: Nanos,
         striking: &Striking,
+        has_mass: bool,
         now: Nanos,
         out: &mut impl Outputs,
     ) -> bool {
-        let window = self.estimation().merge_window;
+        let EstimationSettings {
+            merge_window: window,
+            event_mass_deviation: mass_deviation,
+            event_velocity_deviation: velocity_deviation,
+            ..
+        } = *self.estimation();
         let same = self.estimates.same_impact(contact, window);
         let Some(sensed) = same.filter(|it| it.decision == Decision::Accepted) else {
             return false;
@@ -349,6 +356,17 @@ impl Twin {
             estimate_id,
             contact,
             striking: striking.clone(),
+            evidence: EventEvidence {
+                event_id: Arc::clone(event_id),
+                mass: if has_mass {
+                    striking.impact.mass
+                } else {
+                    f64::NAN
+                },
+                mass_deviation,
+                velocity: striking.impact.velocity,
+                velocity_deviation,
+            },
         }));
         self.estimates.set_changed();
         true

@@ -39,7 +39,8 @@ impl Twin {
         let striking = snapshot.complete(vehicle, specification)?;
         let event_id: Arc<str> = event_id.as_str().into();
         let contact = stamp.saturating_add(striking.approach_nanos());
-        if self.merge(&event_id, contact, &striking, now, out) {
+        let has_mass = specification.mass > 0.0;
+        if self.merge(&event_id, contact, &striking, has_mass, now, out) {
             return Ok(Accepted::Merged);
         }
         let struck = snapshot.strike(striking.impact, specification.height)?;

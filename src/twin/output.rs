@@ -14,7 +14,7 @@ use super::what_if::Striking;
 use crate::assessment;
 use crate::column::{Report, Sample};
 use crate::parameters::Parameters;
-use crate::senses::EstimateRecord;
+use crate::senses::{EstimateRecord, EventEvidence};
 
 /// One thing that leaves the twin. All of them are about the twin's one column.
 #[derive(Debug, Clone)]
@@ -149,6 +149,8 @@ pub struct MergedEvent {
     pub contact: Nanos,
     /// What its sender saw.
     pub striking: Striking,
+    /// How that counts for the estimate.
+    pub evidence: EventEvidence,
 }
 
 /// An accepted impact that has no report.

@@ -28,7 +28,7 @@ const CHECK_CLOCKS: &str = "check that the sender and the twin have the same clo
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
-    /// Impact events accepted.
+    /// Impact events accepted, and impacts accepted that the sensors have felt.
     pub events_accepted: u64,
     /// Impact events that are the same impact as one that the sensors have felt: neither accepted nor refused.
     pub events_merged: u64,

@@ -50,6 +50,7 @@ fn felt(impact: &RecordedImpact) -> Finished {
             prepared: 3,
             drawn_before: 0,
             drawn: 20,
+            events: Vec::new(),
             estimate: estimate.clone(),
             best: Impact::rigid(1500.0, 6.0),
         };

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use column_twin::column::Impact;
 use column_twin::evidence::verify;
 use column_twin::messages::column_twin::{
-    ConfirmEstimateRequest, ConfirmEstimateResponse, ImpactEstimate, ImpactEvent, ImpactReport,
-    TwinStatus,
+    ConfirmEstimateRequest, ConfirmEstimateResponse, CredibleInterval, ImpactEstimate, ImpactEvent,
+    ImpactReport, TwinStatus,
 };
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::ros::Node;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::senses::{Readings, Sensor};
+use column_twin::senses::{Readings, Sensor, simulate_sensors};
 use tempfile::TempDir;
 
 use super::domain::Domain;
@@ -39,8 +40,10 @@ fn config(name: &str) -> PathBuf {
     root.join("config").join(name)
 }
 
-/// The column and its sensors as in the signal.
-const OVERRIDES: [&str; 5] = [
+/// The column and its sensors as in the signal, whose steel does not become stronger with the strain rate: with
+/// strengthening, the same signal is that of a vehicle with 17 % more momentum.
+const OVERRIDES: [&str; 6] = [
+    "rate.law:=none",
     "geometry.length_below:=0.8",
     "geometry.length_above:=3.2",
     "sensors.accelerometer.height:=0.8",
@@ -48,7 +51,11 @@ const OVERRIDES: [&str; 5] = [
     "sensors.base_strain.height:=0.022",
 ];
 
-/// A running program with the industrial sensors, and a table of what they read of a rigid mass of 1.5 t with 10 m/s.
+/// The vehicle that strikes in both tables: a rigid mass \[kg\] with this speed \[m/s\].
+const MASS: f64 = 1500.0;
+const SPEED: f64 = 10.0;
+
+/// A running program with the industrial sensors, and a table of what they read when it is struck.
 struct Struck {
     domain: Domain,
     folder: TempDir,
@@ -57,7 +64,7 @@ struct Struck {
 }
 
 impl Struck {
-    fn new(arguments: &[&str]) -> Self {
+    fn new(readings: fn(&Parameters) -> Readings, arguments: &[&str]) -> Self {
         let (domain, folder) = (Domain::fresh(), TempDir::new().unwrap());
         let (column, sensors) = (
             config("heb220_s355.yaml"),
@@ -65,7 +72,8 @@ impl Struck {
         );
         let overrides = OVERRIDES.map(parse_override);
         let parameters = Parameters::load(&[column.clone(), sensors.clone()], &overrides).unwrap();
-        write_table(&parameters.sensors(), &folder.path().join("readings.csv"));
+        let path = folder.path().join("readings.csv");
+        write_table(readings(&parameters), &parameters.sensors(), &path);
         let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
         command.arg("run");
         command.arg("--config").arg(column);
@@ -111,10 +119,20 @@ impl Struck {
     }
 }
 
-/// The signal between a column at rest and what remains of it, with the noise of the sensors.
-fn write_table(sensors: &[Sensor], path: &Path) {
-    let signal = Signal::read("s02_rigid_10");
-    let (_, impact) = signal.readings(&CHOSEN, 3);
+/// A signal of a model of other authorship.
+fn fibre_beam(_: &Parameters) -> Readings {
+    Signal::read("s02_rigid_10").readings(&CHOSEN, 3).1
+}
+
+/// What the model itself says that the sensors read, with their errors by a seed.
+fn own_model(parameters: &Parameters) -> Readings {
+    let (properties, sensors) = (parameters.column_properties(), parameters.sensors());
+    let impact = Impact::rigid(MASS, SPEED);
+    simulate_sensors(&properties, &impact, 0.5, &sensors, 7).unwrap()
+}
+
+/// The readings of an impact between a column at rest and what remains of it, with the noise of the sensors.
+fn write_table(impact: Readings, sensors: &[Sensor], path: &Path) {
     let rows: Vec<_> = impact.rows().map(|(_, values)| values.to_vec()).collect();
     let mean = |rows: &[Vec<f64>]| -> Vec<f64> {
         let sum = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>();
@@ -122,7 +140,7 @@ fn write_table(sensors: &[Sensor], path: &Path) {
             .map(|k| sum(k) / rows.len() as f64)
             .collect()
     };
-    // Contact is 50 ms after its beginning.
+    // Contact is at least 50 ms after its beginning.
     let (rest, remains) = (mean(&rows[..400]), mean(&rows[rows.len() - TAIL..]));
     let mut normal = Normal::new(4);
     let mut still = |level: &[f64], count: usize| -> Vec<Vec<f64>> {
@@ -145,17 +163,18 @@ fn write_table(sensors: &[Sensor], path: &Path) {
     readings.write_csv(file, sensors).unwrap();
 }
 
-fn is_within(it: &column_twin::messages::column_twin::CredibleInterval, truth: f64) -> bool {
-    (it.mean / truth - 1.0).abs() < 0.25
+fn holds(it: &CredibleInterval, truth: f64) -> bool {
+    (it.low..=it.high).contains(&truth)
 }
 
 #[test]
 fn an_impact_that_is_felt_becomes_one_of_the_twin_and_its_recording_is_verified() {
-    let mut struck = Struck::new(&[
+    let arguments = [
         "estimation.accept:=automatic",
         "record.mode:=always",
         "record.directory:=recordings",
-    ]);
+    ];
+    let mut struck = Struck::new(fibre_beam, &arguments);
     let estimates = struck.listen::<ImpactEstimate>(&qos::IMPACT_ESTIMATE);
     let reports = struck.listen::<ImpactReport>(&qos::IMPACT_REPORT);
     let statuses = struck.listen::<TwinStatus>(&qos::TWIN_STATUS);
@@ -170,7 +189,7 @@ fn an_impact_that_is_felt_becomes_one_of_the_twin_and_its_recording_is_verified(
     let stamp = accepted.header.stamp.to_nanos().unwrap() + 20_000_000;
     let seen = ImpactEvent {
         column_id: COLUMN.to_owned(),
-        ..event("camera", stamp, 1500.0, 10.0)
+        ..event("camera", stamp, MASS, SPEED)
     };
     assert!(events.publish(seen));
     let last = estimates.find("the final estimate", |it| {
@@ -181,7 +200,7 @@ fn an_impact_that_is_felt_becomes_one_of_the_twin_and_its_recording_is_verified(
     assert_eq!(known.len(), 1, "{known:?}");
     assert_eq!(last.merged_event_id, "camera");
     assert_eq!(last.column_id, COLUMN);
-    assert!(is_within(&last.momentum, 15_000.0), "{last:#?}");
+    assert!(holds(&last.momentum, MASS * SPEED), "{last:#?}");
     // The table ends with seconds in which nothing happens.
     assert!(measuring.wait().unwrap().success());
     let report = reports.find("a report", |it| it.event_id == last.event_id);
@@ -218,7 +237,7 @@ fn an_impact_that_is_felt_waits_for_the_service_that_confirms_it() {
         name: "/column_twin/confirm_estimate",
         ..qos::CONFIRM_ESTIMATE
     };
-    let mut struck = Struck::new(&["estimation.accept:=confirmation"]);
+    let mut struck = Struck::new(own_model, &["estimation.accept:=confirmation"]);
     let estimates = struck.listen::<ImpactEstimate>(&qos::IMPACT_ESTIMATE);
     let reports = struck.listen::<ImpactReport>(&qos::IMPACT_REPORT);
     let client = struck
@@ -229,6 +248,12 @@ fn an_impact_that_is_felt_waits_for_the_service_that_confirms_it() {
     let last = estimates.find("the final estimate", |it| it.is_final);
     assert_eq!(last.decision, ImpactEstimate::DECISION_PENDING, "{last:#?}");
     assert!(reports.newest().is_none());
+    // Without an error of the model, nothing but the way of the data can move the truth out of the intervals.
+    assert!(holds(&last.momentum, MASS * SPEED), "{last:#?}");
+    assert!(holds(&last.mass, MASS), "{last:#?}");
+    assert!(holds(&last.velocity, SPEED), "{last:#?}");
+    let width = (last.momentum.high - last.momentum.low) / last.momentum.mean;
+    assert!(width < 0.4, "{last:#?}");
     let deadline = Instant::now() + PATIENCE;
     let request = ConfirmEstimateRequest {
         event_id: last.event_id.clone(),

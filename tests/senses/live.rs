@@ -6,8 +6,8 @@ use column_twin::column::{
 };
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
-    Batch, CredibleInterval, EstimateRecord, Probe, Readings, Recomputation, Sensing, Sensor,
-    StandingColumn, Work,
+    Batch, CredibleInterval, EstimateRecord, EventEvidence, Probe, Readings, Recomputation,
+    Sensing, Sensor, StandingColumn, Work,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -125,6 +125,85 @@ fn live_estimates_reach_what_those_of_recordings_do() {
     println!("{held} of {total} intervals hold the truth");
     let share = f64::from(held as u32) / f64::from(total as u32);
     assert!(share >= 0.8, "{held} of {total}");
+}
+
+/// All estimates of a signal of which an event says this mass and speed after the second estimate.
+fn estimates_with_event(
+    signal: &Signal,
+    mass: f64,
+    velocity: f64,
+) -> (Parameters, Vec<EstimateRecord>) {
+    let (sensors, readings) = signal.readings(SETS[1], 7);
+    let (parameters, mut sensing) = prepared(signal, &sensors);
+    let (mut records, mut is_told) = (Vec::<EstimateRecord>::new(), false);
+    for (number, batch) in batches(&readings, SAMPLES) {
+        sensing.push(number, batch);
+        work(&mut sensing, SLICES, &mut records);
+        if let (false, [first, _, ..]) = (is_told, records.as_slice()) {
+            is_told = true;
+            let event = EventEvidence {
+                event_id: "camera".into(),
+                mass,
+                mass_deviation: 0.1,
+                velocity,
+                velocity_deviation: 0.05,
+            };
+            assert!(!sensing.note_event("another impact", event.clone()));
+            assert!(sensing.note_event(&first.event_id, event));
+        }
+    }
+    sensing.note_time(START + 2_000_000_000);
+    work(&mut sensing, usize::MAX, &mut records);
+    (parameters, records)
+}
+
+/// A soft vehicle, whose mass its sensors show late and with a wide interval.
+#[test]
+fn an_event_is_evidence_beside_the_sensors_and_does_not_overrule_them() {
+    let signal = Signal::read("s04_car_soft_14");
+    let (mass, speed) = (signal.number("mass"), signal.number("speed"));
+    let width = |it: &CredibleInterval| (it.high - it.low) / it.mean;
+    let (parameters, records) = estimates_with_event(&signal, mass, speed);
+    let (_, without) = estimates(&signal, SETS[1], 7);
+    let counted = records.iter().filter(|it| !it.events.is_empty()).count();
+    assert_eq!(counted, records.len() - 2);
+    let (last, alone) = (
+        records.last().expect("estimates"),
+        without.last().expect("estimates"),
+    );
+    let [last, alone] = [last, alone].map(|it| &it.estimate);
+    println!("{:?} with the event, {:?} without", last.mass, alone.mass);
+    assert!(
+        width(&last.mass) < 0.7 * width(&alone.mass),
+        "{last:#?} {alone:#?}"
+    );
+    assert!(
+        is_within(&last.mass, mass) && is_within(&last.velocity, speed),
+        "{last:#?}"
+    );
+
+    // What counted is part of the record, so that the same bits follow from it.
+    let (_, readings) = signal.readings(SETS[1], 7);
+    let given = batches(&readings, SAMPLES);
+    let known = |number: u64| given.get(number as usize).map(|(_, batch)| batch);
+    let mut recomputation = Recomputation::new(&parameters);
+    for record in &records {
+        let again = recomputation.repeat(record, known).expect("computed again");
+        assert_eq!(format!("{again:?}"), format!("{record:?}"));
+    }
+    let mut recomputation = Recomputation::new(&parameters);
+    let mut forged = records.clone();
+    forged[2].events[0].mass *= 1.1;
+    let again = forged[..3]
+        .iter()
+        .map(|it| recomputation.repeat(it, known).expect("computed again"));
+    assert_ne!(again.last().expect("three").estimate, records[2].estimate);
+
+    // A sender who errs by a factor of 100 changes nothing.
+    let (_, wrong) = estimates_with_event(&signal, 100.0 * mass, 0.1 * speed);
+    let wrong = &wrong.last().expect("estimates").estimate;
+    let momentum = wrong.momentum.mean / (mass * speed);
+    assert!((momentum - 1.0).abs() < 0.15, "{wrong:#?}");
 }
 
 /// A number below `below`.

@@ -49,6 +49,7 @@ fn estimate(id: &str, update: u32, contact: Nanos, best: Impact, is_sure: bool) 
         prepared: 3,
         drawn_before: 0,
         drawn: 20,
+        events: Vec::new(),
         estimate: ImpactEstimate {
             data_until: 3.02,
             contact_time,
@@ -444,6 +445,16 @@ fn an_event_of_an_accepted_estimate_is_merged_with_it() {
         .collect();
     assert_eq!(merged.len(), 1);
     assert_eq!(merged[0].striking.impact, WRONG);
+    // As evidence, with the standard deviations of the parameters.
+    let evidence = &merged[0].evidence;
+    let said = (&*evidence.event_id, evidence.mass, evidence.velocity);
+    assert_eq!(said, ("camera", WRONG.mass, WRONG.velocity));
+    let settings = &bench.twin.parameters().settings().estimation;
+    assert_eq!(evidence.mass_deviation, settings.event_mass_deviation);
+    assert_eq!(
+        evidence.velocity_deviation,
+        settings.event_velocity_deviation
+    );
     assert_eq!(
         (&*merged[0].event_id, &*merged[0].estimate_id),
         ("camera", "felt")
