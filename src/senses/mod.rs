@@ -82,5 +82,5 @@ pub use sensing::{Sensing, Work};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 pub use sensor_clock::TOLERATED_OFFSET;
 #[cfg(feature = "study")]
-pub use simulated::simulate_sensors;
+pub use simulated::{simulate_sensors, with_sensor_errors};
 pub use standing_column::{Damage, StandingColumn};
