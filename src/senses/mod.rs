@@ -22,6 +22,8 @@ mod estimate_record;
 #[cfg(feature = "study")]
 mod estimator;
 #[cfg(feature = "study")]
+mod foreseen;
+#[cfg(feature = "study")]
 mod hypothesis;
 mod intake;
 #[cfg(feature = "study")]
@@ -63,6 +65,8 @@ pub use estimate::{CredibleInterval, FEWEST_RESPONSES, ImpactEstimate};
 pub use estimate_record::EstimateRecord;
 #[cfg(feature = "study")]
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
+#[cfg(feature = "study")]
+pub use foreseen::{AVERAGED_OVER, predicted_means};
 #[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
 pub use intake::{

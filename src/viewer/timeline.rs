@@ -17,6 +17,10 @@ pub const WALL_CLOCK: &str = "wall_clock";
 /// Minimum time between the end of one impact and the beginning of the next on [`IMPACT_TIME`] \[ns\].
 const PAUSE: i64 = 10_000_000;
 
+/// Largest correction of the instant of contact of an impact that is under way \[ns\]: a state that is earlier by more belongs to
+/// another impact.
+const MAX_CORRECTION: i64 = 5_000_000;
+
 /// An instant on all timelines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Moment {
@@ -34,10 +38,21 @@ pub struct Timeline {
     step_nanos: i64,
     /// [`IMPACT_TIME`] and [`STEP`] at which counting steps of this length began.
     counted_from: (i64, i64),
-    /// The current impact, and its beginning on [`IMPACT_TIME`].
-    impact: Option<(Arc<str>, i64)>,
+    impact: Option<Begun>,
     /// The last moment shown.
     last: Moment,
+    /// End on [`IMPACT_TIME`] of what sensors have read of impacts so far.
+    felt_until: i64,
+}
+
+/// The current impact.
+#[derive(Debug, Clone)]
+struct Begun {
+    event_id: Arc<str>,
+    /// Its beginning on [`IMPACT_TIME`].
+    begin: i64,
+    /// Whether it has states. The sensors may feel it before.
+    has_states: bool,
 }
 
 /// The place of a state.
@@ -58,6 +73,7 @@ impl Timeline {
             step_nanos,
             counted_from: (0, 0),
             impact: None,
+            felt_until: i64::MIN,
             last: Moment {
                 impact_time: -PAUSE,
                 step: -PAUSE / step_nanos,
@@ -81,22 +97,31 @@ impl Timeline {
         }
     }
 
-    /// The place of a state. Another `event_id`, or a time that runs backwards, begins another impact.
+    /// The place of a state. Another `event_id`, or a time that runs backwards, begins another impact. A later estimate of the
+    /// same impact may correct its instant of contact a little, so that the times of its states, but not their stamps, go back.
     pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
-        let begins = match &self.impact {
-            None => true,
-            Some((event_id, begin)) => {
-                **event_id != *state.event_id || begin + since < self.last.impact_time
-            }
-        };
-        if begins {
-            let after = self.last.impact_time.saturating_add(PAUSE);
-            let begin = after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0);
-            self.impact = Some((Arc::clone(&state.event_id), begin));
+        let last = self.last;
+        let is_same = self.impact.as_ref().is_some_and(|it| {
+            let back = last
+                .impact_time
+                .saturating_sub(it.begin.saturating_add(since));
+            let is_correction = state.stamp > last.wall_clock && back <= MAX_CORRECTION;
+            *it.event_id == *state.event_id && (!it.has_states || back <= 0 || is_correction)
+        });
+        if !is_same {
+            self.begin(&state.event_id);
         }
-        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
-        let impact_time = begin.saturating_add(since);
+        let begins = self.impact.as_ref().is_none_or(|it| !it.has_states);
+        if let Some(impact) = &mut self.impact {
+            impact.has_states = true;
+        }
+        let impact_time = self.begun().saturating_add(since);
+        let impact_time = if begins {
+            impact_time
+        } else {
+            impact_time.max(last.impact_time)
+        };
         self.last = Moment {
             impact_time,
             step: self.step_at(impact_time),
@@ -108,11 +133,45 @@ impl Timeline {
         }
     }
 
+    /// Begins an impact after everything that was shown of the one before, on a whole [`PAUSE`].
+    fn begin(&mut self, event_id: &Arc<str>) {
+        let shown_until = self.last.impact_time.max(self.felt_until);
+        let after = shown_until.saturating_add(PAUSE);
+        let begin = after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0);
+        self.impact = Some(Begun {
+            event_id: Arc::clone(event_id),
+            begin,
+            has_states: false,
+        });
+    }
+
+    /// The beginning of the current impact on [`IMPACT_TIME`].
+    fn begun(&self) -> i64 {
+        self.impact.as_ref().map_or(0, |it| it.begin)
+    }
+
+    /// Whether the current impact is this one.
+    #[must_use]
+    pub fn is_of(&self, event_id: &str) -> bool {
+        self.impact
+            .as_ref()
+            .is_some_and(|it| *it.event_id == *event_id)
+    }
+
+    /// The sensors have read something of an impact up to `secs` after its beginning. If it is another one than the current, it
+    /// begins; its first state is still to come.
+    pub fn feel(&mut self, event_id: &str, secs: f64) {
+        if !self.is_of(event_id) {
+            self.begin(&event_id.into());
+        }
+        let until = self.begun().saturating_add(nanos(secs));
+        self.felt_until = self.felt_until.max(until);
+    }
+
     /// The moment `secs` after the beginning of the current impact, whose event has this stamp.
     #[must_use]
     pub fn in_impact(&self, secs: f64, stamp: i64) -> Moment {
-        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
-        let impact_time = begin.saturating_add(nanos(secs));
+        let impact_time = self.begun().saturating_add(nanos(secs));
         Moment {
             impact_time,
             step: self.step_at(impact_time),
@@ -203,6 +262,31 @@ mod tests {
             (placed.moment.impact_time, placed.moment.step),
             (100_000_000, 4600)
         );
+    }
+
+    #[test]
+    fn the_sensors_may_feel_an_impact_before_and_longer_than_it_has_states() {
+        let mut timeline = Timeline::new(20_000);
+        timeline.feel("a", 0.01);
+        assert_eq!(timeline.in_impact(-0.005, 0).impact_time, -5_000_000);
+        let placed = timeline.place(&state("a", 0.0));
+        assert!(placed.begins);
+        assert_eq!(placed.moment.impact_time, 0);
+        assert!(!timeline.place(&state("a", 0.05)).begins);
+        timeline.feel("a", 0.5);
+        // The contact is a millisecond later than it was believed.
+        let corrected = StateOutput {
+            stamp: 1,
+            ..state("a", 0.049)
+        };
+        let placed = timeline.place(&corrected);
+        assert!(!placed.begins);
+        assert_eq!(placed.moment.impact_time, 50_000_000);
+        let placed = timeline.place(&state("b", 0.0));
+        assert!(placed.begins);
+        assert_eq!(placed.moment.impact_time, 510_000_000);
+        timeline.feel("c", 0.01);
+        assert_eq!(timeline.in_impact(0.0, 0).impact_time, 520_000_000);
     }
 
     #[test]
