@@ -22,8 +22,22 @@ pub struct FeltUpdate {
     pub estimate: Box<ImpactEstimate>,
     /// Data were used up to this time after `stamp` \[s\].
     pub until: f64,
-    /// What is new of each sensor, in the order of the parameters; empty if only the decision is new.
+    /// Whether the estimate itself is new, and not only what has become of it.
+    pub is_new: bool,
+    /// What is new of each sensor, in the order of the parameters; empty if that is not known.
     pub sensors: Vec<SensorCourse>,
+}
+
+impl FeltUpdate {
+    /// The impact of the twin that it is about: the event, if the twin follows one for the same impact.
+    #[must_use]
+    pub fn impact(&self) -> &str {
+        let estimate = &self.estimate;
+        match estimate.decision {
+            ImpactEstimate::DECISION_MERGED => &estimate.merged_event_id,
+            _ => &estimate.event_id,
+        }
+    }
 }
 
 /// What a sensor has read, and what was predicted for it, in the SI unit of its quantity: means over a millisecond, each with its
@@ -127,8 +141,8 @@ impl FeltImpacts {
         let after = |instant: Nanos| 1e-9 * instant.saturating_sub(current.stamp) as f64;
         let until = after(contact) + estimate.data_until;
         let mut sensors = Vec::new();
+        current.update = estimate.update;
         if let Some(record) = record.filter(|_| is_new) {
-            current.update = estimate.update;
             if let Some(column) = &record.column {
                 current.column = Some(column.clone());
             }
@@ -137,6 +151,7 @@ impl FeltImpacts {
         FeltUpdate {
             stamp: current.stamp,
             until,
+            is_new,
             estimate: Box::new(estimate),
             sensors,
         }

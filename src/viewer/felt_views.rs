@@ -198,16 +198,15 @@ impl FeltCurves {
         let before = self
             .current
             .take()
-            .filter(|it| it.event_id == estimate.event_id);
+            .filter(|it| it.event_id == update.impact());
         let outcome = before.and_then(|it| it.outcome);
         self.current = Some(CurrentImpact {
-            event_id: estimate.event_id.clone(),
+            event_id: update.impact().to_owned(),
             stamp: update.stamp,
             until: update.until,
             outcome,
         });
-        // Otherwise only the decision is new.
-        if update.sensors.is_empty() {
+        if !update.is_new {
             return Ok(());
         }
         let row =

@@ -334,10 +334,9 @@ impl ViewerStream {
 
     /// Shows what the sensors say about an impact.
     fn feel(&mut self, update: &FeltUpdate) -> RecordingStreamResult<()> {
-        let event_id = update.estimate.event_id.as_str();
         self.show_undeformed(update.stamp)?;
-        self.timeline.feel(event_id, update.until);
-        let at = |secs: f64| self.timeline.in_impact(secs, update.stamp);
+        self.timeline.feel(update.impact(), update.until);
+        let at = |secs: f64| self.timeline.in_felt(secs, update.stamp);
         let line = LogLine {
             moment: at(update.until),
             level: NoticeLevel::Info,
@@ -358,9 +357,9 @@ impl ViewerStream {
             .in_impact(result.report.end_time, result.stamp);
         self.tell(end, Told::Result(result))?;
         if let Some(felt) = &mut self.felt
-            && self.timeline.is_of(&result.event_id)
+            && self.timeline.has_felt(&result.event_id)
         {
-            let at = |secs: f64, stamp: i64| self.timeline.in_impact(secs, stamp);
+            let at = |secs: f64, stamp: i64| self.timeline.in_felt(secs, stamp);
             felt.send_outcome(&self.stream, &result.report, at)?;
         }
         self.line(LogLine {

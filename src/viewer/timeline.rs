@@ -41,18 +41,17 @@ pub struct Timeline {
     impact: Option<Begun>,
     /// The last moment shown.
     last: Moment,
-    /// End on [`IMPACT_TIME`] of what sensors have read of impacts so far.
+    /// The impact that the sensors have felt last.
+    felt: Option<Begun>,
+    /// End on [`IMPACT_TIME`] of what they have read of impacts so far.
     felt_until: i64,
 }
 
-/// The current impact.
-#[derive(Debug, Clone)]
+/// An impact and its beginning on [`IMPACT_TIME`].
+#[derive(Debug, Clone, PartialEq)]
 struct Begun {
     event_id: Arc<str>,
-    /// Its beginning on [`IMPACT_TIME`].
     begin: i64,
-    /// Whether it has states. The sensors may feel it before.
-    has_states: bool,
 }
 
 /// The place of a state.
@@ -73,6 +72,7 @@ impl Timeline {
             step_nanos,
             counted_from: (0, 0),
             impact: None,
+            felt: None,
             felt_until: i64::MIN,
             last: Moment {
                 impact_time: -PAUSE,
@@ -102,25 +102,27 @@ impl Timeline {
     pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
         let last = self.last;
-        let is_same = self.impact.as_ref().is_some_and(|it| {
+        let is_same = |it: &&Begun| *it.event_id == *state.event_id;
+        let goes_on = self.impact.as_ref().filter(is_same).is_some_and(|it| {
             let back = last
                 .impact_time
                 .saturating_sub(it.begin.saturating_add(since));
-            let is_correction = state.stamp > last.wall_clock && back <= MAX_CORRECTION;
-            *it.event_id == *state.event_id && (!it.has_states || back <= 0 || is_correction)
+            back <= 0 || (back <= MAX_CORRECTION && state.stamp > last.wall_clock)
         });
-        if !is_same {
-            self.begin(&state.event_id);
+        if !goes_on {
+            let is_felt = self.felt.as_ref().filter(is_same);
+            let is_felt = is_felt.filter(|it| self.impact.as_ref() != Some(*it));
+            let begun = is_felt.cloned().unwrap_or_else(|| Begun {
+                event_id: Arc::clone(&state.event_id),
+                begin: self.next_begin(),
+            });
+            self.impact = Some(begun);
         }
-        let begins = self.impact.as_ref().is_none_or(|it| !it.has_states);
-        if let Some(impact) = &mut self.impact {
-            impact.has_states = true;
-        }
-        let impact_time = self.begun().saturating_add(since);
-        let impact_time = if begins {
-            impact_time
-        } else {
-            impact_time.max(last.impact_time)
+        let begin = self.impact.as_ref().map_or(0, |it| it.begin);
+        let impact_time = begin.saturating_add(since);
+        let impact_time = match goes_on {
+            true => impact_time.max(last.impact_time),
+            false => impact_time,
         };
         self.last = Moment {
             impact_time,
@@ -129,49 +131,54 @@ impl Timeline {
         };
         Placed {
             moment: self.last,
-            begins,
+            begins: !goes_on,
         }
     }
 
-    /// Begins an impact after everything that was shown of the one before, on a whole [`PAUSE`].
-    fn begin(&mut self, event_id: &Arc<str>) {
+    /// The beginning of the next impact on [`IMPACT_TIME`]: after everything that was shown so far, on a whole [`PAUSE`].
+    fn next_begin(&self) -> i64 {
         let shown_until = self.last.impact_time.max(self.felt_until);
         let after = shown_until.saturating_add(PAUSE);
-        let begin = after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0);
-        self.impact = Some(Begun {
-            event_id: Arc::clone(event_id),
-            begin,
-            has_states: false,
+        after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0)
+    }
+
+    /// The sensors have felt an impact up to `secs` after its beginning. Its states may come later, or never.
+    pub fn feel(&mut self, event_id: &str, secs: f64) {
+        let is_same = |it: &&Begun| *it.event_id == *event_id;
+        let known = self.felt.as_ref().filter(is_same);
+        let known = known.or(self.impact.as_ref().filter(is_same));
+        let begun = known.cloned().unwrap_or_else(|| Begun {
+            event_id: event_id.into(),
+            begin: self.next_begin(),
         });
+        let until = begun.begin.saturating_add(nanos(secs));
+        self.felt_until = self.felt_until.max(until);
+        self.felt = Some(begun);
     }
 
-    /// The beginning of the current impact on [`IMPACT_TIME`].
-    fn begun(&self) -> i64 {
-        self.impact.as_ref().map_or(0, |it| it.begin)
-    }
-
-    /// Whether the current impact is this one.
+    /// Whether the impact that the sensors have felt last is this one.
     #[must_use]
-    pub fn is_of(&self, event_id: &str) -> bool {
-        self.impact
+    pub fn has_felt(&self, event_id: &str) -> bool {
+        self.felt
             .as_ref()
             .is_some_and(|it| *it.event_id == *event_id)
     }
 
-    /// The sensors have read something of an impact up to `secs` after its beginning. If it is another one than the current, it
-    /// begins; its first state is still to come.
-    pub fn feel(&mut self, event_id: &str, secs: f64) {
-        if !self.is_of(event_id) {
-            self.begin(&event_id.into());
-        }
-        let until = self.begun().saturating_add(nanos(secs));
-        self.felt_until = self.felt_until.max(until);
+    /// The moment `secs` after the beginning of the impact that the sensors have felt last, whose contact has this stamp.
+    #[must_use]
+    pub fn in_felt(&self, secs: f64, stamp: i64) -> Moment {
+        self.after(self.felt.as_ref(), secs, stamp)
     }
 
     /// The moment `secs` after the beginning of the current impact, whose event has this stamp.
     #[must_use]
     pub fn in_impact(&self, secs: f64, stamp: i64) -> Moment {
-        let impact_time = self.begun().saturating_add(nanos(secs));
+        self.after(self.impact.as_ref(), secs, stamp)
+    }
+
+    fn after(&self, begun: Option<&Begun>, secs: f64, stamp: i64) -> Moment {
+        let begin = begun.map_or(0, |it| it.begin);
+        let impact_time = begin.saturating_add(nanos(secs));
         Moment {
             impact_time,
             step: self.step_at(impact_time),
@@ -268,7 +275,7 @@ mod tests {
     fn the_sensors_may_feel_an_impact_before_and_longer_than_it_has_states() {
         let mut timeline = Timeline::new(20_000);
         timeline.feel("a", 0.01);
-        assert_eq!(timeline.in_impact(-0.005, 0).impact_time, -5_000_000);
+        assert_eq!(timeline.in_felt(-0.005, 0).impact_time, -5_000_000);
         let placed = timeline.place(&state("a", 0.0));
         assert!(placed.begins);
         assert_eq!(placed.moment.impact_time, 0);
@@ -285,8 +292,14 @@ mod tests {
         let placed = timeline.place(&state("b", 0.0));
         assert!(placed.begins);
         assert_eq!(placed.moment.impact_time, 510_000_000);
+        // The final estimate of the first impact disturbs the second one as little as a third one that is felt.
+        timeline.feel("a", 0.5);
+        assert_eq!(timeline.in_felt(0.5, 0).impact_time, 500_000_000);
         timeline.feel("c", 0.01);
-        assert_eq!(timeline.in_impact(0.0, 0).impact_time, 520_000_000);
+        assert_eq!(timeline.in_felt(0.0, 0).impact_time, 520_000_000);
+        let placed = timeline.place(&state("b", 0.001));
+        assert!(!placed.begins);
+        assert_eq!(placed.moment.impact_time, 511_000_000);
     }
 
     #[test]

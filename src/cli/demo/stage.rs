@@ -199,7 +199,7 @@ impl<'a, 'b> Stage<'a, 'b> {
         let took = self.started.elapsed().as_secs_f64();
         out.print(format_args!("\nFinished in {took:.1} s. Files:"));
         for [name, what] in files {
-            out.print(format_args!("  {folder}/{name:<11} {what}"));
+            out.print(format_args!("  {folder}/{name:<13} {what}"));
         }
         out.print(format_args!(
             "  {}    everything that the node received and sent (MCAP, for ros2 bag, Foxglove, PlotJuggler)",
