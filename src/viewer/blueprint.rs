@@ -6,8 +6,8 @@
 //! therefore logs the blueprint archetypes one by one, as the API itself does.
 
 use rerun::blueprint::components::{
-    BackgroundKind, ContainerKind, Corner2D, Eye3DKind, IncludedContent, LockRangeDuringZoom,
-    LoopMode, PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
+    BackgroundKind, ContainerKind, Eye3DKind, IncludedContent, LockRangeDuringZoom, LoopMode,
+    PanelState, PlayState, PlaybackSpeed, RootContainer, TimelineName, VisibleTimeRange,
     VisualBounds2D,
 };
 use rerun::blueprint::datatypes::{TextLogColumn, TextLogColumnKind, TimelineColumn};
@@ -346,7 +346,7 @@ impl Blueprint {
                 .with_zoom_lock(LockRangeDuringZoom(false.into()));
             self.property(id, "ScalarAxis", &axis)?;
         }
-        let legend = PlotLegend::new().with_corner(Corner2D::RightTop);
+        let legend = PlotLegend::new().with_corner(view.names);
         self.property(id, "PlotLegend", &legend)
     }
 
@@ -391,7 +391,7 @@ impl Blueprint {
 mod tests {
     use super::super::felt_views::FeltCurves;
     use super::*;
-    use crate::parameters::Parameters;
+    use crate::parameters::{Parameters, Value};
     use crate::shape::VehicleBody;
     use rerun::log::Chunk;
 
@@ -434,7 +434,12 @@ mod tests {
     fn sensors_have_views_of_their_own() {
         let names = |count: usize| (0..count).map(|it| format!("s{it}")).collect::<Vec<_>>();
         let views_of = |count: usize| {
-            let sensors = Parameters::from_values([("sensors.names", names(count).into())]);
+            let each = names(count).into_iter().flat_map(|name| {
+                let quantity = (format!("sensors.{name}.quantity"), "displacement".into());
+                [quantity, (format!("sensors.{name}.height"), 1.0.into())]
+            });
+            let names = ("sensors.names".to_owned(), Value::from(names(count)));
+            let sensors = Parameters::from_values(each.chain([names]));
             FeltCurves::new(&sensors.expect("admissible")).map_or(Vec::new(), |it| it.views())
         };
         for (count, views) in [(0, 0), (3, 6), (40, 3 + MAX_SENSOR_VIEWS)] {

@@ -1,5 +1,6 @@
 //! The curves about an impact that the sensors feel: forecast, momentum and severity over the time of the data, and each sensor.
 
+use rerun::blueprint::components::Corner2D;
 use rerun::{
     RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints,
     components::MarkerShape,
@@ -29,6 +30,8 @@ pub(super) struct FeltView {
     pub entities: Vec<String>,
     /// Range of its axis, if it is not that of the curves.
     pub range: Option<[f64; 2]>,
+    /// Where the names of the curves hide least of them.
+    pub names: Corner2D,
 }
 
 const FORECAST: &str = "felt/forecast";
@@ -82,7 +85,15 @@ struct ShownSensor {
     name: String,
     title: String,
     per_si: f64,
+    /// Largest reading of the current impact, in the unit of the view.
+    largest: f64,
+    /// Range of the axis, if the readings would hide what was predicted.
+    range: Option<[f64; 2]>,
 }
+
+/// A sensor whose readings exceed the final prediction by this factor is cut off: a strain gauge after yielding, for example, which
+/// does not count any more.
+const HIDING: f64 = 10.0;
 
 /// Largest value that an axis shows, as a multiple of the upper end of the last interval.
 const WIDEST: f64 = 2.5;
@@ -93,10 +104,11 @@ impl FeltCurves {
         let sensors = parameters.sensors();
         let shown = sensors.into_iter().map(|sensor| {
             let (unit, per_si) = unit(sensor.quantity);
-            let quantity = sensor.quantity.word().replace('_', " ");
             ShownSensor {
-                title: format!("{}: {quantity} [{unit}]", sensor.name),
+                title: format!("{} [{unit}]", sensor.name),
                 per_si,
+                largest: 0.0,
+                range: None,
                 name: sensor.name,
             }
         });
@@ -115,25 +127,19 @@ impl FeltCurves {
             title: title.to_owned(),
             entities: entities.iter().map(|it| (*it).to_owned()).collect(),
             range,
+            names: Corner2D::RightTop,
         };
         let mut views = vec![
-            view(
-                "Forecast of v1 by the data so far [mm]",
-                &[FORECAST, OUTCOME],
-                forecast,
-            ),
-            view("Momentum of the vehicle [kN s]", &[MOMENTUM], momentum),
-            view(
-                "Probability of each severity [%]",
-                &[SEVERITY],
-                Some([-2.0, 102.0]),
-            ),
+            view("Forecast of v1 [mm]", &[FORECAST, OUTCOME], forecast),
+            view("Momentum [kN s]", &[MOMENTUM], momentum),
+            view("Severity [% probable]", &[SEVERITY], Some([-2.0, 102.0])),
         ];
         let sensors = self.sensors.iter().take(MAX_SENSOR_VIEWS);
         views.extend(sensors.map(|sensor| FeltView {
             title: sensor.title.clone(),
             entities: vec![format!("{}/**", sensor.entity(""))],
-            range: None,
+            range: sensor.range,
+            names: Corner2D::RightBottom,
         }));
         views
     }
@@ -149,8 +155,15 @@ impl FeltCurves {
             range(&estimate.peak_v1, MM),
             range(&estimate.momentum, 1e-3),
         ];
-        let has_changed = self.ranges != ranges;
+        let mut has_changed = self.ranges != ranges;
         self.ranges = ranges;
+        for (sensor, course) in self.sensors.iter_mut().zip(&update.sensors) {
+            let largest = sensor.per_si * largest(&course.explained);
+            let hides = largest > 0.0 && sensor.largest > HIDING * largest;
+            let range = hides.then_some([-WIDEST * largest, WIDEST * largest]);
+            has_changed |= sensor.range != range;
+            sensor.range = range;
+        }
         has_changed
     }
 
@@ -199,7 +212,7 @@ impl FeltCurves {
             .current
             .take()
             .filter(|it| it.event_id == update.impact());
-        let outcome = before.and_then(|it| it.outcome);
+        let outcome = before.as_ref().and_then(|it| it.outcome);
         self.current = Some(CurrentImpact {
             event_id: update.impact().to_owned(),
             stamp: update.stamp,
@@ -222,7 +235,12 @@ impl FeltCurves {
         if let Some(outcome) = outcome {
             row(OUTCOME, outcome.map(|it| MM * it).to_vec())?;
         }
-        for (sensor, course) in self.sensors.iter().zip(&update.sensors) {
+        if before.is_none() {
+            self.sensors.iter_mut().for_each(|it| it.largest = 0.0);
+        }
+        for (sensor, course) in self.sensors.iter_mut().zip(&update.sensors) {
+            let read = sensor.per_si * largest(&course.measured);
+            sensor.largest = sensor.largest.max(read);
             let SensorCourse {
                 measured,
                 foreseen,
@@ -268,6 +286,12 @@ impl ShownSensor {
             .trim_end_matches('/')
             .to_owned()
     }
+}
+
+/// The largest value of a course.
+fn largest(course: &[(f64, f64)]) -> f64 {
+    let values = course.iter().map(|(_, value)| value.abs());
+    values.fold(0.0, f64::max)
 }
 
 /// Writes the values of some moments, as many for each.

@@ -66,6 +66,8 @@ fn felt(impact: &RecordedImpact, accept: &str) -> Finished {
         twin.advance(MS);
     }
     twin.hit(super::recorded_twin::event("camera", twin.now));
+    // A response that is over gives nothing out any more; what has become of the estimate comes with the next instant.
+    twin.advance(MS);
     twin.until_rest();
     twin.finish()
 }

@@ -36,8 +36,8 @@ const TAIL: usize = 1_000;
 /// Rest before the signal, in samples: 4 s, in which the node learns noise and zero of its sensors and prepares responses.
 const BEFORE: usize = 40_000;
 
-/// What remains after the signal, in samples: 1 s.
-const AFTER: usize = 10_000;
+/// What remains after the signal, in samples: 3 s, in which the final estimate comes.
+const AFTER: usize = 30_000;
 
 /// The errors of the sensors follow from it.
 const SEED: u64 = 4;
