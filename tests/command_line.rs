@@ -152,10 +152,15 @@ fn a_record_stamp_that_no_ros_stamp_can_hold_is_rejected() {
 #[cfg(all(feature = "ros", feature = "record"))]
 #[test]
 fn a_signal_to_the_demonstration_alone_is_not_ignored() {
-    // While the node starts; during the last work before the figures.
-    for line_before in ["Node started", "absorbed by the vehicle"] {
+    // While the node starts; during the last work before the figures; while the readings are played.
+    let cases: [(&[&str], &str); 3] = [
+        (&["demo"], "Node started"),
+        (&["demo"], "absorbed by the vehicle"),
+        (&["demo", "--sensors"], "Sensors started"),
+    ];
+    for (arguments, line_before) in cases {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut child = program(folder.path(), &["demo"])
+        let mut child = program(folder.path(), arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -174,4 +179,66 @@ fn a_signal_to_the_demonstration_alone_is_not_ignored() {
         assert_eq!(ended.status.code(), Some(1), "{line_before}: {errors}");
         assert!(errors.contains("interrupted; the files"), "{errors}");
     }
+}
+
+/// Nobody tells the node what happens: it feels the signal, and its recording holds what it has made of it.
+#[cfg(all(feature = "ros", feature = "record"))]
+#[test]
+fn the_demonstration_with_sensors_feels_estimates_and_verifies() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ended = run(folder.path(), &["demo", "--sensors"]);
+    let shown = String::from_utf8_lossy(&ended.stdout);
+    let errors = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(0), "{shown}{errors}");
+    let has = |text: &str| assert!(shown.contains(text), "{text}: {shown}");
+    has("The sensors have felt an impact");
+    has("ACCEPTED");
+    has("this estimate is final");
+    has("Recording verified by recomputation");
+    // The mean of the final momentum is near to that of the signal, 1.5 t at 10 m/s.
+    let momentum = shown
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("momentum"))
+        .find_map(|rest| {
+            rest.split("kN s")
+                .nth(1)?
+                .split('(')
+                .next()?
+                .trim()
+                .parse()
+                .ok()
+        });
+    let momentum: f64 = momentum.expect("a final momentum");
+    assert!((momentum / 15.0 - 1.0).abs() < 0.2, "{momentum}: {shown}");
+    let recomputed = shown
+        .lines()
+        .find_map(|line| {
+            line.strip_suffix(" estimates were computed again from the recorded measurements.")
+        })
+        .and_then(|counts| counts.split_once(" of "));
+    assert!(
+        recomputed.is_some_and(|(one, all)| one == all && one != "0"),
+        "{recomputed:?}: {shown}"
+    );
+    let inside = folder.path().join("column_twin_demo");
+    let report = fs::read_to_string(inside.join("report.html")).expect("a report");
+    assert!(report.contains("id=\"felt\"") && report.contains("by the twin itself"));
+    for file in [
+        "readings.csv",
+        "signal.yaml",
+        "sensors.yaml",
+        "column.yaml",
+        "state",
+    ] {
+        assert!(inside.join(file).exists(), "{file}");
+    }
+}
+
+#[cfg(all(feature = "ros", feature = "record"))]
+#[test]
+fn the_demonstration_with_sensors_plays_its_own_vehicle() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ended = run(folder.path(), &["demo", "--sensors", "--mass", "2000"]);
+    assert_eq!(ended.status.code(), Some(2));
+    assert_eq!(names(folder.path()), [""; 0]);
 }

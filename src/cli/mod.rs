@@ -26,6 +26,8 @@ mod map;
 #[cfg(feature = "ros")]
 mod measure;
 #[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
+mod recorded_felt;
+#[cfg(all(feature = "ros", feature = "record", feature = "viewer"))]
 mod recorded_items;
 #[cfg(test)]
 #[path = "../figures/reference.rs"]

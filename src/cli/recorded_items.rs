@@ -7,14 +7,17 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 
 use super::failure::{Exit, Failure};
+use super::recorded_felt::RecordedFelt;
 use column_twin::evidence::{JournalEntry, JournalError, JournalLine};
 use column_twin::messages::builtin_interfaces::Time;
-use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
+use column_twin::messages::column_twin::{
+    ColumnState, HingeForces, ImpactEstimate, ImpactEvent, ImpactReport, Measurement,
+};
 use column_twin::messages::{Message, cdr};
 use column_twin::parameters::Parameters;
 use column_twin::recording::{self, Reader};
 use column_twin::twin::Journal;
-use column_twin::viewer::{self, RecordedMessage, ViewerItem};
+use column_twin::viewer::{self, FeltUpdate, RecordedMessage, ViewerItem};
 
 /// The parameters of the column of a recording, and the items to show.
 pub(super) struct RecordedItems {
@@ -31,16 +34,28 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
         Some(file) => Some(Arc::new(Parameters::load(std::slice::from_ref(file), &[])?)),
     };
     let mut gathered = Gathered::default();
+    if let Some(parameters) = &parameters {
+        gathered.felt.parameters(parameters);
+    }
     for message in reader.messages() {
         let message = message?;
         let topic = reader.topics().get(message.topic_index);
         if config.is_none() && topic.is_some_and(recording::is_journal) {
-            let column = checkpoint_parameters(&message.data)
-                .map_err(|error| Failure::plain(Exit::BadInput, error))?;
-            if let Some(column) = column {
-                parameters.get_or_insert_with(|| Arc::clone(&column));
-                gathered.messages.push(RecordedMessage::Column(column));
+            let line = match JournalLine::decode(&message.data) {
+                Ok(line) => line,
+                Err(error @ JournalError::OtherVersion { .. }) => {
+                    return Err(Failure::plain(Exit::BadInput, error));
+                }
+                Err(_) => continue,
+            };
+            if let JournalEntry::Twin(Journal::Checkpoint(start)) = &line.entry {
+                let column = &start.parameters;
+                parameters.get_or_insert_with(|| Arc::clone(column));
+                let column = RecordedMessage::Column(Arc::clone(column));
+                gathered.messages.push(column);
             }
+            let updates = gathered.felt.line(&line);
+            gathered.show_felt(updates);
         } else {
             gathered.take(&message);
         }
@@ -54,6 +69,8 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
             ),
         )
     })?;
+    let left = gathered.felt.end();
+    gathered.show_felt(left);
     gathered.report_unshown();
     if gathered.shown == 0 {
         return Err(Failure::plain(
@@ -87,6 +104,7 @@ struct Gathered {
     states: HashMap<Instant, ColumnState>,
     /// Messages of hinges without their state.
     forces: HashMap<Instant, HingeForces>,
+    felt: RecordedFelt,
     /// Number of messages that cannot be decoded.
     unreadable: usize,
     first_fault: Option<String>,
@@ -111,7 +129,18 @@ impl Gathered {
                 .push(RecordedMessage::Report(Box::new(report)));
         } else if let Some(event) = self.read::<ImpactEvent>(message) {
             self.messages.push(RecordedMessage::Event(Box::new(event)));
+        } else if let Some(measurement) = self.read::<Measurement>(message) {
+            self.felt.measurement(&measurement, message.log_time);
+        } else if let Some(estimate) = self.read::<ImpactEstimate>(message) {
+            let updates = self.felt.estimate(estimate);
+            self.show_felt(updates);
         }
+    }
+
+    fn show_felt(&mut self, updates: Vec<FeltUpdate>) {
+        let updates = updates.into_iter();
+        let messages = updates.map(|it| RecordedMessage::Felt(Box::new(it)));
+        self.messages.extend(messages);
     }
 
     fn pair(&mut self, state: ColumnState, forces: HingeForces) {
@@ -146,16 +175,5 @@ impl Gathered {
                 "{alone} messages are not shown: a state without hinge forces of the same stamp, or the reverse"
             );
         }
-    }
-}
-
-/// The parameters in a line of the journal, if it is a checkpoint.
-fn checkpoint_parameters(bytes: &[u8]) -> Result<Option<Arc<Parameters>>, JournalError> {
-    match JournalLine::decode(bytes).map(|line| line.entry) {
-        Ok(JournalEntry::Twin(Journal::Checkpoint(start))) => {
-            Ok(Some(Arc::clone(&start.parameters)))
-        }
-        Err(error @ JournalError::OtherVersion { .. }) => Err(error),
-        Ok(_) | Err(_) => Ok(None),
     }
 }

@@ -123,7 +123,8 @@ impl ReplayedTwin {
             if !matches!(output, Output::Journal(_)) {
                 self.convert(output);
             }
-            if let (Some(kept), Output::State(_) | Output::Report(_)) = (&mut self.outputs, output)
+            if let (Some(kept), Output::State(_) | Output::Report(_) | Output::Estimate(_)) =
+                (&mut self.outputs, output)
             {
                 kept.push(output.clone());
             }

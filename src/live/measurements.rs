@@ -3,6 +3,7 @@
 //!
 //! Every batch has a serial number, counted from the first one of the program: a reader sees by them how many it lost.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -10,6 +11,7 @@ use crossbeam_queue::ArrayQueue;
 
 use super::notifier::Notifier;
 use super::queue::{QueueStats, WhenFull};
+use super::recent_batches::RecentBatches;
 use crate::senses::Batch;
 
 /// Most batches in the queue: 5 s of 16 sensors that send a batch every 10 ms.
@@ -28,6 +30,7 @@ pub struct MeasurementQueue {
     next_serial: AtomicU64,
     lost: AtomicU64,
     notifier: Notifier,
+    recent: Option<Arc<RecentBatches>>,
 }
 
 impl MeasurementQueue {
@@ -40,12 +43,30 @@ impl MeasurementQueue {
             next_serial: AtomicU64::new(0),
             lost: AtomicU64::new(0),
             notifier: Notifier::default(),
+            recent: None,
         }
+    }
+
+    /// An empty queue that also remembers the newest batches for those who look at them.
+    #[must_use]
+    pub fn remembering() -> Self {
+        Self {
+            recent: Some(Arc::default()),
+            ..Self::new()
+        }
+    }
+
+    /// The newest batches, if they are remembered.
+    pub fn recent(&self) -> Option<Arc<RecentBatches>> {
+        self.recent.clone()
     }
 
     /// Adds a batch, gives it the next serial number, and wakes the reader. Drops the oldest batches for which there is no
     /// room, and counts them.
     pub fn push(&self, batch: Batch) {
+        if let Some(recent) = &self.recent {
+            recent.push(&batch);
+        }
         let serial = self.next_serial.fetch_add(1, Ordering::Relaxed);
         let added = batch.values.len();
         let mut samples = self.samples.fetch_add(added, Ordering::Relaxed) + added;

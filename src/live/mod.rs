@@ -16,6 +16,7 @@ mod notifier;
 mod pool;
 pub(crate) mod queue;
 mod real_time;
+mod recent_batches;
 #[cfg(feature = "study")]
 mod sensing;
 mod solver;
@@ -40,6 +41,7 @@ pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THR
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 use real_time::Urgency;
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
+pub use recent_batches::RecentBatches;
 #[cfg(feature = "study")]
 pub use sensing::{Deliver, SENSING_THREAD};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
@@ -278,6 +280,12 @@ impl LiveHandle {
             .unwrap_or_else(PoisonError::into_inner);
         let index = receivers.iter().position(|it| it.name() == name)?;
         Some(receivers.swap_remove(index))
+    }
+
+    /// The newest measurements; `None` if they are not remembered for those who look at them.
+    #[must_use]
+    pub fn recent_measurements(&self) -> Option<Arc<RecentBatches>> {
+        self.measurements.as_ref().and_then(|it| it.recent())
     }
 
     /// The parameters that hold; a change that waits for the end of a response is not among them yet.

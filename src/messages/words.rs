@@ -1,6 +1,6 @@
 //! The words that people see for the numbers of phases and severities in messages. Those that call for somebody are capitals.
 
-use super::column_twin::TwinStatus;
+use super::column_twin::{CredibleInterval, ImpactEstimate, TwinStatus};
 
 /// The word for a phase in `ColumnState`, `TwinStatus` and `ColumnStatus`.
 #[must_use]
@@ -27,6 +27,67 @@ pub fn severity_word(severity: u8) -> &'static str {
         TwinStatus::SEVERITY_RESTRICT => "RESTRICT",
         TwinStatus::SEVERITY_PROP => "PROP",
         TwinStatus::SEVERITY_EVACUATE => "EVACUATE",
+        _ => "unknown",
+    }
+}
+
+/// One line about an estimate.
+#[must_use]
+pub fn estimate_line(it: &ImpactEstimate) -> String {
+    let last = if it.is_final { "final " } else { "" };
+    format!(
+        "{last}estimate of {} by data until {:.0} ms after contact: momentum {}, v1 up to {}, residual {}, severity {} ({})",
+        it.event_id,
+        1e3 * it.data_until,
+        in_unit(&it.momentum, 1e-3, "kN s"),
+        in_unit(&it.peak_v1, 1e3, "mm"),
+        in_unit(&it.residual_v1, 1e3, "mm"),
+        severities_in_words(it),
+        decision_word(it.decision)
+    )
+}
+
+/// Mean and 90 % interval of a quantity, times a factor, in a unit: `15.0 (13.9 to 16.1) kN s`.
+#[must_use]
+pub fn in_unit(interval: &CredibleInterval, factor: f64, unit: &str) -> String {
+    let CredibleInterval { mean, low, high } = interval;
+    if ![mean, low, high].into_iter().all(|it| it.is_finite()) {
+        return "unknown".to_owned();
+    }
+    let largest = (factor * high).abs().max((factor * mean).abs());
+    // Three digits of the largest of the three numbers.
+    let decimals = match largest {
+        0.0..1.0 => 3,
+        1.0..10.0 => 2,
+        10.0..100.0 => 1,
+        _ => 0,
+    };
+    let [mean, low, high] = [mean, low, high].map(|it| factor * it);
+    format!("{mean:.decimals$} ({low:.decimals$} to {high:.decimals$}) {unit}")
+}
+
+/// The probabilities of the severities, the most probable first; those below half a percent are left out.
+#[must_use]
+pub fn severities_in_words(estimate: &ImpactEstimate) -> String {
+    const LEAST_NAMED: f64 = 0.005;
+    let shares = (0_u8..).zip(estimate.severity_probabilities);
+    let mut named: Vec<_> = shares.filter(|(_, share)| *share >= LEAST_NAMED).collect();
+    named.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let words = named
+        .iter()
+        .map(|(severity, share)| format!("{} {:.0} %", severity_word(*severity), 100.0 * share));
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// What has become of an estimate, in words.
+#[must_use]
+pub fn decision_word(decision: u8) -> &'static str {
+    match decision {
+        ImpactEstimate::DECISION_PENDING => "not accepted yet",
+        ImpactEstimate::DECISION_ACCEPTED => "accepted",
+        ImpactEstimate::DECISION_MERGED => "the twin follows an event for the same impact",
+        ImpactEstimate::DECISION_REJECTED => "rejected",
+        ImpactEstimate::DECISION_REFUSED => "refused: the column cannot take it",
         _ => "unknown",
     }
 }

@@ -102,7 +102,7 @@ impl ReportDocument {
         match &self.origin {
             Origin::Simulation => Ok(html! {}),
             #[cfg(feature = "record")]
-            Origin::Recording(recorded) => felt_section::markup(&recorded.felt),
+            Origin::Recording(recorded) => felt_section::markup(&recorded.felt, &self.impacts),
         }
     }
 

@@ -15,6 +15,8 @@ mod energy_balance;
 mod estimate_document;
 mod estimate_section;
 #[cfg(feature = "record")]
+mod felt_impact;
+#[cfg(feature = "record")]
 mod felt_section;
 mod impact_section;
 mod limits;
@@ -32,6 +34,8 @@ pub use course::Struck;
 pub use document::{Origin, ReportDocument};
 pub use energy_balance::{EnergyBalance, EnergyEntry};
 pub use estimate_document::EstimateDocument;
+#[cfg(feature = "record")]
+pub use felt_impact::{FeltDecision, FeltImpact};
 #[cfg(feature = "record")]
 pub use recorded::{MAX_SECTIONS, RecordedFile, RecordedReportError, ReportedRecording};
 pub use reported_impact::ReportedImpact;

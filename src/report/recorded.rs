@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::course::Struck;
 use super::document::{Origin, ReportDocument};
+use super::felt_impact::FeltImpact;
 use super::reported_impact::ReportedImpact;
 use super::words;
 use crate::column::{Impact, Model, Sample, State};
@@ -51,7 +52,7 @@ pub struct ReportedRecording {
     /// How fast each vehicle may hit the column next, at the end of the recording; `None` if it is not known there.
     pub critical_velocities: Option<Arc<[VehicleLimits]>>,
     /// The last impacts that the sensors have felt, at most [`MAX_SECTIONS`], each with its estimates in their order.
-    pub felt: Vec<Vec<Arc<EstimateRecord>>>,
+    pub felt: Vec<FeltImpact>,
 }
 
 /// A file of a recording.
@@ -109,7 +110,7 @@ impl ReportDocument {
             evidence::verify_observed(&reader, &mut |observed| gathered.take(observed));
         let (mut events, _) = recording::summarise_events(&reader)?;
         add_commands(&mut events, &gathered.commands);
-        check_events(path, &reader, &events, event_id)?;
+        check_events(path, &reader, &events, &gathered.felt, event_id)?;
         let whole = reader.wholeness();
         let reports = gathered.finished.len();
         let impacts: Vec<_> = gathered
@@ -170,10 +171,11 @@ fn check_events(
     path: &Path,
     reader: &Reader,
     events: &[EventSummary],
+    felt: &VecDeque<FeltImpact>,
     wanted: Option<&str>,
 ) -> Result<(), RecordedReportError> {
     const MAX_NAMED: usize = 20;
-    if events.is_empty() {
+    if events.is_empty() && felt.is_empty() {
         let topics: Vec<_> = reader.topics().iter().map(|topic| &*topic.name).collect();
         return Err(RecordedReportError::NoImpact {
             path: path.to_path_buf(),
@@ -186,7 +188,8 @@ fn check_events(
     let Some(wanted) = wanted else {
         return Ok(());
     };
-    if events.iter().any(|event| event.event_id == wanted) {
+    let is_felt = felt.iter().any(|it| it.event_id() == Some(wanted));
+    if is_felt || events.iter().any(|event| event.event_id == wanted) {
         return Ok(());
     }
     let known: Vec<_> = events.iter().map(|event| event.event_id.as_str()).collect();
@@ -256,7 +259,9 @@ struct Gathered {
     finished: VecDeque<Finished>,
     without_section: usize,
     critical_velocities: Option<Arc<[VehicleLimits]>>,
-    felt: VecDeque<Vec<Arc<EstimateRecord>>>,
+    felt: VecDeque<FeltImpact>,
+    /// Who has decided about an estimate last.
+    decided_by: Option<Arc<str>>,
 }
 
 impl Gathered {
@@ -273,6 +278,13 @@ impl Gathered {
             Observed::Entry(JournalEntry::Twin(Journal::Command(record))) => self.command(record),
             Observed::Recomputed(Output::State(state)) => self.state(state),
             Observed::Recomputed(Output::Report(output)) => self.report(output),
+            Observed::Recomputed(Output::Estimate(output)) => {
+                let mut felt = self.felt.iter_mut().rev();
+                let event_id = Some(&*output.record.event_id);
+                if let Some(felt) = felt.find(|it| it.event_id() == event_id) {
+                    felt.decide(output, &mut self.decided_by);
+                }
+            }
             Observed::Entry(_) | Observed::Recomputed(_) => {}
         }
     }
@@ -285,8 +297,12 @@ impl Gathered {
         if record.refusal.is_some() {
             return;
         }
-        if let Command::Estimate(estimate) = &record.command {
-            self.feel(estimate);
+        match &record.command {
+            Command::Estimate(estimate) => self.feel(estimate),
+            Command::DecideEstimate(decision) => {
+                self.decided_by = Some(Arc::clone(&decision.source));
+            }
+            _ => {}
         }
         // Whatever else is accepted may change the column.
         self.critical_velocities = match &record.command {
@@ -326,11 +342,18 @@ impl Gathered {
         if self.wanted.as_deref().is_some_and(is_other) {
             return;
         }
-        let last = self.felt.back_mut();
-        let same = last.filter(|it| it[0].event_id == record.event_id);
-        match same {
-            Some(estimates) => estimates.push(Arc::clone(record)),
-            None => self.felt.push_back(vec![Arc::clone(record)]),
+        let event_id = Some(&*record.event_id);
+        match self.felt.back_mut().filter(|it| it.event_id() == event_id) {
+            Some(felt) => felt.estimates.push(Arc::clone(record)),
+            None => {
+                let parameters = self.at_rest.as_ref();
+                let sensors = parameters.map(|twin| twin.parameters().sensors());
+                self.felt.push_back(FeltImpact {
+                    estimates: vec![Arc::clone(record)],
+                    decisions: Vec::new(),
+                    sensors: sensors.unwrap_or_default(),
+                });
+            }
         }
         if self.felt.len() > MAX_SECTIONS {
             self.felt.pop_front();

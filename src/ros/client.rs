@@ -2,17 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use futures::{StreamExt, join, pin_mut};
+use futures::join;
 use ros2_client::Subscription;
-use rustdds::GUID;
 
 use crate::column::ImpactSpecification;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
-    ColumnState, ColumnStatus, FleetStatus, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
+    ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;
 use crate::parameters::{MAX_COLUMNS, readable};
@@ -24,13 +23,8 @@ use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
 use super::signals::StopSignals;
+use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Subscribed, later, next, wait_until};
 use super::task::Task;
-
-/// Maximum number of messages that wait to be shown; further ones are dropped.
-const SHOWN_QUEUE: usize = 1024;
-
-/// Interval at which a wait checks whether the program is asked to stop.
-const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Timeout for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
@@ -201,7 +195,7 @@ pub fn send_impact(
     let subscribed = Subscribed {
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        fleet: fleet_subscription(&mut node)?,
+        fleet: later(&mut node, &qos::FLEET_STATUS)?,
         ..Subscribed::default()
     };
     converse(
@@ -235,7 +229,8 @@ pub fn watch(
         forecast: Some(node.subscription(&qos::IMPACT_FORECAST)?),
         report: Some(node.subscription(&qos::IMPACT_REPORT)?),
         status: Some(node.subscription(&qos::TWIN_STATUS)?),
-        fleet: fleet_subscription(&mut node)?,
+        estimate: later(&mut node, &qos::IMPACT_ESTIMATE)?,
+        fleet: later(&mut node, &qos::FLEET_STATUS)?,
         ..Subscribed::default()
     };
     let topic = node
@@ -325,14 +320,6 @@ pub fn follow_impact(
         },
     );
     ended?
-}
-
-/// The status of a fleet. An enclave that was made before there were fleets does not permit it, and needs it only for a fleet.
-fn fleet_subscription(node: &mut Node) -> Result<Option<Subscription<FleetStatus>>, NodeError> {
-    match node.subscription(&qos::FLEET_STATUS) {
-        Err(_) if node.protection().has_enclave() => Ok(None),
-        subscription => subscription.map(Some),
-    }
 }
 
 /// An event that the client has sent.
@@ -465,86 +452,6 @@ fn converse<T>(
     })();
     task.stop();
     outcome
-}
-
-/// The subscriptions of a client.
-#[derive(Default)]
-struct Subscribed {
-    state: Option<Subscription<ColumnState>>,
-    forces: Option<Subscription<HingeForces>>,
-    forecast: Option<Subscription<ImpactReport>>,
-    report: Option<Subscription<ImpactReport>>,
-    status: Option<Subscription<TwinStatus>>,
-    fleet: Option<Subscription<FleetStatus>>,
-}
-
-impl Subscribed {
-    /// The subscriptions that every twin and every fleet serves.
-    fn guids(&self) -> Vec<GUID> {
-        [
-            self.state.as_ref().map(Subscription::guid),
-            self.forces.as_ref().map(Subscription::guid),
-            self.forecast.as_ref().map(Subscription::guid),
-            self.report.as_ref().map(Subscription::guid),
-            self.status.as_ref().map(Subscription::guid),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
-    }
-
-    /// Passes on all messages indefinitely.
-    async fn show(self, to: SyncSender<Seen>) {
-        join!(
-            pass(&self.state, &to, Seen::State),
-            pass(&self.forces, &to, Seen::Forces),
-            pass(&self.forecast, &to, Seen::Forecast),
-            pass(&self.report, &to, Seen::Report),
-            pass(&self.status, &to, Seen::Status),
-            pass(&self.fleet, &to, Seen::Fleet),
-        );
-    }
-}
-
-async fn pass<M: serde::de::DeserializeOwned + 'static>(
-    subscription: &Option<Subscription<M>>,
-    to: &SyncSender<Seen>,
-    seen: impl Fn(M) -> Seen,
-) {
-    let Some(subscription) = subscription else {
-        return;
-    };
-    let messages = subscription.async_stream();
-    pin_mut!(messages);
-    while let Some(message) = messages.next().await {
-        // When the queue is full, further lines are dropped; unreadable messages are ignored.
-        if let Ok((message, _)) = message {
-            let _ = to.try_send(seen(message));
-        }
-    }
-}
-
-fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
-    let rest = until.saturating_duration_since(Instant::now());
-    seen.recv_timeout(rest).ok()
-}
-
-/// Repeats `attempt`, which receives the deadline of each try; `None` after `timeout`.
-pub(super) fn wait_until<T>(
-    signals: &StopSignals,
-    timeout: Duration,
-    mut attempt: impl FnMut(Instant) -> Option<T>,
-) -> Result<Option<T>, ClientError> {
-    let deadline = Instant::now() + timeout;
-    while Instant::now() < deadline {
-        if signals.asked() {
-            return Err(ClientError::Interrupted);
-        }
-        if let Some(found) = attempt((Instant::now() + CHECK_INTERVAL).min(deadline)) {
-            return Ok(Some(found));
-        }
-    }
-    Ok(None)
 }
 
 /// The only column.

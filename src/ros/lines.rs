@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 use crate::column::HINGE_NAMES;
 use crate::messages::column_twin::{
-    ColumnState, FleetStatus, HingeForces, ImpactReport, TwinStatus,
+    ColumnState, FleetStatus, HingeForces, ImpactEstimate, ImpactReport, TwinStatus,
 };
-use crate::messages::words::phase_word;
-pub use crate::messages::words::severity_word;
+pub use crate::messages::words::{decision_word, in_unit, severities_in_words, severity_word};
+use crate::messages::words::{estimate_line, phase_word};
 
 /// A message of the twin.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub enum Seen {
     Report(ImpactReport),
     /// Status of the twin.
     Status(TwinStatus),
+    /// What the sensors say about an impact.
+    Estimate(Box<ImpactEstimate>),
     /// Status of columns of a fleet.
     Fleet(FleetStatus),
 }
@@ -35,6 +37,7 @@ impl Seen {
             Seen::Forecast(report) => (0, &report.header, &report.column_id),
             Seen::Report(report) => (1, &report.header, &report.column_id),
             Seen::Status(status) => (2, &status.header, &status.column_id),
+            Seen::Estimate(estimate) => (3, &estimate.header, &estimate.column_id),
         };
         Some((topic, column_id, header.stamp.to_nanos()))
     }
@@ -167,6 +170,7 @@ impl WatchLines {
             )),
             Seen::Forecast(report) => Some(report_line("forecast", report)),
             Seen::Report(report) => Some(report_line("result", report)),
+            Seen::Estimate(estimate) => Some(estimate_line(estimate)),
             Seen::Forces(_) | Seen::Fleet(_) => None,
             Seen::Status(status) => {
                 let state = (

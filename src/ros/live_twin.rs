@@ -116,7 +116,8 @@ impl LiveTwin {
             }
         };
         let has_sensors = !parameters.settings().sensors.names.is_empty();
-        let measurements = has_sensors.then(|| Arc::new(MeasurementQueue::new()));
+        let measurements =
+            has_sensors.then(|| Arc::new(node_viewer::measurement_queue(&parameters)));
         let mut options = LiveOptions {
             state_file: path,
             real_time: RealTime::of(&parameters),

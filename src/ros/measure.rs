@@ -8,12 +8,13 @@ use crate::messages::column_twin::Measurement;
 use crate::messages::std_msgs::Header;
 use crate::senses::{Readings, Sensor};
 
-use super::client::{ClientError, wait_until};
+use super::client::ClientError;
 use super::environment::Environment;
 use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
 use super::signals::StopSignals;
+use super::subscribed::wait_until;
 use super::task::Task;
 
 /// Time at the end in which the last batch leaves.

@@ -14,6 +14,7 @@ mod dds_threads;
 mod diagnostics;
 mod duplicates;
 mod environment;
+mod felt;
 mod fleet;
 mod fresh_domain;
 mod guid_prefix;
@@ -42,6 +43,7 @@ pub mod security;
 mod senders;
 mod sensor_watch;
 mod signals;
+mod subscribed;
 mod task;
 mod twin_node;
 mod type_descriptions;
@@ -52,9 +54,10 @@ pub use client::{
     ClientError, ImpactOptions, ImpactOutcome, Shown, follow_impact, send_impact, watch,
 };
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
+pub use felt::follow_sensors;
 pub use fleet::{FleetNode, FleetRunOptions, FleetTwin, FleetTwinError, run_fleet};
 pub use fresh_domain::FreshDomain;
-pub use lines::{Seen, report_line, severity_word};
+pub use lines::{Seen, decision_word, in_unit, report_line, severities_in_words, severity_word};
 pub use live_twin::{Health, LiveTwin, LiveTwinError};
 pub use matches::Matches;
 pub use measure::{MeasureOptions, Measured, send_measurements};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::live::{LiveHandle, LiveOptions};
+use crate::live::{LiveHandle, LiveOptions, MeasurementQueue};
 use crate::parameters::{Parameters, ViewerMode};
 
 #[cfg(feature = "viewer")]
@@ -25,6 +25,15 @@ impl NodeViewer {
         if let Some(viewer) = self.viewer {
             viewer.stop();
         }
+    }
+}
+
+/// The queue of measurements; with a viewer one that remembers the newest of them, which the viewer shows.
+pub(super) fn measurement_queue(parameters: &Parameters) -> MeasurementQueue {
+    let is_shown = cfg!(feature = "viewer") && parameters.settings().viewer.mode != ViewerMode::Off;
+    match is_shown {
+        true => MeasurementQueue::remembering(),
+        false => MeasurementQueue::new(),
     }
 }
 
@@ -57,7 +66,8 @@ pub(super) fn start(
     let Some(outputs) = handle.outputs(QUEUE) else {
         return Ok(NodeViewer::default());
     };
-    match LiveViewer::start(parameters, outputs, now, Arc::new(log)) {
+    let measured = handle.recent_measurements();
+    match LiveViewer::start(parameters, outputs, measured, now, Arc::new(log)) {
         Ok(viewer) => Ok(NodeViewer { viewer }),
         Err(ViewerError::Thread(error)) => Err(error),
         Err(error) => Err(std::io::Error::other(error)),

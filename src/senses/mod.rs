@@ -23,6 +23,8 @@ mod estimate_record;
 mod estimator;
 mod event_evidence;
 #[cfg(feature = "study")]
+mod foreseen;
+#[cfg(feature = "study")]
 mod hypothesis;
 mod intake;
 #[cfg(feature = "study")]
@@ -70,6 +72,8 @@ pub use estimate_record::EstimateRecord;
 pub use estimator::{Estimator, EstimatorError, UPDATE_INSTANTS};
 pub use event_evidence::{EventEvidence, MAX_EVENTS};
 #[cfg(feature = "study")]
+pub use foreseen::{AVERAGED_OVER, predicted_means};
+#[cfg(feature = "study")]
 pub use hypothesis::{Front, Hypothesis, hypotheses};
 pub use intake::{
     BELIEVED, Intake, IntakeState, MAX_BATCH_SAMPLES, MAX_CLOCK_ERROR, MAX_JITTER,
@@ -88,5 +92,5 @@ pub use sensing::{Sensing, Work};
 pub use sensor::{MAX_SENSORS, Quantity, Sensor};
 pub use sensor_clock::TOLERATED_OFFSET;
 #[cfg(feature = "study")]
-pub use simulated::simulate_sensors;
+pub use simulated::{simulate_sensors, with_sensor_errors};
 pub use standing_column::{Damage, StandingColumn};

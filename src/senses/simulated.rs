@@ -66,6 +66,44 @@ pub fn simulate_sensors(
     }
 }
 
+/// What the sensors read where `exact` is what there is to be read, row by row, in the order of the sensors: with gain errors and
+/// biases that are drawn once for each sensor, noise for each sample, and clipping. The same seed gives the same readings.
+#[must_use]
+pub fn with_sensor_errors(exact: &Readings, sensors: &[Sensor], seed: u64) -> Readings {
+    let mut random = Random::new(seed);
+    let errors: Vec<_> = sensors
+        .iter()
+        .map(|sensor| Errors::draw(sensor, &mut random))
+        .collect();
+    let mut readings = exact.clone();
+    for row in readings.values.chunks_exact_mut(sensors.len().max(1)) {
+        for (value, (errors, sensor)) in row.iter_mut().zip(errors.iter().zip(sensors)) {
+            *value = errors.reading(sensor, *value, &mut random);
+        }
+    }
+    readings
+}
+
+/// The errors of a sensor that stay.
+struct Errors {
+    gain: f64,
+    bias: f64,
+}
+
+impl Errors {
+    fn draw(sensor: &Sensor, random: &mut Random) -> Self {
+        Self {
+            gain: 1.0 + sensor.gain_error * random.normal(),
+            bias: sensor.bias * random.normal(),
+        }
+    }
+
+    /// What the sensor reads of an exact value.
+    fn reading(&self, sensor: &Sensor, exact: f64, random: &mut Random) -> f64 {
+        sensor.clipped(self.gain * exact + self.bias + sensor.noise * random.normal())
+    }
+}
+
 /// A sample of one sensor.
 struct Sampled {
     time: f64,
@@ -98,8 +136,7 @@ struct Channel<'a> {
     filter: LowPass,
     /// Filtered reading at the last step and at the one before.
     filtered: [f64; 2],
-    gain: f64,
-    bias: f64,
+    errors: Errors,
     /// Number of the next sample; 0 is at the event.
     next: i64,
 }
@@ -117,8 +154,7 @@ impl<'a> Channel<'a> {
             probe: SteppedProbe::new(model, state, sensor),
             filter: LowPass::new(sensor.bandwidth, secs),
             filtered: [0.0; 2],
-            gain: 1.0 + sensor.gain_error * random.normal(),
-            bias: sensor.bias * random.normal(),
+            errors: Errors::draw(sensor, random),
             next: -((LEAD * sensor.rate).round() as i64),
         }
     }
@@ -146,12 +182,10 @@ impl<'a> Channel<'a> {
         random: &mut Random,
         samples: &mut Vec<Sampled>,
     ) {
-        let declared = self.sensor;
-        let value = self.gain * filtered + self.bias + declared.noise * random.normal();
         samples.push(Sampled {
             time: self.next_time(),
             sensor,
-            value: declared.clipped(value),
+            value: self.errors.reading(self.sensor, filtered, random),
         });
         self.next += 1;
     }

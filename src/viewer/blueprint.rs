@@ -1,5 +1,6 @@
 //! The layout of the viewer, for a laptop screen: column, panel and log on the left, curves in the middle, yield surfaces on
-//! the right. Crush and force-crush diagram are shown if the vehicle crushes.
+//! the right. Crush and force-crush diagram are shown if the vehicle crushes. With sensors, what they feel is in the middle, and the
+//! curves are in a second tab.
 //!
 //! Rerun's blueprint API for Rust can set neither the eye nor the bounds of a view nor the range of an axis. This module
 //! therefore logs the blueprint archetypes one by one, as the API itself does.
@@ -22,6 +23,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
+use super::felt_views::{FeltView, MAX_SENSOR_VIEWS};
 use super::force_crush;
 use super::panel::PANEL;
 use super::plots::{self, PLOTS};
@@ -43,12 +45,18 @@ const LEFT: u8 = 2;
 const MIDDLE: u8 = 3;
 const RIGHT: u8 = 4;
 const BELOW: u8 = 5;
+const CURVES: u8 = 6;
+const FELT: u8 = 7;
 const SCENE: u8 = 10;
 const LOG: u8 = 11;
 const TEXT: u8 = 12;
 const FORCE_CRUSH: u8 = 13;
 const FIRST_PLOT: u8 = 20;
 const FIRST_HINGE: u8 = 40;
+const FIRST_FELT: u8 = 60;
+
+// The numbers of the views of what is felt: forecast, momentum, severity, and sensors.
+const _: () = assert!(FIRST_FELT as usize + 3 + MAX_SENSOR_VIEWS <= u8::MAX as usize);
 
 /// Sends the blueprint and activates it.
 ///
@@ -58,9 +66,10 @@ pub fn send(
     recording: &RecordingStream,
     drawing: &Drawing,
     axes: &[[f64; 2]; PLOTS],
+    felt: &[FeltView],
     follows: bool,
 ) -> RecordingStreamResult<()> {
-    let messages = messages(drawing, axes, follows)?;
+    let messages = messages(drawing, axes, felt, follows)?;
     let store = messages.iter().find_map(|message| match message {
         LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
         _ => None,
@@ -80,6 +89,7 @@ pub fn send(
 fn messages(
     drawing: &Drawing,
     axes: &[[f64; 2]; PLOTS],
+    felt: &[FeltView],
     follows: bool,
 ) -> RecordingStreamResult<Vec<LogMsg>> {
     let (stream, storage) = RecordingStreamBuilder::new(APPLICATION)
@@ -89,7 +99,7 @@ fn messages(
     stream.set_time_sequence("blueprint", 0);
     let blueprint = Blueprint { stream };
     let crushes = drawing.vehicle.is_real();
-    blueprint.layout(crushes)?;
+    blueprint.layout(crushes, felt.len())?;
     blueprint.scene(drawing)?;
     blueprint.panel()?;
     blueprint.log()?;
@@ -97,6 +107,9 @@ fn messages(
         if shown(number, crushes) {
             blueprint.plot(number, *axis)?;
         }
+    }
+    for (number, view) in (FIRST_FELT..).zip(felt) {
+        blueprint.felt(number, view)?;
     }
     if crushes {
         blueprint.force_crush(drawing)?;
@@ -141,7 +154,7 @@ impl Blueprint {
         self.stream.log(path, what)
     }
 
-    fn layout(&self, crushes: bool) -> RecordingStreamResult<()> {
+    fn layout(&self, crushes: bool, felt: usize) -> RecordingStreamResult<()> {
         let plots = (0..PLOTS as u8).filter(|number| shown(*number, crushes));
         let plots = plots.map(|number| view(FIRST_PLOT + number));
         let plots = plots.chain(crushes.then(|| view(FORCE_CRUSH)));
@@ -160,10 +173,25 @@ impl Blueprint {
             .with_contents(contents(vec![view(TEXT), view(LOG)]))
             .with_col_shares([0.6_f32, 0.4]);
         self.write(&container(BELOW), &below)?;
-        let middle = ContainerBlueprint::new(ContainerKind::Grid)
-            .with_contents(contents(plots.collect()))
-            .with_grid_columns(2_u32);
-        self.write(&container(MIDDLE), &middle)?;
+        let grid = |paths: Vec<String>| {
+            ContainerBlueprint::new(ContainerKind::Grid)
+                .with_contents(contents(paths))
+                .with_grid_columns(2_u32)
+        };
+        let curves = grid(plots.collect());
+        if felt == 0 {
+            self.write(&container(MIDDLE), &curves)?;
+        } else {
+            let felt = (FIRST_FELT..).take(felt).map(view);
+            let felt = grid(felt.collect()).with_display_name("Sensors");
+            self.write(&container(FELT), &felt)?;
+            let curves = curves.with_display_name("Column");
+            self.write(&container(CURVES), &curves)?;
+            let middle = ContainerBlueprint::new(ContainerKind::Tabs)
+                .with_contents(contents(vec![container(FELT), container(CURVES)]))
+                .with_active_tab(container(FELT).as_str());
+            self.write(&container(MIDDLE), &middle)?;
+        }
         let right = ContainerBlueprint::new(ContainerKind::Vertical)
             .with_contents(contents(hinges.collect()));
         self.write(&container(RIGHT), &right)?;
@@ -308,6 +336,20 @@ impl Blueprint {
         self.property(id, "PlotLegend", &legend)
     }
 
+    /// Curves about an impact that the sensors feel.
+    fn felt(&self, id: u8, view: &FeltView) -> RecordingStreamResult<()> {
+        let contents: Vec<_> = view.entities.iter().map(|it| format!("+ /{it}")).collect();
+        self.view(id, "TimeSeries", &view.title, "/felt", &contents)?;
+        if let Some([low, high]) = view.range {
+            let axis = ScalarAxis::new()
+                .with_range(Range1D::new(low, high))
+                .with_zoom_lock(LockRangeDuringZoom(false.into()));
+            self.property(id, "ScalarAxis", &axis)?;
+        }
+        let legend = PlotLegend::new().with_corner(view.names);
+        self.property(id, "PlotLegend", &legend)
+    }
+
     /// Shows the whole path up to the present time; everything else at the present time.
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
@@ -347,16 +389,17 @@ impl Blueprint {
 
 #[cfg(test)]
 mod tests {
+    use super::super::felt_views::FeltCurves;
     use super::*;
-    use crate::parameters::Parameters;
+    use crate::parameters::{Parameters, Value};
     use crate::shape::VehicleBody;
     use rerun::log::Chunk;
 
     /// The entities of the blueprint for a vehicle.
-    fn entities(vehicle: VehicleBody) -> Vec<String> {
+    fn entities(vehicle: VehicleBody, felt: &[FeltView]) -> Vec<String> {
         let mut drawing = Drawing::new(&Parameters::default());
         drawing.vehicle = vehicle;
-        let messages = messages(&drawing, &[[0.0, 1.0]; PLOTS], true).expect("written");
+        let messages = messages(&drawing, &[[0.0, 1.0]; PLOTS], felt, true).expect("written");
         let chunks = messages.iter().filter_map(|message| match message {
             LogMsg::ArrowMsg(_, data) => Chunk::from_arrow_msg(data).ok(),
             _ => None,
@@ -371,8 +414,8 @@ mod tests {
     /// The panel is always shown; crush and force over crush if the vehicle crushes.
     #[test]
     fn a_vehicle_that_crushes_has_views_of_its_own() {
-        let rigid = entities(VehicleBody::rigid_mass());
-        let car = entities(VehicleBody::assumed(1_719.0, &[0.0]));
+        let rigid = entities(VehicleBody::rigid_mass(), &[]);
+        let car = entities(VehicleBody::assumed(1_719.0, &[0.0]), &[]);
         let of_vehicle = (0..PLOTS).filter(|plot| plots::ALL[*plot].of_vehicle);
         let of_vehicle = of_vehicle.map(|plot| FIRST_PLOT + plot as u8);
         for number in of_vehicle.chain([FORCE_CRUSH]) {
@@ -383,6 +426,30 @@ mod tests {
                 has(&rigid, number) && has(&car, number),
                 "{number}: {rigid:?}"
             );
+        }
+    }
+
+    /// Views of what is felt exist only where there are sensors.
+    #[test]
+    fn sensors_have_views_of_their_own() {
+        let names = |count: usize| (0..count).map(|it| format!("s{it}")).collect::<Vec<_>>();
+        let views_of = |count: usize| {
+            let each = names(count).into_iter().flat_map(|name| {
+                let quantity = (format!("sensors.{name}.quantity"), "displacement".into());
+                [quantity, (format!("sensors.{name}.height"), 1.0.into())]
+            });
+            let names = ("sensors.names".to_owned(), Value::from(names(count)));
+            let sensors = Parameters::from_values(each.chain([names]));
+            FeltCurves::new(&sensors.expect("admissible")).map_or(Vec::new(), |it| it.views())
+        };
+        for (count, views) in [(0, 0), (3, 6), (40, 3 + MAX_SENSOR_VIEWS)] {
+            let found = views_of(count);
+            assert_eq!(found.len(), views);
+            let entities = entities(VehicleBody::rigid_mass(), &found);
+            let shown = (FIRST_FELT..u8::MAX).filter(|number| has(&entities, *number));
+            assert_eq!(shown.count(), views);
+            let has_tabs = entities.contains(&format!("/{}", container(FELT)));
+            assert_eq!(has_tabs, views > 0);
         }
     }
 

@@ -10,12 +10,13 @@ use rerun::RecordingStreamBuilder;
 use super::blueprint::APPLICATION;
 use super::connection::{self, Connection};
 use super::error::{ViewerError, ViewerLogger};
+use super::frame_budget::FrameBudget;
 use super::item::ViewerItem;
 use super::plots::Ranges;
 use super::rerun_types::batching;
 use super::server;
 use super::spawned::Spawned;
-use super::stream::{FrameBudget, StreamOptions, ViewerStream};
+use super::stream::{StreamOptions, ViewerStream};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::NoticeLevel;
 

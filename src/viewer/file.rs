@@ -106,7 +106,10 @@ pub(super) fn options(items: &[ViewerItem], follows: bool) -> StreamOptions {
                 longest = longest.max(state.sample.time);
             }
             ViewerItem::Forecast(it) | ViewerItem::Result(it) => ranges.include_report(&it.report),
-            ViewerItem::Rest { .. } | ViewerItem::Line { .. } | ViewerItem::Parameters(_) => {}
+            ViewerItem::Felt(_)
+            | ViewerItem::Rest { .. }
+            | ViewerItem::Line { .. }
+            | ViewerItem::Parameters(_) => {}
         }
     }
     let spaced = nanos(longest) / MAX_FRAMES;

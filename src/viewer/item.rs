@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::felt::FeltUpdate;
 use crate::column::{HingeSample, HingeState, MAX_MASSES, Phase, Sample, VehicleSample};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use crate::parameters::Parameters;
@@ -22,6 +23,8 @@ pub enum ViewerItem {
     Forecast(Announcement),
     /// The result of an impact.
     Result(Announcement),
+    /// What the sensors say about an impact.
+    Felt(Box<FeltUpdate>),
     /// The column at rest, with its accumulated damage.
     Rest {
         /// Time of the item.
@@ -68,7 +71,8 @@ impl Announcement {
 }
 
 impl ViewerItem {
-    /// Converts an output of the twin; `None` if it is not shown.
+    /// Converts an output of the twin; `None` if it is not shown, or if it is an estimate, which needs the readings:
+    /// [`FeltImpacts`](super::FeltImpacts).
     #[must_use]
     pub fn of_twin(output: Output) -> Option<Self> {
         Some(match output {

@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 
 use super::destination::Destination;
 use super::error::{ViewerError, ViewerLogger};
+use super::felt::FeltImpacts;
 use super::item::ViewerItem;
-use crate::live::{OutputQueue, OutputSource, Receiver, Waker, WhenFull};
+use crate::live::{OutputQueue, OutputSource, Receiver, RecentBatches, Waker, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
-use crate::twin::NoticeLevel;
+use crate::twin::{NoticeLevel, Output};
 
 /// Name of the queue of outputs to the viewer.
 pub const VIEWER_QUEUE: &str = "viewer";
@@ -53,13 +54,15 @@ pub struct LiveViewer {
 }
 
 impl LiveViewer {
-    /// Starts the thread, unless `viewer.mode` is off. Later failures are logged; they do not affect the twin.
+    /// Starts the thread, unless `viewer.mode` is off. `measured` are the readings of the sensors, which it shows with the estimates.
+    /// Later failures are logged; they do not affect the twin.
     ///
     /// # Errors
     /// The thread cannot be started.
     pub fn start(
         parameters: &Arc<Parameters>,
         outputs: Receiver,
+        measured: Option<Arc<RecentBatches>>,
         now: i64,
         log: ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
@@ -75,7 +78,8 @@ impl LiveViewer {
             thread::Builder::new()
                 .name(VIEWER_THREAD.to_owned())
                 .spawn(move || {
-                    run(&parameters, outputs, now, &log, &stop);
+                    let measured = measured.as_deref();
+                    run(&parameters, outputs, measured, now, &log, &stop);
                     let _ = end.try_send(()); // there is no receiver after a drop
                 })
                 .map_err(ViewerError::Thread)?
@@ -130,6 +134,7 @@ impl Drop for LiveViewer {
 fn run(
     parameters: &Arc<Parameters>,
     mut outputs: Receiver,
+    measured: Option<&RecentBatches>,
     now: i64,
     log: &ViewerLogger,
     stop: &AtomicBool,
@@ -142,6 +147,7 @@ fn run(
             return;
         }
     };
+    let mut felt = FeltImpacts::new(Arc::clone(parameters));
     loop {
         let next = Instant::now() + PERIOD;
         let last = stop.load(Ordering::SeqCst);
@@ -149,7 +155,18 @@ fn run(
         while items.len() < MAX_ITEMS
             && let Some(output) = outputs.try_next()
         {
-            items.extend(ViewerItem::of_twin(output));
+            if let Output::ParametersChanged(it) = &output {
+                felt.change(Arc::clone(&it.parameters));
+            }
+            items.extend(match &output {
+                Output::Estimate(estimate) => {
+                    let readings =
+                        |from, until| measured.map_or_else(Vec::new, |it| it.between(from, until));
+                    let update = felt.of_twin(estimate, readings);
+                    Some(ViewerItem::Felt(Box::new(update)))
+                }
+                _ => ViewerItem::of_twin(output),
+            });
         }
         let idle = items.is_empty();
         if let Err(error) = destination.show(items) {

@@ -15,13 +15,15 @@ mod blueprint;
 mod camera;
 mod colour;
 mod connection;
-#[cfg(feature = "study")]
 mod damage_map;
 mod destination;
 mod error;
 mod events;
+mod felt;
+mod felt_views;
 mod file;
 mod force_crush;
+mod frame_budget;
 mod frames;
 mod item;
 mod labels;
@@ -39,11 +41,12 @@ mod timeline;
 
 pub use blueprint::APPLICATION;
 pub use camera::{Camera, VIEW};
-#[cfg(feature = "study")]
 pub use damage_map::write_map_rrd;
 pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
+pub use felt::{FeltImpacts, FeltUpdate, SensorCourse};
 pub use file::{from_samples, write_rrd};
+pub use frame_budget::FrameBudget;
 pub use item::{Announcement, ViewerItem};
 pub use labels::Label;
 pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
@@ -51,5 +54,5 @@ pub use panel::{PANEL, Told, panel};
 pub use recorded_message::{RecordedMessage, from_messages};
 pub use scene::{BoxMark, Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VehicleMark};
 pub use server::{Served, serve};
-pub use stream::{FrameBudget, StreamOptions, ViewerStream};
+pub use stream::{StreamOptions, ViewerStream};
 pub use timeline::{IMPACT_TIME, Moment, Placed, STEP, Timeline, WALL_CLOCK};

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::felt::FeltUpdate;
 use super::item::{Announcement, ViewerItem};
 use crate::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, ImpactReport};
 use crate::parameters::Parameters;
@@ -21,6 +22,8 @@ pub enum RecordedMessage {
     Report(Box<ImpactReport>),
     /// The impact event.
     Event(Box<ImpactEvent>),
+    /// What the sensors say about an impact.
+    Felt(Box<FeltUpdate>),
     /// The parameters of the column from here on.
     Column(Arc<Parameters>),
 }
@@ -51,8 +54,10 @@ pub fn from_messages(
                     .entry(event.event_id.clone())
                     .or_insert(event.height);
             }
-            RecordedMessage::Event(_) | RecordedMessage::State(..) | RecordedMessage::Column(_) => {
-            }
+            RecordedMessage::Event(_)
+            | RecordedMessage::State(..)
+            | RecordedMessage::Felt(_)
+            | RecordedMessage::Column(_) => {}
         }
     }
     let mut parameters = Arc::clone(parameters);
@@ -78,6 +83,12 @@ pub fn from_messages(
                     });
                 }
                 items.push(ViewerItem::of_messages(&state, &forces, lengths));
+            }
+            RecordedMessage::Felt(update) => {
+                let ended = current.take_if(|current| *current != *update.impact());
+                let result = ended.and_then(|event_id| results.remove(&event_id));
+                items.extend(result.map(|it| ViewerItem::Result(announcement(*it))));
+                items.push(ViewerItem::Felt(update));
             }
             RecordedMessage::Column(other) if *other != *parameters => {
                 let result = current

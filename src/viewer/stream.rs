@@ -11,7 +11,10 @@ use rerun::{
 use super::blueprint;
 use super::colour;
 use super::events::{Event, EventDetector, summary};
+use super::felt::FeltUpdate;
+use super::felt_views::FeltCurves;
 use super::force_crush;
+use super::frame_budget::FrameBudget;
 use super::frames::{self, ShownTop};
 use super::item::{Announcement, ViewerItem};
 use super::panel::{self, PANEL, Told};
@@ -21,6 +24,7 @@ use super::scene::{Drawing, Scene};
 use super::static_scene;
 use super::timeline::{Moment, Placed, Timeline, nanos};
 use crate::column::{HINGES, Impact, MAX_MASSES, Sample};
+use crate::messages::words::estimate_line;
 use crate::parameters::Parameters;
 use crate::shape::Lengths;
 use crate::study::VehicleLimits;
@@ -34,42 +38,6 @@ const MAX_VIBRATION: f64 = 0.02;
 
 /// Maximum wait until the static data have been sent.
 const STATICS_TIMEOUT: Duration = Duration::from_millis(500);
-
-/// Limits the mean rate of frames. Unused frames are saved up to a limit, so that a whole impact is shown millisecond by
-/// millisecond, while a column that never comes to rest costs no more than the mean rate.
-#[derive(Debug, Clone)]
-pub struct FrameBudget {
-    per_second: f64,
-    max_saved: f64,
-    saved: f64,
-    /// Time of the last call of [`take`](Self::take) \[ns\].
-    last_call: Option<i64>,
-}
-
-impl FrameBudget {
-    /// A budget of `per_second` frames per second, of which `max_saved` can be saved up.
-    #[must_use]
-    pub fn new(per_second: f64, max_saved: f64) -> Self {
-        Self {
-            per_second,
-            max_saved,
-            saved: max_saved,
-            last_call: None,
-        }
-    }
-
-    /// Takes one frame at the time `now` \[ns\], if there is one; a time that runs backwards earns nothing.
-    pub fn take(&mut self, now: i64) -> bool {
-        let passed = now.saturating_sub(self.last_call.unwrap_or(now)).max(0);
-        self.last_call = Some(now);
-        self.saved = (self.saved + 1e-9 * passed as f64 * self.per_second).min(self.max_saved);
-        if self.saved < 1.0 {
-            return false;
-        }
-        self.saved -= 1.0;
-        true
-    }
-}
 
 /// Options of a [`ViewerStream`].
 #[derive(Debug, Clone)]
@@ -104,6 +72,8 @@ struct ImpactProgress {
     event_id: Option<Arc<str>>,
     /// Stamp of the impact event \[ns\].
     stamp: i64,
+    /// Name and number of masses of what strikes, as it is drawn.
+    vehicle: Option<(Arc<str>, usize)>,
 }
 
 /// A Rerun stream to which items are written.
@@ -113,6 +83,8 @@ pub struct ViewerStream {
     parameters: Arc<Parameters>,
     drawing: Drawing,
     timeline: Timeline,
+    /// The curves of the sensors, if there are any.
+    felt: Option<FeltCurves>,
     ranges: Ranges,
     /// Mass and velocity of the vehicle for which the ranges of the axes were last predicted.
     predicted: Option<[f64; 2]>,
@@ -154,6 +126,7 @@ impl ViewerStream {
         let timeline = Timeline::new(parameters.step_nanos());
         let shown = Self {
             drawing: Drawing::new(&parameters),
+            felt: FeltCurves::new(&parameters),
             ranges: options.ranges,
             stream,
             options,
@@ -193,7 +166,9 @@ impl ViewerStream {
                     self.state(state)?;
                 }
                 // These have their own times and need not be in order with the states.
-                ViewerItem::Forecast(_) | ViewerItem::Line { .. } => self.other(item)?,
+                ViewerItem::Forecast(_) | ViewerItem::Felt(_) | ViewerItem::Line { .. } => {
+                    self.other(item)?;
+                }
                 ViewerItem::Result(_) | ViewerItem::Rest { .. } | ViewerItem::Parameters(_) => {
                     self.flush()?;
                     self.other(item)?;
@@ -245,6 +220,7 @@ impl ViewerStream {
                 self.line(line)
             }
             ViewerItem::Result(result) => self.result(&result),
+            ViewerItem::Felt(update) => self.feel(&update),
             ViewerItem::Rest {
                 stamp,
                 v1,
@@ -268,12 +244,23 @@ impl ViewerStream {
         if begins {
             self.flush()?;
             self.begin(&state, moment)?;
+        } else if self.is_other_vehicle(&state) {
+            self.flush()?;
+            self.follow_vehicle(&state)?;
         }
         self.batch.push((moment, state));
         if self.batch.len() >= MAX_BATCH {
             self.flush()?;
         }
         Ok(())
+    }
+
+    /// Whether what strikes is another vehicle than the one that is drawn, where the states tell it.
+    fn is_other_vehicle(&self, state: &StateOutput) -> bool {
+        let (Some((name, masses)), Some(vehicle)) = (&self.progress.vehicle, &state.vehicle) else {
+            return false;
+        };
+        *name != vehicle.name || *masses != state.sample.vehicle.masses
     }
 
     /// Begins another impact.
@@ -295,6 +282,18 @@ impl ViewerStream {
             self.progress.events.use_report(&forecast.report);
             self.progress.forecast = Some(forecast);
         }
+        self.follow_vehicle(state)?;
+        let forecast = self.progress.forecast.clone();
+        let told = forecast.as_ref().map_or(Told::Begun, Told::Forecast);
+        self.tell(moment, told)
+    }
+
+    /// Draws the vehicle of a state from now on. A later estimate of an impact may have another one.
+    fn follow_vehicle(&mut self, state: &StateOutput) -> RecordingStreamResult<()> {
+        let first = state.sample;
+        let masses = first.vehicle.masses;
+        let vehicle = state.vehicle.as_ref();
+        self.progress.vehicle = vehicle.map(|it| (Arc::clone(&it.name), masses));
         let mass = plots::mass_of(&first, &first, self.drawing.struck_mass);
         // A running twin tells what hits the column with every state, a recording with the report.
         let (name, given) = match (&state.vehicle, &self.progress.forecast) {
@@ -303,7 +302,6 @@ impl ViewerStream {
             (None, None) => ("", None),
         };
         let mass = given.filter(|it| *it > 0.0).or(mass);
-        let masses = first.vehicle.masses;
         if self
             .drawing
             .change_vehicle(&self.parameters, name, mass, masses)
@@ -324,9 +322,7 @@ impl ViewerStream {
             };
             self.cover(&Ranges::predicted(&self.parameters, &impact))?;
         }
-        let forecast = self.progress.forecast.clone();
-        let told = forecast.as_ref().map_or(Told::Begun, Told::Forecast);
-        self.tell(moment, told)
+        Ok(())
     }
 
     fn cover(&mut self, ranges: &Ranges) -> RecordingStreamResult<()> {
@@ -336,11 +332,36 @@ impl ViewerStream {
         Ok(())
     }
 
+    /// Shows what the sensors say about an impact.
+    fn feel(&mut self, update: &FeltUpdate) -> RecordingStreamResult<()> {
+        self.show_undeformed(update.stamp)?;
+        self.timeline.feel(update.impact(), update.until);
+        let at = |secs: f64| self.timeline.in_felt(secs, update.stamp);
+        let line = LogLine {
+            moment: at(update.until),
+            level: NoticeLevel::Info,
+            text: estimate_line(&update.estimate),
+        };
+        if let Some(felt) = &mut self.felt {
+            felt.send(&self.stream, update, at)?;
+            if update.estimate.is_final && felt.fit(update) {
+                self.send_blueprint()?;
+            }
+        }
+        self.line(line)
+    }
+
     fn result(&mut self, result: &Announcement) -> RecordingStreamResult<()> {
         let end = self
             .timeline
             .in_impact(result.report.end_time, result.stamp);
         self.tell(end, Told::Result(result))?;
+        if let Some(felt) = &mut self.felt
+            && self.timeline.has_felt(&result.event_id)
+        {
+            let at = |secs: f64, stamp: i64| self.timeline.in_felt(secs, stamp);
+            felt.send_outcome(&self.stream, &result.report, at)?;
+        }
         self.line(LogLine {
             moment: end,
             level: NoticeLevel::Info,
@@ -391,6 +412,7 @@ impl ViewerStream {
 
     fn change(&mut self, parameters: Arc<Parameters>) -> RecordingStreamResult<()> {
         self.drawing = Drawing::new(&parameters);
+        self.felt = FeltCurves::new(&parameters);
         self.timeline.change_step(parameters.step_nanos());
         self.parameters = parameters;
         self.predicted = None;
@@ -431,7 +453,15 @@ impl ViewerStream {
 
     fn send_blueprint(&self) -> RecordingStreamResult<()> {
         let axes = self.ranges.axes();
-        blueprint::send(&self.stream, &self.drawing, &axes, self.options.follows)
+        let views = self.felt.as_ref().map(FeltCurves::views);
+        let views = views.unwrap_or_default();
+        blueprint::send(
+            &self.stream,
+            &self.drawing,
+            &axes,
+            &views,
+            self.options.follows,
+        )
     }
 
     /// Makes the frames of the states that have none yet.
@@ -654,6 +684,9 @@ impl ViewerStream {
         static_scene::send(&self.stream, &self.drawing, exponents)?;
         force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
         frames::send_statics(&self.stream, &self.drawing)?;
+        if let Some(felt) = &self.felt {
+            felt.send_styles(&self.stream)?;
+        }
         self.styles()
     }
 
@@ -690,25 +723,5 @@ impl ViewerStream {
             stream.log_static(static_scene::stress_entity(hinge, "now"), &now)?;
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// At a thousand states per second the first impact is shown completely, and then 60 frames per second.
-    #[test]
-    fn a_budget_is_spent_and_earned() {
-        let mut budget = FrameBudget::new(60.0, 120.0);
-        let mut frames = |from: i64, to: i64| {
-            let times = (from..to).map(|millisecond| millisecond * 1_000_000);
-            times.filter(|now| budget.take(*now)).count()
-        };
-        assert_eq!(frames(0, 100), 100);
-        let later = frames(1_000, 11_000);
-        assert!((600..=725).contains(&later), "{later}");
-        // A time that runs backwards earns nothing.
-        assert!(frames(0, 50) <= 50);
     }
 }

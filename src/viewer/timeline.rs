@@ -17,6 +17,10 @@ pub const WALL_CLOCK: &str = "wall_clock";
 /// Minimum time between the end of one impact and the beginning of the next on [`IMPACT_TIME`] \[ns\].
 const PAUSE: i64 = 10_000_000;
 
+/// Largest correction of the instant of contact of an impact that is under way \[ns\]: a state that is earlier by more belongs to
+/// another impact.
+const MAX_CORRECTION: i64 = 5_000_000;
+
 /// An instant on all timelines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Moment {
@@ -34,10 +38,20 @@ pub struct Timeline {
     step_nanos: i64,
     /// [`IMPACT_TIME`] and [`STEP`] at which counting steps of this length began.
     counted_from: (i64, i64),
-    /// The current impact, and its beginning on [`IMPACT_TIME`].
-    impact: Option<(Arc<str>, i64)>,
+    impact: Option<Begun>,
     /// The last moment shown.
     last: Moment,
+    /// The impact that the sensors have felt last.
+    felt: Option<Begun>,
+    /// End on [`IMPACT_TIME`] of what they have read of impacts so far.
+    felt_until: i64,
+}
+
+/// An impact and its beginning on [`IMPACT_TIME`].
+#[derive(Debug, Clone, PartialEq)]
+struct Begun {
+    event_id: Arc<str>,
+    begin: i64,
 }
 
 /// The place of a state.
@@ -58,6 +72,8 @@ impl Timeline {
             step_nanos,
             counted_from: (0, 0),
             impact: None,
+            felt: None,
+            felt_until: i64::MIN,
             last: Moment {
                 impact_time: -PAUSE,
                 step: -PAUSE / step_nanos,
@@ -81,22 +97,33 @@ impl Timeline {
         }
     }
 
-    /// The place of a state. Another `event_id`, or a time that runs backwards, begins another impact.
+    /// The place of a state. Another `event_id`, or a time that runs backwards, begins another impact. A later estimate of the
+    /// same impact may correct its instant of contact a little, so that the times of its states, but not their stamps, go back.
     pub fn place(&mut self, state: &StateOutput) -> Placed {
         let since = nanos(state.sample.time);
-        let begins = match &self.impact {
-            None => true,
-            Some((event_id, begin)) => {
-                **event_id != *state.event_id || begin + since < self.last.impact_time
-            }
-        };
-        if begins {
-            let after = self.last.impact_time.saturating_add(PAUSE);
-            let begin = after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0);
-            self.impact = Some((Arc::clone(&state.event_id), begin));
+        let last = self.last;
+        let is_same = |it: &&Begun| *it.event_id == *state.event_id;
+        let goes_on = self.impact.as_ref().filter(is_same).is_some_and(|it| {
+            let back = last
+                .impact_time
+                .saturating_sub(it.begin.saturating_add(since));
+            back <= 0 || (back <= MAX_CORRECTION && state.stamp > last.wall_clock)
+        });
+        if !goes_on {
+            let is_felt = self.felt.as_ref().filter(is_same);
+            let is_felt = is_felt.filter(|it| self.impact.as_ref() != Some(*it));
+            let begun = is_felt.cloned().unwrap_or_else(|| Begun {
+                event_id: Arc::clone(&state.event_id),
+                begin: self.next_begin(),
+            });
+            self.impact = Some(begun);
         }
-        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
+        let begin = self.impact.as_ref().map_or(0, |it| it.begin);
         let impact_time = begin.saturating_add(since);
+        let impact_time = match goes_on {
+            true => impact_time.max(last.impact_time),
+            false => impact_time,
+        };
         self.last = Moment {
             impact_time,
             step: self.step_at(impact_time),
@@ -104,14 +131,53 @@ impl Timeline {
         };
         Placed {
             moment: self.last,
-            begins,
+            begins: !goes_on,
         }
+    }
+
+    /// The beginning of the next impact on [`IMPACT_TIME`]: after everything that was shown so far, on a whole [`PAUSE`].
+    fn next_begin(&self) -> i64 {
+        let shown_until = self.last.impact_time.max(self.felt_until);
+        let after = shown_until.saturating_add(PAUSE);
+        after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0)
+    }
+
+    /// The sensors have felt an impact up to `secs` after its beginning. Its states may come later, or never.
+    pub fn feel(&mut self, event_id: &str, secs: f64) {
+        let is_same = |it: &&Begun| *it.event_id == *event_id;
+        let known = self.felt.as_ref().filter(is_same);
+        let known = known.or(self.impact.as_ref().filter(is_same));
+        let begun = known.cloned().unwrap_or_else(|| Begun {
+            event_id: event_id.into(),
+            begin: self.next_begin(),
+        });
+        let until = begun.begin.saturating_add(nanos(secs));
+        self.felt_until = self.felt_until.max(until);
+        self.felt = Some(begun);
+    }
+
+    /// Whether the impact that the sensors have felt last is this one.
+    #[must_use]
+    pub fn has_felt(&self, event_id: &str) -> bool {
+        self.felt
+            .as_ref()
+            .is_some_and(|it| *it.event_id == *event_id)
+    }
+
+    /// The moment `secs` after the beginning of the impact that the sensors have felt last, whose contact has this stamp.
+    #[must_use]
+    pub fn in_felt(&self, secs: f64, stamp: i64) -> Moment {
+        self.after(self.felt.as_ref(), secs, stamp)
     }
 
     /// The moment `secs` after the beginning of the current impact, whose event has this stamp.
     #[must_use]
     pub fn in_impact(&self, secs: f64, stamp: i64) -> Moment {
-        let begin = self.impact.as_ref().map_or(0, |(_, begin)| *begin);
+        self.after(self.impact.as_ref(), secs, stamp)
+    }
+
+    fn after(&self, begun: Option<&Begun>, secs: f64, stamp: i64) -> Moment {
+        let begin = begun.map_or(0, |it| it.begin);
         let impact_time = begin.saturating_add(nanos(secs));
         Moment {
             impact_time,
@@ -203,6 +269,37 @@ mod tests {
             (placed.moment.impact_time, placed.moment.step),
             (100_000_000, 4600)
         );
+    }
+
+    #[test]
+    fn the_sensors_may_feel_an_impact_before_and_longer_than_it_has_states() {
+        let mut timeline = Timeline::new(20_000);
+        timeline.feel("a", 0.01);
+        assert_eq!(timeline.in_felt(-0.005, 0).impact_time, -5_000_000);
+        let placed = timeline.place(&state("a", 0.0));
+        assert!(placed.begins);
+        assert_eq!(placed.moment.impact_time, 0);
+        assert!(!timeline.place(&state("a", 0.05)).begins);
+        timeline.feel("a", 0.5);
+        // The contact is a millisecond later than it was believed.
+        let corrected = StateOutput {
+            stamp: 1,
+            ..state("a", 0.049)
+        };
+        let placed = timeline.place(&corrected);
+        assert!(!placed.begins);
+        assert_eq!(placed.moment.impact_time, 50_000_000);
+        let placed = timeline.place(&state("b", 0.0));
+        assert!(placed.begins);
+        assert_eq!(placed.moment.impact_time, 510_000_000);
+        // The final estimate of the first impact disturbs the second one as little as a third one that is felt.
+        timeline.feel("a", 0.5);
+        assert_eq!(timeline.in_felt(0.5, 0).impact_time, 500_000_000);
+        timeline.feel("c", 0.01);
+        assert_eq!(timeline.in_felt(0.0, 0).impact_time, 520_000_000);
+        let placed = timeline.place(&state("b", 0.001));
+        assert!(!placed.begins);
+        assert_eq!(placed.moment.impact_time, 511_000_000);
     }
 
     #[test]

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use tempfile::TempDir;
 
 use column_twin::column::Impact;
-use column_twin::parameters::Parameters;
+use column_twin::parameters::{Parameters, Value};
 use column_twin::senses::{
     EstimateRecord, ImpactEstimate, RecordedImpact, estimate_recorded, simulate_sensors,
 };
-use column_twin::twin::Command;
+use column_twin::twin::{Command, EstimateDecision};
 
 use super::recorded_twin::{Finished, MS, RecordedTwin, parameters};
 use super::recordings::{report_of, typed};
@@ -30,9 +30,11 @@ fn estimated() -> RecordedImpact {
         .expect("an impact")
 }
 
-/// The twin receives each estimate, and accepts none.
-fn felt(impact: &RecordedImpact) -> Finished {
-    let mut twin = RecordedTwin::new(parameters());
+/// The twin receives each estimate, and decides as `estimation.accept` says; with `confirmation` an operator accepts the first one.
+/// Then a camera reports the same impact.
+fn felt(impact: &RecordedImpact, accept: &str) -> Finished {
+    let parameters = parameters().with_changes([("estimation.accept", Value::from(accept))]);
+    let mut twin = RecordedTwin::new(parameters.expect("admissible"));
     (0..500).for_each(|_| twin.advance(MS));
     let origin = twin.now - 450 * MS;
     for (update, estimate) in (0..).zip(&impact.estimates) {
@@ -55,9 +57,18 @@ fn felt(impact: &RecordedImpact) -> Finished {
             best: Impact::rigid(1500.0, 6.0),
         };
         twin.execute(Command::Estimate(Arc::new(record)));
+        if update == 0 && accept == "confirmation" {
+            twin.execute(Command::DecideEstimate(EstimateDecision {
+                event_id: "felt-1".to_owned(),
+                accept: true,
+                source: "operator 7".into(),
+            }));
+        }
         twin.advance(MS);
     }
     twin.hit(super::recorded_twin::event("camera", twin.now));
+    // A response that is over gives nothing out any more; what has become of the estimate comes with the next instant.
+    twin.advance(MS);
     twin.until_rest();
     twin.finish()
 }
@@ -77,7 +88,7 @@ fn peak(estimate: &ImpactEstimate) -> String {
 #[test]
 fn a_report_about_a_recording_shows_how_what_was_felt_was_estimated() {
     let impact = estimated();
-    let recording = felt(&impact);
+    let recording = felt(&impact, "never");
     let (_, html, stderr) = report_of(&recording.path(), &[]);
     assert!(html.contains("<h3>Impact felt-1</h3>"), "{stderr}");
     // The tested truth is 6 m/s; the table has one row for each estimate.
@@ -88,9 +99,40 @@ fn a_report_about_a_recording_shows_how_what_was_felt_was_estimated() {
     let last = impact.estimates.last().expect("an estimate");
     assert!((last.velocity.low..=last.velocity.high).contains(&6.0));
     assert!(html.contains("Forecast of the displacement"));
+    // The camera has reported what the sensors felt, and the twin follows it.
+    assert!(html.contains("the event &quot;camera&quot; is the same impact, and the twin follows"));
+    assert!(html.contains("<a href=\"#impact\">impact &quot;camera&quot;</a>"));
     assert!(!html.contains("The recording ends before the final estimate"));
     let (_, html, _) = report_of(&recording.path(), &["--event", "camera"]);
     assert!(html.contains("Impact report") && !html.contains("felt-1</h3>"));
+}
+
+/// Whatever the twin has made of it, the report says who has decided when, and where the outcome is.
+#[test]
+fn a_report_tells_who_has_accepted_what_was_felt_and_what_it_became() {
+    let impact = estimated();
+    let contact = impact.detection.contact.time;
+    let until = 1e3 * (impact.estimates[0].data_until - contact);
+    // An automatic acceptance comes with the first estimate that is sure enough.
+    let first = format!("with estimate 0 (data until {until:.0}");
+    for (accept, when, by) in [
+        ("confirmation", first.as_str(), "by operator 7"),
+        ("automatic", "with estimate ", "by the twin itself"),
+    ] {
+        let recording = felt(&impact, accept);
+        let (_, html, stderr) = report_of(&recording.path(), &[]);
+        let accepted = format!("accepted as an impact of the twin {when}");
+        assert!(
+            html.contains(&accepted) && html.contains(by),
+            "{accept}: {stderr}{html}"
+        );
+        assert!(html.contains("and was merged as evidence"), "{accept}");
+        assert!(
+            html.contains("<a href=\"#impact\">impact &quot;felt-1&quot;</a>"),
+            "{accept}"
+        );
+        assert!(html.contains("1500 kg with 6.00 m/s"), "{accept}");
+    }
 }
 
 #[test]

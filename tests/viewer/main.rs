@@ -6,6 +6,7 @@
 #[cfg(all(feature = "cli", feature = "ros"))]
 #[path = "../ros/domain.rs"]
 mod domain;
+mod felt;
 mod live;
 #[path = "../../examples/viewer_moments.rs"]
 mod moments;

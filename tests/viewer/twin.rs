@@ -59,7 +59,7 @@ impl LiveColumn {
                 lines.lock().expect("no panic").push((level, text));
             })
         };
-        let viewer = LiveViewer::start(parameters, outputs, START, log).expect("a thread");
+        let viewer = LiveViewer::start(parameters, outputs, None, START, log).expect("a thread");
         Self {
             live,
             clock,

@@ -2,26 +2,25 @@
 //!
 //! The node runs as a process of its own; the demonstration talks to it over real DDS on loopback, as any client does.
 
-use std::fs::{self, File};
+mod felt;
+mod signal;
+mod stage;
+
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args;
-use rustix::process::{Pid, Signal, kill_process};
 
+use self::stage::{Stage, new_folder};
 use super::failure::{Exit, Failure, LinePrinter};
-use super::run::environment;
 use super::summary::wrapped;
 use column_twin::assessment::{ImpactEvaluation, respond_and_rest};
 use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
-use column_twin::evidence;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, RIGID, Value};
 use column_twin::ros::{
-    Environment, FreshDomain, ImpactOptions, RosArguments, Seen, StopSignals, follow_impact,
-    severity_word,
+    Environment, ImpactOptions, Seen, StopSignals, follow_impact, severity_word,
 };
 use column_twin::shape::HINGE_PLACES;
 
@@ -38,6 +37,9 @@ pub struct DemoArgs {
     /// Speed of the vehicle [m/s]
     #[arg(long, value_name = "M/S", default_value = "10")]
     velocity: f64,
+    /// Let sensors on the column feel the impact of a signal instead of sending an event
+    #[arg(long, conflicts_with_all = ["mass", "velocity"])]
+    sensors: bool,
 }
 
 const EXAMPLE: &str = "\
@@ -45,28 +47,25 @@ Starts the node on 127.0.0.1 in an unused DDS domain, sends it an impact, shows 
 arrives, records it, draws the figures, verifies the recording by recomputation, and exits. Nothing
 leaves this machine.
 
-Example: a van
+With --sensors nobody tells the node what happens: the readings of three sensors are played to it, with
+noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h). The node feels the
+impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and makes an impact of
+it once it is sure enough.
+
+Examples: a van; an impact that only the sensors feel
   column-twin demo --mass 3500 --velocity 8
+  column-twin demo --sensors
 
 Exit codes: 0 done, 1 failed, 2 bad input or usage.";
 
 /// The paper's column.
-const COLUMN: &str = include_str!("../../config/heb220_paper.yaml");
+const COLUMN: &str = include_str!("../../../config/heb220_paper.yaml");
 
 /// The vehicle that the paper's rigid mass is compared with.
 const REAL_CAR: &str = "mid_car";
 
 /// Maximum wait for the node, and for each of its answers.
 const TIMEOUT: Duration = Duration::from_secs(15);
-
-/// Maximum time that the node may take to exit.
-const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
-
-/// Interval at which the exit of another process is looked for.
-const CHILD_INTERVAL: Duration = Duration::from_millis(10);
-
-/// Maximum number of folders of demonstrations.
-const MAX_FOLDERS: u32 = 1000;
 
 /// Time of the response between two lines \[s\].
 const LINE_PERIOD: f64 = 2e-3;
@@ -80,7 +79,14 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     let signals = StopSignals::listen().map_err(|error| Failure::plain(Exit::Failed, error))?;
     let lines = LinePrinter::new(out);
     let folder = new_folder(&arguments.output)?;
-    match demonstrate(arguments, &folder, &signals, &lines) {
+    let demonstrated = Stage::set(&folder, &signals, &lines).and_then(|stage| {
+        if arguments.sensors {
+            felt::demonstrate(&stage)
+        } else {
+            demonstrate(arguments, &stage)
+        }
+    });
+    match demonstrated {
         Err(_) if signals.asked() => Err(Failure::plain(
             Exit::Failed,
             format!(
@@ -93,201 +99,34 @@ pub fn run(arguments: &DemoArgs, out: &mut impl io::Write) -> Result<(), Failure
     }
 }
 
-/// Fails once the program is asked to stop.
-fn unless_asked(signals: &StopSignals) -> Result<(), Failure> {
-    match signals.asked() {
-        true => Err(Failure::plain(Exit::Failed, "interrupted")),
-        false => Ok(()),
-    }
-}
-
-fn demonstrate(
-    arguments: &DemoArgs,
-    folder: &Path,
-    signals: &StopSignals,
-    out: &LinePrinter<'_>,
-) -> Result<(), Failure> {
-    let started = Instant::now();
-    let domain = FreshDomain::take().ok_or_else(|| {
-        Failure::plain(
-            Exit::Failed,
-            "every DDS domain from 1 to 101 is in use on 127.0.0.1; stop other demonstrations and tests first",
-        )
-    })?;
-    // Node and client belong to the same enclave, if the environment names one.
-    let environment = &Environment {
-        security: environment(&RosArguments::default())?.security,
-        ..domain.environment.clone()
-    };
-    let column = folder.join("column.yaml");
-    fs::write(&column, COLUMN).map_err(|error| cannot("write", &column, &error))?;
-    out.print(format_args!(
-        "Everything stays on this machine: 127.0.0.1, DDS domain {}. Files: {}\n",
-        environment.domain_id,
-        folder.display()
-    ));
-    let mut node = NodeProcess::start(folder, environment, out)?;
-    let followed = follow(environment, arguments, signals, out);
-    let ended = node.stop();
-    unless_asked(signals)?;
+fn demonstrate(arguments: &DemoArgs, stage: &Stage<'_, '_>) -> Result<(), Failure> {
+    let out = stage.out;
+    stage.write("column.yaml", COLUMN)?;
+    let mut node = stage.start_node(&["column.yaml"], &[])?;
+    let followed = follow(&stage.environment, arguments, stage.signals, out);
+    let ended = stage.stop_node(&mut node);
+    stage.unless_asked()?;
     let (forecast, outcome) = followed.map_err(|failure| node.explain(failure))?;
     print_outcome(&forecast, &outcome, out);
     print_comparison(arguments, out)?;
-    unless_asked(signals)?;
-    if !ended.is_some_and(|status| status.success()) {
-        return Err(node.explain(Failure::plain(
-            Exit::Failed,
-            "the node did not exit cleanly",
-        )));
-    }
-    draw(folder, arguments, signals)?;
-    let recording = only_entry(&folder.join("recordings"))?;
-    let verification =
-        evidence::verify(&recording).map_err(|error| Failure::plain(Exit::Failed, error))?;
-    if !verification.is_equal() {
-        return Err(Failure::plain(
-            Exit::Failed,
-            format!("the recording differs from the recomputation:\n{verification}"),
-        ));
-    }
-    out.print(format_args!(
-        "Recording verified by recomputation: {} messages are equal bit for bit.\n",
-        verification.compared()
-    ));
-    print_next_steps(folder, &recording, started.elapsed(), out);
+    stage.unless_asked()?;
+    ended?;
+    draw(arguments, stage)?;
+    let (recording, _) = stage.verify()?;
+    let shown = recording.display();
+    stage.print_end(
+        &recording,
+        &[[
+            "figures",
+            "figures of the paper, energy ledger, paths of the hinges (SVG and PNG)",
+        ]],
+        &[
+            format!("column-twin info {shown}"),
+            format!("column-twin export {shown} --csv"),
+            "column-twin demo --sensors".to_owned(),
+        ],
+    );
     Ok(())
-}
-
-fn cannot(what: &str, path: &Path, error: &io::Error) -> Failure {
-    let path = path.display();
-    Failure::plain(
-        Exit::Failed,
-        format!("cannot {what} {path}: {error}; name a writable folder with --output"),
-    )
-}
-
-/// Creates a new folder.
-fn new_folder(wanted: &Path) -> Result<PathBuf, Failure> {
-    for number in 1..=MAX_FOLDERS {
-        let folder = match number {
-            1 => wanted.to_owned(),
-            _ => PathBuf::from(format!("{}_{number}", wanted.display())),
-        };
-        if let Some(parent) = folder.parent() {
-            fs::create_dir_all(parent).map_err(|error| cannot("create", parent, &error))?;
-        }
-        match fs::create_dir(&folder) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(cannot("create", &folder, &error)),
-            Ok(()) => return Ok(folder),
-        }
-    }
-    Err(Failure::plain(
-        Exit::Failed,
-        format!(
-            "{} and its numbered variants up to _{MAX_FOLDERS} exist; remove some, or name another folder with --output",
-            wanted.display()
-        ),
-    ))
-}
-
-/// This program, with its output in a log.
-fn program(log: &Path) -> Result<Command, Failure> {
-    let own = std::env::current_exe().map_err(|error| Failure::plain(Exit::Failed, error))?;
-    let open = || File::options().create(true).append(true).open(log);
-    let (out, err) = open()
-        .and_then(|out| Ok((out, open()?)))
-        .map_err(|error| cannot("write", log, &error))?;
-    let mut command = Command::new(own);
-    command.stdin(Stdio::null()).stdout(out).stderr(err);
-    Ok(command)
-}
-
-/// The node in its own process, which stops when the value is dropped.
-struct NodeProcess {
-    child: Child,
-    log: PathBuf,
-}
-
-impl NodeProcess {
-    fn start(
-        folder: &Path,
-        environment: &Environment,
-        out: &LinePrinter<'_>,
-    ) -> Result<Self, Failure> {
-        let log = folder.join("node.log");
-        let setting = |name: &str, value: &str| ["-p".to_owned(), format!("{name}:={value}")];
-        let inside = |name: &str| folder.join(name).display().to_string();
-        let mut settings = vec![
-            setting("state.directory", &inside("state")),
-            setting("record.mode", "always"),
-            setting("record.directory", &inside("recordings")),
-        ];
-        if cfg!(feature = "viewer") {
-            settings.push(setting("viewer.mode", "save"));
-            settings.push(setting("viewer.directory", &inside("viewer")));
-        }
-        let child = program(&log)?
-            .arg("run")
-            .arg("--config")
-            .arg(folder.join("column.yaml"))
-            .arg("--ros-args")
-            .args(settings.concat())
-            .env("ROS_DOMAIN_ID", environment.domain_id.to_string())
-            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .env_remove("ROS_LOCALHOST_ONLY")
-            .env_remove("ROS_STATIC_PEERS")
-            .env_remove("ROS_NAMESPACE")
-            .spawn()
-            .map_err(|error| {
-                Failure::plain(Exit::Failed, format!("cannot start the node: {error}"))
-            })?;
-        out.print(format_args!(
-            "Node started: column-twin run --config column.yaml --ros-args -p record.mode:=always ..."
-        ));
-        Ok(Self { child, log })
-    }
-
-    /// Stops the node as Ctrl-C does; `None` if it had to be killed.
-    fn stop(&mut self) -> Option<ExitStatus> {
-        if let Some(id) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
-            let _ = kill_process(id, Signal::INT); // it may have exited already
-        }
-        let deadline = Instant::now() + EXIT_TIMEOUT;
-        while Instant::now() < deadline {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status),
-                Ok(None) => std::thread::sleep(CHILD_INTERVAL),
-                Err(_) => break,
-            }
-        }
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-        None
-    }
-
-    /// Adds the last lines of the node's log.
-    fn explain(&self, failure: Failure) -> Failure {
-        let log = fs::read_to_string(&self.log).unwrap_or_default();
-        let lines: Vec<_> = log.lines().collect();
-        let last = lines[lines.len().saturating_sub(8)..].join("\n  ");
-        Failure::plain(
-            failure.exit,
-            format!(
-                "{}\nThe last lines of the node's log ({}):\n  {last}",
-                failure.report,
-                self.log.display()
-            ),
-        )
-    }
-}
-
-impl Drop for NodeProcess {
-    fn drop(&mut self) {
-        if matches!(self.child.try_wait(), Ok(None)) {
-            self.stop();
-        }
-    }
 }
 
 /// Sends the impact, shows the response, and returns forecast and outcome.
@@ -395,7 +234,7 @@ impl<'a, 'b> Narration<'a, 'b> {
             Seen::Report(report) => self.outcome = Some(report.clone()),
             Seen::State(state) => self.state(state),
             Seen::Forces(forces) => self.forces(forces),
-            Seen::Status(_) | Seen::Fleet(_) => {}
+            Seen::Status(_) | Seen::Estimate(_) | Seen::Fleet(_) => {}
         }
     }
 
@@ -558,82 +397,18 @@ fn print_comparison(arguments: &DemoArgs, out: &LinePrinter<'_>) -> Result<(), F
 }
 
 /// Draws the figures of the same impact with the command that a user would run.
-fn draw(folder: &Path, arguments: &DemoArgs, signals: &StopSignals) -> Result<(), Failure> {
-    let log = folder.join("figures.log");
-    let failed = |error: io::Error| Failure::plain(Exit::Failed, error);
-    let mut child = program(&log)?
-        .arg("simulate")
-        .arg("--config")
-        .arg(folder.join("column.yaml"))
-        .args(["--mass", &arguments.mass.to_string()])
-        .args(["--velocity", &arguments.velocity.to_string()])
-        .arg("--plots")
-        .arg(folder.join("figures"))
-        .spawn()
-        .map_err(failed)?;
-    let status = loop {
-        if let Some(status) = child.try_wait().map_err(failed)? {
-            break status;
-        }
-        if let Err(asked) = unless_asked(signals) {
-            let _ = child.kill(); // it may have exited already
-            child.wait().map_err(failed)?;
-            return Err(asked);
-        }
-        std::thread::sleep(CHILD_INTERVAL);
-    };
-    match status.success() {
-        true => Ok(()),
-        false => Err(Failure::plain(
-            Exit::Failed,
-            format!("the figures cannot be drawn; see {}", log.display()),
-        )),
-    }
-}
-
-fn only_entry(folder: &Path) -> Result<PathBuf, Failure> {
-    let entry = fs::read_dir(folder).and_then(|mut entries| entries.next().transpose());
-    match entry {
-        Ok(Some(entry)) => Ok(entry.path()),
-        Ok(None) => Err(Failure::plain(
-            Exit::Failed,
-            format!("the node has left no recording in {}", folder.display()),
-        )),
-        Err(error) => Err(cannot("read", folder, &error)),
-    }
-}
-
-fn print_next_steps(folder: &Path, recording: &Path, took: Duration, out: &LinePrinter<'_>) {
-    let folder = folder.display();
-    out.print(format_args!(
-        "Finished in {:.1} s. Files:",
-        took.as_secs_f64()
-    ));
-    out.print(format_args!(
-        "  {folder}/figures     figures of the paper, energy ledger, paths of the hinges (SVG and PNG)"
-    ));
-    out.print(format_args!(
-        "  {}    everything that the node received and sent (MCAP, for ros2 bag, Foxglove, PlotJuggler)",
-        recording.display()
-    ));
-    if cfg!(feature = "viewer") {
-        out.print(format_args!(
-            "  {folder}/viewer      the deforming column, for the Rerun viewer"
-        ));
-    }
-    out.print(format_args!(
-        "  {folder}/state       the damage, from which the next start continues\n"
-    ));
-    out.print(format_args!("Try next:"));
-    out.print(format_args!("  column-twin info {}", recording.display()));
-    out.print(format_args!(
-        "  column-twin export {} --csv",
-        recording.display()
-    ));
-    match cfg!(feature = "viewer") {
-        true => out.print(format_args!(
-            "  rerun {folder}/viewer/*.rrd        (pip install rerun-sdk==0.36.3)"
-        )),
-        false => out.print(format_args!("  column-twin simulate --help")),
-    }
+fn draw(arguments: &DemoArgs, stage: &Stage<'_, '_>) -> Result<(), Failure> {
+    let inside = |name: &str| stage.folder.join(name).display().to_string();
+    let command = [
+        "simulate".to_owned(),
+        "--config".to_owned(),
+        inside("column.yaml"),
+        "--mass".to_owned(),
+        arguments.mass.to_string(),
+        "--velocity".to_owned(),
+        arguments.velocity.to_string(),
+        "--plots".to_owned(),
+        inside("figures"),
+    ];
+    stage.run("figures", &command, "the figures")
 }
