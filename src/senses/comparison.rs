@@ -2,7 +2,6 @@
 
 use super::blocks::Block;
 use super::estimate::CredibleInterval;
-use super::lanes::WIDTH;
 use super::member::Member;
 use super::model_error::ModelError;
 use super::prediction::TimeGrid;
@@ -83,7 +82,7 @@ impl Compared<'_> {
         for (member, weight) in likely.filter(|(_, weight)| **weight > 0.0) {
             let integral = |time: f64| {
                 let place = self.grid.place(time - member.delay);
-                member.prediction.integrals(sensor / WIDTH, place)[sensor % WIDTH]
+                member.prediction.integral(sensor, place)
             };
             let end = block.start + block.length;
             let predicted = (integral(end) - integral(block.start)) / block.length;

@@ -1,6 +1,6 @@
 //! What one conceivable impact would have let the sensors read, and how it would have ended.
 
-use super::lanes::{Lanes, ZERO, lanes};
+use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::probe::SteppedProbe;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
@@ -169,5 +169,10 @@ impl Prediction {
         };
         let end = &self.at_end[group];
         std::array::from_fn(|k| a[k] + place.share * (b[k] - a[k]) + place.beyond * end[k])
+    }
+
+    /// Integral of a sensor's reading from contact to a place \[s, times its unit\].
+    pub fn integral(&self, sensor: usize, place: Place) -> f64 {
+        self.integrals(sensor / WIDTH, place)[sensor % WIDTH]
     }
 }

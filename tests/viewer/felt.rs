@@ -70,6 +70,7 @@ fn outputs(parameters: &Parameters, impact: &RecordedImpact) -> Vec<EstimateOutp
             prepared: 3,
             drawn_before: 0,
             drawn: 20,
+            events: Vec::new(),
             estimate: estimate.clone(),
             best: Impact::rigid(1500.0, IMPACT),
         };
