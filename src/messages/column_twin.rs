@@ -48,6 +48,26 @@ impl Default for ImpactEvent {
     }
 }
 
+/// A vehicle hits several columns of a fleet one after another.
+///
+/// ```text
+#[doc = include_str!("../../msg/RowImpactEvent.msg")]
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RowImpactEvent {
+    pub header: Header,
+    pub event_id: String,
+    pub vehicle: String,
+    pub mass: f64,
+    pub velocity: f64,
+    pub gap: f64,
+    pub restitution: f64,
+    pub height: f64,
+    pub column_ids: Vec<String>,
+    pub offsets: Vec<f64>,
+    pub distances: Vec<f64>,
+}
+
 /// Sets parameters of one column: all of them, or none if one is rejected.
 ///
 /// ```text
@@ -474,6 +494,7 @@ impl ImpactReport {
     pub const END_STOPPED: u8 = 7;
     pub const END_REJECTED: u8 = 8;
     pub const END_NOT_COMPUTED: u8 = 9;
+    pub const END_NOT_HIT: u8 = 10;
     pub const SEVERITY_NONE: u8 = 0;
     pub const SEVERITY_INSPECT: u8 = 1;
     pub const SEVERITY_RESTRICT: u8 = 2;

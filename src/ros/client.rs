@@ -27,7 +27,7 @@ use super::signals::StopSignals;
 use super::task::Task;
 
 /// Maximum number of messages that wait to be shown; further ones are dropped.
-const SHOWN_QUEUE: usize = 1024;
+pub(super) const SHOWN_QUEUE: usize = 1024;
 
 /// Interval at which a wait checks whether the program is asked to stop.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
@@ -506,7 +506,7 @@ impl Subscribed {
     }
 }
 
-async fn pass<M: serde::de::DeserializeOwned + 'static>(
+pub(super) async fn pass<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Option<Subscription<M>>,
     to: &SyncSender<Seen>,
     seen: impl Fn(M) -> Seen,
@@ -524,7 +524,7 @@ async fn pass<M: serde::de::DeserializeOwned + 'static>(
     }
 }
 
-fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
+pub(super) fn next(seen: &Receiver<Seen>, until: Instant) -> Option<Seen> {
     let rest = until.saturating_duration_since(Instant::now());
     seen.recv_timeout(rest).ok()
 }

@@ -15,3 +15,4 @@ mod pool;
 #[path = "../ros/program.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod program;
+mod row;
