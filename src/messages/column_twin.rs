@@ -8,6 +8,7 @@ use ros_interface::BoundedSequence;
 use super::std_msgs::Header;
 use crate::column::MAX_MASSES;
 
+pub use super::column_twin_fleet::*;
 pub use super::column_twin_services::*;
 
 /// One value for each mass of a compliant vehicle, or for the spring in front of it, front first.
@@ -46,26 +47,6 @@ impl Default for ImpactEvent {
             height: f64::NAN,
         }
     }
-}
-
-/// A vehicle hits several columns of a fleet one after another.
-///
-/// ```text
-#[doc = include_str!("../../msg/RowImpactEvent.msg")]
-/// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct RowImpactEvent {
-    pub header: Header,
-    pub event_id: String,
-    pub vehicle: String,
-    pub mass: f64,
-    pub velocity: f64,
-    pub gap: f64,
-    pub restitution: f64,
-    pub height: f64,
-    pub column_ids: Vec<String>,
-    pub offsets: Vec<f64>,
-    pub distances: Vec<f64>,
 }
 
 /// Sets parameters of one column: all of them, or none if one is rejected.

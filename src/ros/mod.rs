@@ -15,6 +15,7 @@ mod diagnostics;
 mod duplicates;
 mod environment;
 mod fleet;
+mod fleet_view;
 mod fresh_domain;
 mod guid_prefix;
 mod inputs;

@@ -16,3 +16,4 @@ mod pool;
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod program;
 mod row;
+mod studies;
