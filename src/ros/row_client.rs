@@ -86,6 +86,7 @@ pub fn send_row_impact(
         })?;
         let event = event(options);
         let event_id = event.event_id.clone();
+        let sent = event.header.stamp.to_nanos();
         say(&format!(
             "sending impact {event_id:?} to columns {}",
             options.column_ids.join(", ")
@@ -112,7 +113,8 @@ pub fn send_row_impact(
                     let is_own = ids
                         .iter()
                         .any(|it| report.event_id == format!("{event_id}/{it}"));
-                    if is_own {
+                    // A fleet keeps the answer to an earlier event that had this identifier and was rejected.
+                    if is_own && report.header.stamp.to_nanos() >= sent {
                         // A second one has the error of the time step.
                         answers.entry(report.event_id.clone()).or_insert(report);
                         deadline = Instant::now() + waited;

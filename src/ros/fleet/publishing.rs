@@ -195,7 +195,7 @@ impl FleetPublishing {
                     velocity,
                     ..
                 } = impact;
-                self.send(&Message::ImpactForecast(ImpactReport {
+                self.send_without_column(&Message::ImpactForecast(ImpactReport {
                     header,
                     column_id,
                     event_id,
@@ -345,6 +345,21 @@ impl FleetPublishing {
         );
         self.send_bytes(&self.diagnostics, &qos::DIAGNOSTICS, cdr::encode(&array));
         self.last_diagnostics = Some(Instant::now());
+    }
+
+    /// Publishes what no column has told. It is not part of what a column does, so that a recording does not contain it.
+    fn send_without_column(&self, message: &Message) {
+        let topic = message.topic();
+        let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
+        let raw = message.encode().ok();
+        let raw = raw.and_then(|bytes| Raw::new(bytes.into()).ok());
+        let is_sent = match (publisher, raw) {
+            (Some((_, publisher)), Some(raw)) => !self.is_over && publisher.publish(raw).is_ok(),
+            _ => false,
+        };
+        if !is_sent {
+            NodeCounters::count(&self.counters.unpublished);
+        }
     }
 
     fn send(&self, message: &Message) {
