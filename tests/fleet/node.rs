@@ -280,9 +280,12 @@ fn a_vehicle_hits_a_row_of_columns_or_none() {
         (first.kind, first.outcome, second.kind),
         (
             ImpactReport::FORECAST,
-            ImpactReport::COLLAPSED,
+            ImpactReport::SEVERED,
             ImpactReport::FORECAST
-        )
+        ),
+        "{}; {}",
+        first.severity_reason,
+        second.severity_reason
     );
     assert_eq!(second.velocity, first.impactor_rebound);
     assert!(
