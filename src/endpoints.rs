@@ -108,6 +108,8 @@ const SERVICE: Qos = Qos::reliable(10);
 endpoints! {
     /// Impact events.
     IMPACT_EVENT = "impact_event" "column_twin/msg/ImpactEvent" In Qos::reliable(100);
+    /// Impacts of one vehicle on several columns of a fleet.
+    ROW_IMPACT_EVENT = "row_impact_event" "column_twin/msg/RowImpactEvent" In Qos::reliable(100);
     /// Parameters of the column.
     COLUMN_PARAMETERS = "column_parameters" "column_twin/msg/ColumnParameters" In Qos::reliable(10);
     /// Samples of the sensors on the column.

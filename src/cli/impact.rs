@@ -8,8 +8,10 @@ use clap::Args;
 use super::failure::{Exit, Failure, LinePrinter};
 use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
+use column_twin::messages::column_twin::ImpactReport;
 use column_twin::ros::{
-    ClientError, ImpactOptions, ImpactOutcome, RosArguments, report_line, send_impact,
+    ClientError, ImpactOptions, ImpactOutcome, RosArguments, RowImpactOptions, report_line,
+    send_impact, send_row_impact,
 };
 
 /// Arguments of `column-twin impact`.
@@ -22,6 +24,27 @@ pub struct ImpactArgs {
     /// Parameter column_id of the column that is hit; default: that of the only twin
     #[arg(long, value_name = "ID")]
     column: Option<String>,
+    /// Columns of a fleet that the vehicle hits one after another, in their order, separated by commas
+    #[arg(
+        long,
+        value_name = "ID,ID",
+        value_delimiter = ',',
+        conflicts_with = "column"
+    )]
+    row: Vec<String>,
+    /// Distance from each column of --row to the next [m], one for all or one for each; what a column leaves of the vehicle hits the
+    /// next one
+    #[arg(
+        long,
+        value_name = "M",
+        value_delimiter = ',',
+        requires = "row",
+        conflicts_with = "offsets"
+    )]
+    distance: Vec<f64>,
+    /// Times of the impacts on the columns of --row after the first one [s], such as 0,0.4,0.8
+    #[arg(long, value_name = "S,S", value_delimiter = ',', requires = "row")]
+    offsets: Vec<f64>,
     /// Identifier of the event; default: a new one
     #[arg(long, value_name = "ID")]
     event: Option<String>,
@@ -37,6 +60,8 @@ Example: 1.5 t of the twin's vehicle at 36 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --mass 1500 --velocity 10
 Example: a van of its own mass at 50 km/h
   ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --vehicle van --velocity 13.9
+Example: a lorry along a row of columns of a fleet, 5 m from one another, as far as it gets
+  ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST column-twin impact --row a1,a2,a3 --distance 5 --vehicle lorry_16t --velocity 20
 
 Exit codes: 0 accepted, 1 rejected or no answer from a twin, 2 bad input or usage.";
 
@@ -46,6 +71,9 @@ pub fn run(
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
+    if !arguments.row.is_empty() {
+        return run_row(arguments, ros, out);
+    }
     let timeout = Duration::from_secs(u64::from(arguments.timeout));
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
@@ -63,13 +91,7 @@ pub fn run(
         &options,
         &mut say,
     )
-    .map_err(|error| {
-        let exit = match error {
-            ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
-            _ => Exit::Failed,
-        };
-        Failure::plain(exit, error)
-    })?;
+    .map_err(failure)?;
     match outcome {
         ImpactOutcome::Forecast(report) => {
             lines.print(report_line("forecast", &report));
@@ -84,4 +106,85 @@ pub fn run(
             format!("the twin rejected the event: {reason}"),
         )),
     }
+}
+
+fn failure(error: ClientError) -> Failure {
+    let exit = match error {
+        ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
+        _ => Exit::Failed,
+    };
+    Failure::plain(exit, error)
+}
+
+/// Publishes the event for several columns and prints the answer of each.
+fn run_row(
+    arguments: &ImpactArgs,
+    ros: &RosArguments,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let timeout = Duration::from_secs(u64::from(arguments.timeout));
+    let options = RowImpactOptions {
+        column_ids: arguments.row.clone(),
+        offsets: arguments.offsets.clone(),
+        distances: distances(arguments)?,
+        event_id: arguments.event.clone(),
+        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
+        impact: arguments.impact.specification(),
+        match_timeout: timeout,
+        answer_timeout: timeout,
+    };
+    let lines = LinePrinter::new(out);
+    let mut say = |line: &str| lines.print(line);
+    let environment = client_environment(ros)?;
+    let answers =
+        send_row_impact(&environment, &ros.remap_rules, &options, &mut say).map_err(failure)?;
+    let mut rejected = None;
+    for report in answers {
+        let column = &report.column_id;
+        match (report.kind, report.end) {
+            (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED) => {
+                rejected = Some(report.severity_reason);
+            }
+            (ImpactReport::NO_FORECAST, ImpactReport::END_NOT_HIT) => lines.print(format_args!(
+                "{column}: not hit: {}",
+                report.severity_reason
+            )),
+            (ImpactReport::NO_FORECAST | ImpactReport::WITHDRAWN, _) => lines.print(format_args!(
+                "{column}: without a forecast: {}",
+                report.severity_reason
+            )),
+            _ => lines.print(format_args!(
+                "{column}: {}",
+                report_line("forecast", &report)
+            )),
+        }
+    }
+    match rejected {
+        Some(reason) => Err(Failure::plain(
+            Exit::Failed,
+            format!("the fleet rejected the event: {reason}"),
+        )),
+        None => lines.end(),
+    }
+}
+
+/// The distance of each column from the one before, NaN for the first.
+fn distances(arguments: &ImpactArgs) -> Result<Vec<f64>, Failure> {
+    let further = arguments.row.len() - 1;
+    let given = &arguments.distance;
+    let of_each = match given[..] {
+        [] if further == 0 || !arguments.offsets.is_empty() => return Ok(Vec::new()),
+        [one] => vec![one; further],
+        _ if given.len() == further => given.clone(),
+        _ => {
+            let text = format!(
+                "--row names {} columns and --distance {} distances; give one distance for all, one from each column to the next, or \
+                 the times of the impacts with --offsets",
+                arguments.row.len(),
+                given.len()
+            );
+            return Err(Failure::plain(Exit::BadInput, text));
+        }
+    };
+    Ok(std::iter::once(f64::NAN).chain(of_each).collect())
 }

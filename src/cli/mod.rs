@@ -11,6 +11,7 @@ mod export;
 mod failure;
 #[cfg(feature = "ros")]
 mod fleet;
+mod fleet_study;
 mod history;
 #[cfg(feature = "ros")]
 mod idl;

@@ -47,14 +47,21 @@ pub fn run(_: &WatchArgs, ros: &RosArguments, out: &mut impl Write) -> Result<()
             // A line would destroy the table.
             Shown::Line(_) if is_terminal && last_table.is_some() => Ok(()),
             Shown::Line(line) => writeln!(out, "{line}"),
-            Shown::Fleet { status, columns } if is_terminal => {
-                if last_table.is_some_and(|last| last.elapsed() < TABLE_SPACING) {
+            Shown::Fleet {
+                status,
+                columns,
+                is_settled,
+            } if is_terminal => {
+                // The last one of many messages is drawn when it has turned out to be the last.
+                if !is_settled && last_table.is_some_and(|last| last.elapsed() < TABLE_SPACING) {
                     return ControlFlow::Continue(());
                 }
                 last_table = Some(Instant::now());
                 draw(status, columns)
             }
-            Shown::Fleet { status, .. } if status.of_all => Ok(()),
+            Shown::Fleet {
+                status, is_settled, ..
+            } if status.of_all || is_settled => Ok(()),
             Shown::Fleet { status, .. } => status
                 .columns
                 .iter()

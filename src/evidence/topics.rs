@@ -122,6 +122,6 @@ mod tests {
             .map(|it| it.name)
             .collect();
         // A fleet is not recorded.
-        assert_eq!(left_out, ["/clock", "fleet_status"]);
+        assert_eq!(left_out, ["row_impact_event", "/clock", "fleet_status"]);
     }
 }

@@ -16,12 +16,12 @@ pub struct TableSize {
 /// Lines that are no rows of columns: the summary, the heading, and how many columns are not shown.
 const OTHER_LINES: usize = 3;
 
-/// The title of a field, its width, and its text for a column.
+/// The title of a field, its greatest width, and its text for a column.
 type Field = (&'static str, usize, fn(&ColumnStatus) -> String);
 
-/// The fields of a row; the last one takes the rest of the line.
+/// The fields of a row, each as wide as its longest text; the last one takes the rest of the line.
 const FIELDS: [Field; 7] = [
-    ("column", 16, |it| Printable(&it.column_id).to_string()),
+    ("column", 24, |it| Printable(&it.column_id).to_string()),
     ("phase", 9, |it| phase_word(it.phase).to_owned()),
     ("severity", 8, |it| severity_word(it.severity).to_owned()),
     ("v1 mm", 9, |it| format!("{:.2}", 1e3 * it.residual_v1)),
@@ -29,16 +29,27 @@ const FIELDS: [Field; 7] = [
         true => format!("{:.2}", it.reserve),
         false => "?".to_owned(),
     }),
-    ("impacts", 7, |it| it.impacts_since_reset.to_string()),
+    ("hits", 7, |it| it.impacts_since_reset.to_string()),
     ("last event, reason", usize::MAX, |it| {
         let text = match (&it.fault, &it.last_refusal_reason) {
             (fault, _) if !fault.is_empty() => fault,
             (_, refusal) if !refusal.is_empty() && it.events_refused > 0 => refusal,
+            // That nothing is to be done needs no reason.
+            _ if it.severity == TwinStatus::SEVERITY_NONE => "",
             _ => &it.severity_reason,
         };
-        Printable(&format!("{} {text}", it.event_id)).to_string()
+        let event: String = it.event_id.chars().take(EVENT_CHARS).collect();
+        let left_out = if event.len() < it.event_id.len() {
+            "~"
+        } else {
+            ""
+        };
+        Printable(format!("{event}{left_out} {text}").trim()).to_string()
     }),
 ];
+
+/// Characters of the identifier of an event: a reason is to fit beside it.
+const EVENT_CHARS: usize = 14;
 
 /// The lines of a table: a summary, a heading, and the columns, the worst first, as many as fit.
 #[must_use]
@@ -62,31 +73,43 @@ pub fn table(fleet: &FleetStatus, columns: &[ColumnStatus], size: TableSize) -> 
         ..
     } = fleet;
     let lost = dropped_inputs + dropped_states + dropped_outputs;
+    let known = match columns.len() as u64 == u64::from(*columns_total) {
+        true => String::new(),
+        false => format!(", {} known", columns.len()),
+    };
+    // What matters most is left in a narrow terminal.
     let mut lines = vec![cut(&format!(
-        "{columns_total} columns, {} known: {} out of service, {} with a severity, {} hit, {columns_active} active; {lost} lost, {ignored} for others",
-        columns.len(),
+        "{columns_total} columns{known}: {} out of service, {} with a severity, {} hit, {lost} lost, {columns_active} active, {ignored} for others",
         count(|it| it.is_out_of_service()),
         count(|it| it.severity != TwinStatus::SEVERITY_NONE),
         count(|it| it.impacts_since_reset > 0),
     ))];
-    let row = |text: &dyn Fn(&Field) -> String| {
-        let fields = FIELDS.iter().map(|field| {
-            let text = text(field);
-            match field.1 {
-                usize::MAX => text,
-                width => format!("{:width$}", text.chars().take(width).collect::<String>()),
-            }
-        });
-        cut(&fields.collect::<Vec<_>>().join(" "))
-    };
-    lines.push(row(&|(title, ..)| (*title).to_owned()));
     let room = size.height.saturating_sub(OTHER_LINES);
     let shown = order.len().min(room);
-    lines.extend(
+    let mut rows = vec![FIELDS.map(|(title, ..)| title.to_owned())];
+    rows.extend(
         order[..shown]
             .iter()
-            .map(|it| row(&|(_, _, text)| text(it))),
+            .map(|it| FIELDS.map(|(_, _, text)| text(it))),
     );
+    let mut widths = FIELDS.map(|_| 0);
+    for row in &rows {
+        for ((width, text), (_, most, _)) in widths.iter_mut().zip(row).zip(&FIELDS) {
+            *width = text.chars().count().min(*most).max(*width);
+        }
+    }
+    lines.extend(rows.iter().map(|row| {
+        let fields = row.iter().zip(&widths).zip(&FIELDS);
+        let fields = fields.map(|((text, &width), (_, most, _))| match *most {
+            // A text from outside may be longer than any padding.
+            usize::MAX => text.clone(),
+            _ => {
+                let text: String = text.chars().take(width).collect();
+                format!("{text:width$}")
+            }
+        });
+        cut(fields.collect::<Vec<_>>().join(" ").trim_end())
+    }));
     if shown < order.len() {
         lines.push(cut(&format!("and {} more columns", order.len() - shown)));
     }
@@ -150,6 +173,13 @@ mod tests {
             },
         );
         assert_eq!(lines.len(), 24);
+        assert!(lines[0].contains("1 out of service, 2 with a severity, 0 hit, 0 lost"));
+        // In a terminal of 80 characters there is room for the beginning of a reason.
+        assert!(
+            lines[2].contains("a long reason a long reason"),
+            "{}",
+            lines[2]
+        );
         for (line, name) in lines[2..].iter().zip(["c1500", "c0700", "c0900", "c0000"]) {
             assert!(line.starts_with(name), "{line}");
         }

@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use super::notifier::Notifier;
 use super::queue::{Queue, QueueStats, WhenFull};
-use crate::twin::{Accepted, ColumnSnapshot, Command, Refusal, RefusalCode};
+use crate::twin::{
+    Accepted, ColumnSnapshot, Command, ImpactCommand, Refusal, RefusalCode, Striking,
+};
 
 /// Maximum number of queued requests; more are rejected.
 pub const MAX_COMMANDS: usize = 64;
@@ -24,6 +26,11 @@ pub(super) enum Request {
     Command {
         command: Command,
         reply: Reply<Result<Accepted, Refusal>>,
+    },
+    /// Whether the column would take this impact now.
+    Check {
+        command: Box<ImpactCommand>,
+        reply: Reply<Result<Striking, Refusal>>,
     },
     /// Copy the current state of the column.
     Snapshot { reply: Reply<ColumnSnapshot> },

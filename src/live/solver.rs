@@ -192,6 +192,9 @@ impl Solver {
                     let result = self.twin.handle(command, self.clock.now(), &mut self.sink);
                     reply.send(result);
                 }
+                Request::Check { command, reply } => {
+                    reply.send(self.twin.check_impact(&command, self.clock.now()));
+                }
                 Request::Snapshot { reply } => reply.send(self.twin.snapshot()),
             }
             any = true;
@@ -342,7 +345,7 @@ impl Solver {
                     ..
                 } => impacts += 1,
                 Request::Command { .. } => others += 1,
-                Request::Snapshot { .. } => {}
+                Request::Check { .. } | Request::Snapshot { .. } => {}
             }
         }
         (impacts + others > 0).then(|| {

@@ -8,6 +8,7 @@ use ros_interface::BoundedSequence;
 use super::std_msgs::Header;
 use crate::column::MAX_MASSES;
 
+pub use super::column_twin_fleet::*;
 pub use super::column_twin_services::*;
 
 /// One value for each mass of a compliant vehicle, or for the spring in front of it, front first.
@@ -474,6 +475,7 @@ impl ImpactReport {
     pub const END_STOPPED: u8 = 7;
     pub const END_REJECTED: u8 = 8;
     pub const END_NOT_COMPUTED: u8 = 9;
+    pub const END_NOT_HIT: u8 = 10;
     pub const SEVERITY_NONE: u8 = 0;
     pub const SEVERITY_INSPECT: u8 = 1;
     pub const SEVERITY_RESTRICT: u8 = 2;

@@ -20,6 +20,7 @@ mod table;
 
 pub mod builtin_interfaces;
 pub mod column_twin;
+mod column_twin_fleet;
 mod column_twin_services;
 pub mod diagnostic_msgs;
 mod from_column;

@@ -33,6 +33,7 @@ interfaces! {
     column_twin Message ImpactEvent = ImpactEvent in "msg/ImpactEvent.msg";
     column_twin Message ImpactReport = ImpactReport in "msg/ImpactReport.msg";
     column_twin Message Measurement = Measurement in "msg/Measurement.msg";
+    column_twin Message RowImpactEvent = RowImpactEvent in "msg/RowImpactEvent.msg";
     column_twin Message TwinStatus = TwinStatus in "msg/TwinStatus.msg";
     column_twin Request Calibrate = CalibrateRequest in "srv/Calibrate.srv";
     column_twin Response Calibrate = CalibrateResponse in "srv/Calibrate.srv";

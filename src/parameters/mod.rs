@@ -80,9 +80,9 @@ pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
 pub use value::{Kind, Value, readable};
 pub use vehicles::{
-    CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID, Sourced,
-    SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, vehicle_catalogue,
-    vehicle_names,
+    CRUSHED_BY, CatalogueVehicle, ContactHeight, ForceVariation, NarrowObject, Provenance, RIGID,
+    Sourced, SpringRow, VehicleFault, VehicleMasses, VehiclePart, VehicleSize, crush_of_name,
+    crushed_name, split_crush, vehicle_catalogue, vehicle_names,
 };
 
 use crate::column::{

@@ -13,6 +13,12 @@ use crate::column::{CrushCurve, CrushSpring, Vehicle, VehicleError};
 /// The name of the paper's rigid mass, which is no vehicle of the catalogue.
 pub const RIGID: &str = "rigid";
 
+/// Between the name of a vehicle and its crush.
+pub const CRUSHED_BY: char = '@';
+
+/// Largest crush that a name may end with \[m\]: longer than the front of any vehicle.
+const MAX_CRUSH: f64 = 10.0;
+
 /// Where a number comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Provenance {
@@ -149,9 +155,58 @@ pub enum VehicleFault {
         /// The name that was probably meant.
         nearest: Option<String>,
     },
+    /// A crush that is no list of numbers.
+    #[error(
+        "the crush of the vehicle is `{found}`; expected the largest crush of each spring [m], front first, from 0 to \
+         {MAX_CRUSH}, as in mid_car@0.41"
+    )]
+    Crush {
+        /// What was given.
+        found: String,
+    },
+    /// A rigid vehicle has no crush.
+    #[error(
+        "a rigid vehicle has no springs that could have been crushed; leave out what follows the @"
+    )]
+    RigidCrush,
     /// The numbers do not make a vehicle.
     #[error(transparent)]
     Numbers(#[from] VehicleError),
+}
+
+/// Separates the name of a vehicle from the crush that it may end with, which earlier impacts have left: the largest crush of
+/// each spring \[m\], front first, as in `mid_car@0.41` or `lorry_8t@0.8,0.1`.
+#[must_use]
+pub fn split_crush(name: &str) -> (&str, Option<&str>) {
+    match name.split_once(CRUSHED_BY) {
+        Some((name, crush)) => (name.trim_end(), Some(crush)),
+        None => (name, None),
+    }
+}
+
+/// The largest crush of each spring \[m\] that a name ends with; empty: that of a new vehicle.
+///
+/// # Errors
+/// It is not a list of numbers.
+pub fn crush_of_name(name: &str) -> Result<Vec<f64>, VehicleFault> {
+    split_crush(name).1.map_or(Ok(Vec::new()), parsed_crush)
+}
+
+fn parsed_crush(text: &str) -> Result<Vec<f64>, VehicleFault> {
+    let numbers = text.split(',').map(|it| it.trim().parse::<f64>());
+    let numbers: Option<Vec<_>> = numbers
+        .map(|it| it.ok().filter(|it| (0.0..=MAX_CRUSH).contains(it)))
+        .collect();
+    numbers.ok_or_else(|| VehicleFault::Crush {
+        found: text.chars().take(60).collect(),
+    })
+}
+
+/// The name of a vehicle with the largest crush of each of its springs \[m\], front first. The crush is rounded to a micrometre.
+#[must_use]
+pub fn crushed_name(name: &str, largest: &[f64]) -> String {
+    let texts: Vec<_> = largest.iter().map(|it| format!("{it:.6}")).collect();
+    format!("{name}{CRUSHED_BY}{}", texts.join(","))
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
@@ -234,6 +289,12 @@ impl CatalogueVehicle {
         vehicle_catalogue().iter().find(|it| it.name == name)
     }
 
+    /// The same for a name that may end with a crush.
+    #[must_use]
+    pub fn of_crushed(name: &str) -> Option<&'static Self> {
+        Self::named(split_crush(name).0)
+    }
+
     /// The total mass \[kg\].
     #[must_use]
     pub fn total_mass(&self) -> f64 {
@@ -286,8 +347,21 @@ impl VehicleSettings {
     }
 
     /// The vehicle of this name, `None` for a rigid one. An empty name is the vehicle of the parameters, and so is its own
-    /// name; another vehicle keeps its own default for narrow objects.
+    /// name; another vehicle keeps its own default for narrow objects. The name may end with an earlier crush, see
+    /// [`split_crush`].
     pub(super) fn vehicle_named(&self, name: &str) -> Result<Option<Vehicle>, VehicleFault> {
+        let (name, crush) = split_crush(name);
+        let vehicle = self.new_vehicle_named(name)?;
+        let Some(crush) = crush else {
+            return Ok(vehicle);
+        };
+        let Some(vehicle) = vehicle else {
+            return Err(VehicleFault::RigidCrush);
+        };
+        Ok(Some(vehicle.crushed(&parsed_crush(crush)?)?))
+    }
+
+    fn new_vehicle_named(&self, name: &str) -> Result<Option<Vehicle>, VehicleFault> {
         if name.trim().is_empty() || vehicle_name(name).is_some_and(|it| it == self.name) {
             return self.vehicle();
         }
@@ -390,6 +464,37 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_name_may_end_with_an_earlier_crush() {
+        let parameters = Parameters::default();
+        let vehicle = |name: &str| parameters.vehicle_named(name);
+        let new = vehicle("lorry_8t").expect("known").expect("compliant");
+        let left = vehicle(&crushed_name("lorry_8t", &[0.8, 0.05])).expect("known");
+        assert_eq!(left, Some(new.crushed(&[0.8, 0.05]).expect("possible")));
+        assert_eq!(vehicle("Lorry 8t @ 0.8, 0.05"), Ok(left));
+        assert_eq!(crush_of_name("lorry_8t@0.8,0.05"), Ok(vec![0.8, 0.05]));
+        assert_eq!(crush_of_name("lorry_8t"), Ok(vec![]));
+        for wrong in [
+            "mid_car@",
+            "mid_car@x",
+            "mid_car@-0.1",
+            "mid_car@nan",
+            "mid_car@11",
+        ] {
+            let fault = vehicle(wrong).expect_err(wrong);
+            assert!(matches!(fault, VehicleFault::Crush { .. }), "{fault}");
+        }
+        assert_eq!(vehicle("rigid@0.1"), Err(VehicleFault::RigidCrush));
+        assert!(matches!(
+            vehicle("mid_car@0.1,0.1"),
+            Err(VehicleFault::Numbers(_))
+        ));
+        assert!(matches!(
+            vehicle("nocar@0.1"),
+            Err(VehicleFault::Unknown { .. })
+        ));
     }
 
     /// The forces of the small car and of the SUV are those of the mid-size car times 0.64 and 1.45.

@@ -13,7 +13,7 @@ use super::words::end_in_words;
 use crate::column::{HINGE_NAMES, HINGES, Support};
 use crate::figures::units::{Unit, significant};
 use crate::figures::{FigureError, PushDownCurves, draw_svg, push_down_svg};
-use crate::parameters::CatalogueVehicle;
+use crate::parameters::{CatalogueVehicle, split_crush};
 use crate::shape::HINGE_PLACES;
 use crate::twin::Nanos;
 
@@ -175,9 +175,13 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
             significant(impact.impact.restitution, 3)
         );
     };
-    let described = CatalogueVehicle::named(&impact.vehicle);
+    let described = CatalogueVehicle::of_crushed(&impact.vehicle);
     let name = described.map_or("given by numbers".to_owned(), |it| {
         format!("{}: {}", it.name, it.description)
+    });
+    let crushed = split_crush(&impact.vehicle).1;
+    let crushed = crushed.map_or(String::new(), |it| {
+        format!(", which earlier impacts have crushed by {it} m")
     });
     let masses: Vec<_> = vehicle
         .masses()
@@ -185,14 +189,14 @@ fn vehicle_in_words(impact: &ReportedImpact) -> String {
         .map(|mass| significant(*mass, 4))
         .collect();
     format!(
-        "{name}; {} kg, with a front that crushes",
+        "{name}; {} kg, with a front that crushes{crushed}",
         masses.join(" + ")
     )
 }
 
 /// Where the numbers of a vehicle of the catalogue come from.
 fn vehicle_sources(name: &str) -> Option<String> {
-    let vehicle = CatalogueVehicle::named(name)?;
+    let vehicle = CatalogueVehicle::of_crushed(name)?;
     let springs = vehicle.springs.iter().enumerate();
     let sources = springs
         .map(|(index, spring)| format!("spring {} [{}] {}", index + 1, spring.tag, spring.source));

@@ -1,6 +1,6 @@
 //! Terminal client of the twin: sends an impact or shows what the twin publishes, without a ROS installation.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -14,10 +14,11 @@ use crate::messages::column_twin::{
     ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
 };
 use crate::messages::std_msgs::Header;
-use crate::parameters::{MAX_COLUMNS, readable};
+use crate::parameters::readable;
 use crate::printable::Printable;
 
 use super::environment::Environment;
+use super::fleet_view::FleetView;
 use super::lines::{Seen, WatchLines};
 use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
@@ -160,23 +161,9 @@ pub enum Shown<'a> {
         status: &'a FleetStatus,
         /// All columns that are known, in the order of their names.
         columns: &'a [ColumnStatus],
+        /// Nothing has come for a moment since the message, which was shown before.
+        is_settled: bool,
     },
-}
-
-/// The columns of fleets, from their statuses.
-#[derive(Debug, Default)]
-struct FleetView(BTreeMap<String, ColumnStatus>);
-
-impl FleetView {
-    /// Takes a message. Names beyond [`MAX_COLUMNS`] are left out: anybody may send some.
-    fn take(&mut self, status: &FleetStatus) -> Vec<ColumnStatus> {
-        for column in &status.columns {
-            if self.0.len() < MAX_COLUMNS || self.0.contains_key(&column.column_id) {
-                self.0.insert(column.column_id.clone(), column.clone());
-            }
-        }
-        self.0.values().cloned().collect()
-    }
 }
 
 /// Publishes an event and waits for the twin's reply; `say` receives progress messages.
@@ -247,15 +234,30 @@ pub fn watch(
     })?;
     let mut lines = WatchLines::default();
     let mut fleet: Option<FleetView> = None;
+    // The last message of a fleet, until no other one has come for a moment.
+    let mut last = None;
     while !signals.asked() && shown.is_continue() {
-        let mut seen = next(&seen, Instant::now() + CHECK_INTERVAL);
-        if let Some(Seen::Fleet(status)) = &seen {
-            let columns = fleet.get_or_insert_default().take(status);
+        let mut seen = match next(&seen, Instant::now() + CHECK_INTERVAL) {
+            Some(Seen::Fleet(status)) => {
+                let columns = fleet.get_or_insert_default().take(&status);
+                shown = show(Shown::Fleet {
+                    status: &status,
+                    columns: &columns,
+                    is_settled: false,
+                });
+                last = Some((status, columns));
+                continue;
+            }
+            seen => seen,
+        };
+        if seen.is_none()
+            && let Some((status, columns)) = last.take()
+        {
             shown = show(Shown::Fleet {
-                status,
+                status: &status,
                 columns: &columns,
+                is_settled: true,
             });
-            continue;
         }
         // The columns of a fleet are shown together.
         if fleet.is_some() {

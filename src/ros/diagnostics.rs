@@ -30,6 +30,8 @@ pub(super) struct NodeCounters {
     pub unpublished: AtomicU64,
     /// Messages for columns that are not in this fleet.
     pub ignored: AtomicU64,
+    /// Events of vehicles that hit several columns, which were rejected.
+    pub rejected_rows: AtomicU64,
     /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
     /// The simulated clock; `None` with the system's.

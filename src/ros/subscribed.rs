@@ -65,7 +65,7 @@ impl Subscribed {
     }
 }
 
-async fn pass<M: serde::de::DeserializeOwned + 'static>(
+pub(super) async fn pass<M: serde::de::DeserializeOwned + 'static>(
     subscription: &Option<Subscription<M>>,
     to: &SyncSender<Seen>,
     seen: impl Fn(M) -> Seen,

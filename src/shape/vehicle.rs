@@ -186,7 +186,7 @@ impl VehicleBody {
         if slack.is_empty() {
             return Self::rigid_mass();
         }
-        let known = CatalogueVehicle::named(name).filter(|it| it.parts.len() == slack.len());
+        let known = CatalogueVehicle::of_crushed(name).filter(|it| it.parts.len() == slack.len());
         let Some(vehicle) = known else {
             return Self::assumed(total, slack);
         };

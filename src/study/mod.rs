@@ -26,6 +26,8 @@ mod batch;
 pub(crate) mod cholesky;
 mod critical;
 #[cfg(feature = "study")]
+mod fleet_kinds;
+#[cfg(feature = "study")]
 mod map;
 #[cfg(feature = "study")]
 mod map_columns;
@@ -47,6 +49,8 @@ pub use batch::{Batch, BatchEnd};
 pub use critical::{
     CRITICAL_TOLERANCE, CriticalSearch, CriticalVelocities, CriticalVelocity, SEVERITIES,
 };
+#[cfg(feature = "study")]
+pub use fleet_kinds::{FleetKinds, part_of};
 #[cfg(feature = "study")]
 pub use map::{CellPlace, DamageMap, MapCell, MapError, MapTable, Variant};
 #[cfg(feature = "study")]

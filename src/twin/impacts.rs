@@ -12,6 +12,7 @@ use super::refusal::{Refusal, RefusalCode};
 use super::registry::{PendingImpact, check_column_id, check_stamp};
 use super::seconds;
 use super::timeline::{History, LookAhead, Timeline};
+use super::what_if::Striking;
 use crate::assessment::imperfection;
 
 /// What becomes of the report of an impact whose response another impact ends.
@@ -53,6 +54,21 @@ impl Twin {
         self.meet(pending, struck, now, out)?;
         self.link(&event_id, contact, now, out);
         Ok(Accepted::Applied)
+    }
+
+    /// Whether the column would take this impact now, and the impact with what its command leaves open. A stamp that is ahead of
+    /// the clock is not looked at: the command may be kept back until it is due.
+    ///
+    /// # Errors
+    /// The impact would be rejected.
+    pub fn check_impact(&self, command: &ImpactCommand, now: Nanos) -> Result<Striking, Refusal> {
+        check_column_id(self.registry.column_id(), &command.column_id)?;
+        self.registry.check_event_id(&command.event_id)?;
+        check_stamp(command.stamp.min(now), now, self.parameters.current())?;
+        let snapshot = self.snapshot();
+        let striking = snapshot.complete(&command.vehicle, &command.impact)?;
+        snapshot.strike(striking.impact, command.impact.height)?;
+        Ok(striking)
     }
 
     /// Lets an impact meet the column; `struck` is the column as it is now with the impactor on its way.

@@ -12,7 +12,9 @@ use crate::assessment::imperfection;
 use crate::column::{
     ColumnProperties, Impact, ImpactSpecification, Model, Report, Response, State, Vehicle,
 };
-use crate::parameters::{CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable};
+use crate::parameters::{
+    CRUSHED_BY, CatalogueVehicle, Parameter, Parameters, RIGID, Value, readable, split_crush,
+};
 use crate::printable::is_printable;
 use crate::senses::StandingColumn;
 
@@ -241,11 +243,17 @@ impl ColumnSnapshot {
         }
         let vehicle = self.parameters.vehicle_named(name);
         let vehicle = vehicle.map_err(|fault| fault.to_string())?;
+        let (name, crush) = split_crush(name);
         let name = match name.trim() {
             "" => self.parameters.settings().vehicle.name.as_str(),
             _ => CatalogueVehicle::named(name).map_or(RIGID, |row| row.name.as_str()),
         };
-        Ok((name.into(), vehicle))
+        let name = match crush {
+            // To the last digit, because a recording is recomputed from it.
+            Some(crush) => format!("{name}{CRUSHED_BY}{crush}").into(),
+            None => name.into(),
+        };
+        Ok((name, vehicle))
     }
 
     /// A copy of the column with an impactor on its way to this height above the base \[m\]; `None`: where the

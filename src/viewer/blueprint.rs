@@ -69,7 +69,12 @@ pub fn send(
     felt: &[FeltView],
     follows: bool,
 ) -> RecordingStreamResult<()> {
-    let messages = messages(drawing, axes, felt, follows)?;
+    activate(recording, messages(drawing, axes, felt, follows)?);
+    Ok(())
+}
+
+/// Sends the data of a blueprint, which becomes the one that is shown.
+pub(super) fn activate(recording: &RecordingStream, messages: Vec<LogMsg>) {
     let store = messages.iter().find_map(|message| match message {
         LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
         _ => None,
@@ -82,7 +87,6 @@ pub fn send(
         };
         recording.send_blueprint(messages, activation);
     }
-    Ok(())
 }
 
 /// The data of the blueprint.
@@ -126,8 +130,9 @@ fn shown(plot: u8, crushes: bool) -> bool {
     crushes || !plots::ALL[usize::from(plot)].of_vehicle
 }
 
-struct Blueprint {
-    stream: RecordingStream,
+/// A blueprint that is being written.
+pub(super) struct Blueprint {
+    pub stream: RecordingStream,
 }
 
 /// The UUID with this number.
@@ -135,22 +140,22 @@ fn uuid(number: u8) -> String {
     format!("c01c01c0-0000-4000-8000-0000000000{number:02x}")
 }
 
-fn uuid_bytes(number: u8) -> [u8; 16] {
+pub(super) fn uuid_bytes(number: u8) -> [u8; 16] {
     [
         0xc0, 0x1c, 0x01, 0xc0, 0, 0, 0x40, 0, 0x80, 0, 0, 0, 0, 0, 0, number,
     ]
 }
 
-fn view(number: u8) -> String {
+pub(super) fn view(number: u8) -> String {
     format!("view/{}", uuid(number))
 }
 
-fn container(number: u8) -> String {
+pub(super) fn container(number: u8) -> String {
     format!("container/{}", uuid(number))
 }
 
 impl Blueprint {
-    fn write(&self, path: &str, what: &dyn AsComponents) -> RecordingStreamResult<()> {
+    pub fn write(&self, path: &str, what: &dyn AsComponents) -> RecordingStreamResult<()> {
         self.stream.log(path, what)
     }
 
@@ -210,7 +215,7 @@ impl Blueprint {
         self.write("viewport", &viewport)
     }
 
-    fn view(
+    pub fn view(
         &self,
         number: u8,
         class: &str,
@@ -227,7 +232,7 @@ impl Blueprint {
         self.write(&path, &it)
     }
 
-    fn property(
+    pub fn property(
         &self,
         number: u8,
         name: &str,

@@ -13,6 +13,7 @@ use rerun::{
 use super::colour;
 use super::error::ViewerError;
 use super::file::{WRITE_TIMEOUT, unfinished};
+use super::map_blueprint;
 use super::rerun_types::color;
 use crate::assessment::Severity;
 use crate::shape::{round_number, severity_colour};
@@ -89,7 +90,8 @@ fn send(
             &TextDocument::from_markdown(legend),
         )?;
     }
-    Ok(())
+    let labels: Vec<_> = map.variants().iter().map(|it| it.label.as_str()).collect();
+    map_blueprint::send(stream, APPLICATION, &labels, Plane::of(map, grid).size)
 }
 
 /// The classes as red, green, blue, row by row of the picture, the highest value of the columns first.
@@ -222,6 +224,17 @@ fn ticks(axis: &MapAxis) -> Vec<(f64, String)> {
         .collect()
 }
 
+/// The name of the colour of a severity: Markdown in the viewer has no colours.
+fn colour_name(severity: Severity) -> &'static str {
+    match severity {
+        Severity::None => "pale green",
+        Severity::Inspect => "light blue",
+        Severity::Restrict => "amber",
+        Severity::Prop => "orange",
+        Severity::Evacuate => "dark red",
+    }
+}
+
 /// What the colours and the axes mean, as Markdown.
 fn legend(map: &DamageMap, label: &str) -> String {
     let axis = |axis: &MapAxis| {
@@ -237,10 +250,10 @@ fn legend(map: &DamageMap, label: &str) -> String {
         axis(map.columns())
     );
     for severity in [Severity::None].into_iter().chain(SEVERITIES) {
-        let [red, green, blue] = severity_colour(severity);
         text.push_str(&format!(
-            "- {}: colour #{red:02x}{green:02x}{blue:02x}\n",
-            severity.name()
+            "- {}: {}\n",
+            severity.name(),
+            colour_name(severity)
         ));
     }
     text.push_str("\nLines are the boundaries of the classes, to 1 %.\n");

@@ -28,6 +28,8 @@ mod frames;
 mod item;
 mod labels;
 mod live_viewer;
+#[cfg(feature = "study")]
+mod map_blueprint;
 mod panel;
 pub mod plots;
 mod recorded_message;

@@ -15,3 +15,5 @@ mod pool;
 #[path = "../ros/program.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod program;
+mod row;
+mod studies;

@@ -15,7 +15,8 @@ use column_twin::messages::column_twin::{
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumns, FleetSources, NodeName};
 use column_twin::ros::{
-    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, Names, qos, send_impact,
+    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, Names, RowImpactOptions, qos, send_impact,
+    send_row_impact,
 };
 
 use super::domain::{Domain, PATIENCE};
@@ -227,6 +228,87 @@ fn services_name_a_column() {
         (answer.success, answer.refusal_code),
         (false, TwinStatus::REFUSED_OTHER_COLUMN)
     );
+    running.node.stop();
+}
+
+/// The answers to a vehicle that hits several columns.
+fn send_row(domain: &Domain, id: &str, columns: &[&str], velocity: f64) -> Vec<ImpactReport> {
+    let options = RowImpactOptions {
+        column_ids: columns.iter().map(|it| (*it).to_owned()).collect(),
+        offsets: Vec::new(),
+        distances: vec![5.0; columns.len()],
+        event_id: Some(id.to_owned()),
+        vehicle: "lorry_16t".to_owned(),
+        impact: ImpactSpecification {
+            mass: f64::NAN,
+            velocity,
+            gap: None,
+            restitution: None,
+            height: None,
+        },
+        match_timeout: PATIENCE,
+        answer_timeout: PATIENCE,
+    };
+    send_row_impact(&domain.environment, &[], &options, &mut |_| {}).expect("answers")
+}
+
+#[test]
+fn a_vehicle_hits_a_row_of_columns_or_none() {
+    let domain = Domain::fresh();
+    let running = Running::start(&domain, 5);
+    // The third column is not there: nothing is hit.
+    let answers = send_row(&domain, "wrong", &["c0", "c1", "c7"], 25.0);
+    for report in &answers {
+        assert_eq!(
+            (report.kind, report.end),
+            (ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED)
+        );
+        let expected = "column \"c7\" is not in this fleet of 5 columns";
+        assert!(
+            report.severity_reason.contains(expected),
+            "{}",
+            report.severity_reason
+        );
+    }
+    assert_eq!(answers.len(), 3);
+    // The same identifier, because no column has had it.
+    let answers = send_row(&domain, "wrong", &["c0", "c1"], 25.0);
+    let [first, second] = &answers[..] else {
+        panic!("two answers");
+    };
+    assert_eq!(
+        (first.kind, first.outcome, second.kind),
+        (
+            ImpactReport::FORECAST,
+            ImpactReport::SEVERED,
+            ImpactReport::FORECAST
+        ),
+        "{}; {}",
+        first.severity_reason,
+        second.severity_reason
+    );
+    assert_eq!(second.velocity, first.impactor_rebound);
+    assert!(
+        second.vehicle.starts_with("lorry_16t@"),
+        "{}",
+        second.vehicle
+    );
+    // A slow one does not get past its first column.
+    let answers = send_row(&domain, "slow", &["c2", "c3", "c4"], 1.0);
+    assert_eq!(answers[0].kind, ImpactReport::FORECAST);
+    for report in &answers[1..] {
+        assert_eq!(
+            (report.kind, report.end),
+            (ImpactReport::NO_FORECAST, ImpactReport::END_NOT_HIT)
+        );
+        assert!(
+            report
+                .severity_reason
+                .starts_with("the row ends at column \"c2\": the column stands"),
+            "{}",
+            report.severity_reason
+        );
+    }
     running.node.stop();
 }
 

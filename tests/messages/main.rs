@@ -35,6 +35,7 @@ fn for_each_type(visitor: &mut impl ForEachType) {
         ours::ImpactEvent,
         ours::ImpactReport,
         ours::Measurement,
+        ours::RowImpactEvent,
         ours::TwinStatus,
         ours::CalibrateRequest,
         ours::CalibrateResponse,

@@ -281,6 +281,63 @@ mod tests {
         }
     }
 
+    /// A spring that was crushed, let go and struck again gives the same force as what `crushed` makes of it, wherever the first
+    /// crush ended: on a rising, a falling, a vanished piece, on a point and behind the last one.
+    #[test]
+    fn a_crushed_spring_is_the_same_spring_from_where_it_was_left() {
+        use crate::vehicle::Vehicle;
+        let new = spring();
+        for largest in [0.03, 0.1, 0.17, 0.23, 0.27, 0.4, 0.5, 0.55, 0.6, 0.7, 0.79] {
+            let vehicle = Vehicle::new(&[1000.0], &[new]).expect("a vehicle");
+            let left = vehicle.crushed(&[largest]).expect("a crushed vehicle");
+            let left = &left.springs()[0];
+            let (used, _) = SpringState::open_by(0.0).crushed_by(&new, largest);
+            assert!((used.permanent - new.permanent_crush(largest)).abs() < 1e-12);
+            let (mut used, _) = used.crushed_by(&new, used.permanent - used.crush);
+            let mut fresh = SpringState::open_by(0.0);
+            let (mut lost, mut lost_of_left) = (0.0, 0.0);
+            for _ in 0..300 {
+                let increment = 1.1e-3;
+                let (next, more) = used.crushed_by(&new, increment);
+                (used, lost) = (next, lost + more);
+                let (next, more) = fresh.crushed_by(left, increment);
+                (fresh, lost_of_left) = (next, lost_of_left + more);
+                let (force, expected) = (fresh.force(left), used.force(&new));
+                assert!(
+                    (force - expected).abs() < 2.0,
+                    "{largest}: {force} {expected}"
+                );
+            }
+            assert!(
+                (lost - lost_of_left).abs() < 1e-6 * (1.0 + lost),
+                "{largest}: {lost} {lost_of_left}"
+            );
+            let after = vehicle.crush_after(&[largest], &[fresh.largest]);
+            assert!((after[0] - used.largest).abs() < 1e-12);
+            assert_eq!(vehicle.crush_after(&[largest], &[0.0])[0], largest);
+        }
+    }
+
+    #[test]
+    fn crushes_that_cannot_be_are_rejected() {
+        use crate::vehicle::{Vehicle, VehicleError};
+        let vehicle = Vehicle::new(&[1000.0], &[spring()]).expect("a vehicle");
+        assert_eq!(vehicle.crushed(&[]), Ok(vehicle));
+        assert_eq!(vehicle.crushed(&[0.0]), Ok(vehicle));
+        for wrong in [f64::NAN, -0.1, f64::INFINITY] {
+            let error = vehicle.crushed(&[wrong]);
+            assert!(matches!(error, Err(VehicleError::Crush { spring: 1, .. })));
+        }
+        let error = vehicle.crushed(&[0.1, 0.1]);
+        assert_eq!(
+            error,
+            Err(VehicleError::Crushes {
+                found: 2,
+                springs: 1
+            })
+        );
+    }
+
     #[test]
     fn work_is_what_is_stored_and_what_is_dissipated() {
         let spring = spring();

@@ -25,6 +25,7 @@ mod chain;
 mod conserving_midpoint;
 mod contact;
 mod crush;
+mod crushed_vehicle;
 mod elastic_motion;
 mod elastic_reach;
 mod frame;

@@ -25,7 +25,7 @@ const NARROW_SHARE: f64 = 0.5;
 const NARROW_PIECES: usize = 6;
 
 /// Least distance between a point of the ramp and one of the curve \[m\]: between closer ones a slope would be round-off.
-const NARROW_APART: f64 = 1e-6;
+pub(crate) const NARROW_APART: f64 = 1e-6;
 
 /// Relative tolerance by which the unloading stiffness may fall short of the steepest slope: the round-off of a slope that
 /// was computed from two points.
@@ -171,6 +171,24 @@ pub enum VehicleError {
         total: f64,
         /// All masses but the rearmost \[kg\].
         front: f64,
+    },
+    /// More crushes than springs.
+    #[error(
+        "{found} crushes are given, but the vehicle has {springs} springs; expected one for each at most"
+    )]
+    Crushes {
+        /// How many are given.
+        found: usize,
+        /// How many springs there are.
+        springs: usize,
+    },
+    /// A crush that is not a finite number >= 0.
+    #[error("the earlier crush of spring {spring} is {found} m; expected a finite number >= 0")]
+    Crush {
+        /// Number of the spring, from 1.
+        spring: usize,
+        /// Its value \[m\].
+        found: f64,
     },
     /// A factor of the force that is not a finite number > 0.
     #[error("the factor of the vehicle's crush force is {found}; expected a finite number > 0")]

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::MapCommandError;
 use crate::cli::failure::Failure;
+use crate::cli::fleet_study::FleetStudyArgs;
 use crate::cli::impact_args::ImpactSpecificationArgs;
 use crate::cli::simulate::{is_standard_output, parameters_of};
 use column_twin::parameters::Parameters;
@@ -21,6 +22,8 @@ pub struct MapArgs {
     /// Parameter file (ROS 2 YAML), may be repeated: later files win; default: the built-in column
     #[arg(long, short, value_name = "FILE")]
     config: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) fleet: FleetStudyArgs,
     /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
     #[arg(long = "param", short, value_name = "NAME:=VALUE")]
     parameter: Vec<String>,
@@ -30,7 +33,8 @@ pub struct MapArgs {
     /// Total mass of the vehicle [kg]: one number, or an axis as from:to:number of points
     #[arg(long, value_name = "KG")]
     mass: Option<String>,
-    /// Speed of the vehicle over the ground [m/s]: one number, or an axis as from:to:number of points
+    /// Speed of the vehicle over the ground [m/s]: one number, or an axis as from:to:number of points; of a fleet, the range of the
+    /// search as from:to
     #[arg(long, value_name = "M/S")]
     velocity: Option<String>,
     /// Height of the impact point above the base [m]: one number, or an axis as from:to:number of points
@@ -86,6 +90,9 @@ Example: a heavier section in comparison
   column-twin map --vehicle mid_car --mass 1200:2500:20 --velocity 2:25:40 --compare section=HEB200,HEB240 --refine --plots plots
 Example: the third of 16 parts of a large map, for a batch system
   column-twin map --mass 1000:12000:200 --velocity 1:25:200 --shard 3/16 --parquet part-03.parquet
+
+Example: the weakest columns of a fleet for a lorry, one row for each
+  column-twin map --params-file config/fleet.yaml --columns config/fleet.csv --vehicle lorry_8t --csv weakest.csv
 
 Exit codes: 0 done, 1 failed, 2 bad input or usage, 3 done in part: interrupted, or some impacts could not be computed.";
 
@@ -183,7 +190,7 @@ impl MapArgs {
         Ok(variants)
     }
 
-    fn check_outputs(&self) -> Result<(), MapCommandError> {
+    pub(super) fn check_outputs(&self) -> Result<(), MapCommandError> {
         let takes = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_standard_output);
         if takes(&self.csv) && takes(&self.json) {
             return Err(MapCommandError::OneOutput("--csv and --json"));
@@ -228,18 +235,65 @@ impl MapArgs {
 
     /// The cells to compute.
     pub(super) fn cells(&self, map: &DamageMap) -> Result<Range<u64>, MapCommandError> {
-        let Some(text) = &self.shard else {
+        let Some((number, count)) = self.shard_numbers()? else {
             return Ok(0..map.len());
+        };
+        Ok(map.shard(number, count))
+    }
+
+    /// The number of the part that `--shard` names, and the number of parts.
+    pub(super) fn shard_numbers(&self) -> Result<Option<(u64, u64)>, MapCommandError> {
+        let Some(text) = &self.shard else {
+            return Ok(None);
         };
         let parts = text.split_once('/').and_then(|(number, count)| {
             let number: u64 = number.trim().parse().ok()?;
             let count: u64 = count.trim().parse().ok()?;
             (1..=count).contains(&number).then_some((number, count))
         });
-        let (number, count) = parts.ok_or_else(|| MapCommandError::Shard {
+        parts.map(Some).ok_or_else(|| MapCommandError::Shard {
             given: text.chars().take(60).collect(),
-        })?;
-        Ok(map.shard(number, count))
+        })
+    }
+
+    /// The options that belong to a map of one column, and whether they are given.
+    pub(super) fn options_of_one_column(&self) -> Vec<(&'static str, bool)> {
+        let is_axis = |it: &Option<String>| it.as_deref().is_some_and(|it| it.contains([':', ',']));
+        let mut options = vec![
+            ("--config", !self.config.is_empty()),
+            ("an axis of --mass", is_axis(&self.mass)),
+            ("--height", self.height.is_some()),
+            ("--vary", !self.vary.is_empty()),
+            ("--compare", self.compare.is_some()),
+            ("--refine", self.refine),
+            ("--plots", self.plots.is_some()),
+        ];
+        #[cfg(feature = "viewer")]
+        options.push(("--rrd", self.rrd.is_some()));
+        options.retain(|(_, is_given)| *is_given);
+        options
+    }
+
+    /// The overrides for every column of a fleet.
+    pub(super) fn fleet_overrides(&self) -> Result<Vec<String>, Failure> {
+        let mass = match self.mass.as_deref() {
+            None => None,
+            Some(text) => match number_or_axis("mass", text, "2000")? {
+                NumberOrAxis::Number(number) => Some(number),
+                NumberOrAxis::Axis(_) => None, // rejected before
+            },
+        };
+        let numbers = [mass, None, None, None, None];
+        let impact = ImpactSpecificationArgs::given(self.vehicle.clone(), numbers);
+        let mut all: Vec<_> = impact.implied_override().into_iter().collect();
+        all.extend(self.parameter.iter().cloned());
+        all.extend(impact.overrides());
+        Ok(all)
+    }
+
+    /// The option `--velocity`.
+    pub(super) fn velocity(&self) -> Option<&str> {
+        self.velocity.as_deref()
     }
 
     /// The batch with its threads.

@@ -3,6 +3,7 @@
 mod arguments;
 mod boundaries;
 mod files;
+mod fleet;
 mod summary;
 mod table_writer;
 
@@ -105,6 +106,10 @@ impl From<MapCommandError> for Failure {
 
 /// Computes the map and writes the requested files; the summary goes to `output`, unless a file does.
 pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Failure> {
+    if arguments.fleet.is_given() {
+        return fleet::run(arguments, output);
+    }
+    arguments.fleet.check(&[])?;
     let map = arguments.map()?;
     match arguments.refines() {
         true => refine(arguments, &map, output),

@@ -1,5 +1,6 @@
 //! `column-twin risk`: how often vehicles that leave the road damage the column, and how severely.
 
+mod fleet;
 mod summary;
 mod tables;
 
@@ -12,6 +13,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::{Exit, Failure, unless_closed};
+use super::fleet_study::FleetStudyArgs;
 use super::interruption::Interruption;
 use super::simulate::load;
 use column_twin::figures::{self, FigureError};
@@ -35,6 +37,8 @@ pub struct RiskArgs {
     /// Parameter file (ROS 2 YAML), may be repeated: later files win; default: the built-in column
     #[arg(long, short, value_name = "FILE")]
     config: Vec<PathBuf>,
+    #[command(flatten)]
+    fleet: FleetStudyArgs,
     /// Any parameter in the notation of ROS 2, for example -p top.load:=2.0e6; may be repeated
     #[arg(long = "param", short, value_name = "NAME:=VALUE")]
     parameter: Vec<String>,
@@ -74,7 +78,7 @@ pub struct RiskArgs {
     /// Print the result as JSON (SI units), and nothing else
     #[arg(long)]
     json: bool,
-    /// Write the fragility curves as CSV
+    /// Write the fragility curves as CSV; of a fleet, one row with the probabilities for each column
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write every sample as CSV
@@ -93,6 +97,9 @@ Example: a column in a car park, half a metre beside the lane
   column-twin risk --config config/heb220_s355.yaml --scenario parking_garage --distance 0.5 --vehicles-per-day 2000
 Example: a column beside a motorway for 50 years, with figures
   column-twin risk --config config/heb220_s355.yaml --scenario motorway --distance 5 --vehicles-per-day 20000 --years 50 --plots plots
+
+Example: the columns of a car park, the one that is most at risk first
+  column-twin risk --params-file config/fleet.yaml --columns config/fleet.csv --scenario parking_garage --vehicles-per-day 2000
 
 Exit codes: 0 done (whatever the risk is), 1 failed, 2 bad input or usage, 3 ended early by Ctrl-C.";
 
@@ -126,6 +133,11 @@ enum RiskCommandError {
     #[error("cannot write to the standard output: {0}")]
     Output(io::Error),
     #[error(
+        "ended early: {done} of {columns} columns are finished, and the result above is theirs"
+    )]
+    #[diagnostic(help("let it run to its end, or name fewer columns with --column"))]
+    FleetInterrupted { done: usize, columns: usize },
+    #[error(
         "ended early: {done} of {samples} samples are finished, and the result above is theirs"
     )]
     #[diagnostic(help("let it run to its end for narrower intervals, or ask for fewer samples"))]
@@ -135,7 +147,9 @@ enum RiskCommandError {
 impl From<RiskCommandError> for Failure {
     fn from(fault: RiskCommandError) -> Self {
         let exit = match &fault {
-            RiskCommandError::Interrupted { .. } => Exit::Lossy,
+            RiskCommandError::Interrupted { .. } | RiskCommandError::FleetInterrupted { .. } => {
+                Exit::Lossy
+            }
             RiskCommandError::Unreadable { .. }
             | RiskCommandError::Scenario(_)
             | RiskCommandError::Option { .. }
@@ -166,8 +180,12 @@ struct Outcome {
 
 /// Computes the risk and prints it to `output`.
 pub(super) fn run(arguments: &RiskArgs, output: &mut dyn Write) -> Result<(), Failure> {
+    if arguments.fleet.is_given() {
+        return fleet::run(arguments, output);
+    }
+    arguments.fleet.check(&[])?;
     let case = Case::from_arguments(arguments)?;
-    let outcome = case.compute(arguments)?;
+    let outcome = case.compute(arguments, &Interruption::listen())?;
     let result = RiskResult::new(
         &case.scenario,
         &outcome.tally,
@@ -279,10 +297,13 @@ impl Case {
     }
 
     /// Draws the samples, with progress on a terminal.
-    fn compute(&self, arguments: &RiskArgs) -> Result<Outcome, RiskCommandError> {
+    fn compute(
+        &self,
+        arguments: &RiskArgs,
+        interruption: &Interruption,
+    ) -> Result<Outcome, RiskCommandError> {
         let column = RiskColumn::new(&self.parameters, &self.scenario)?;
         let sampler = DepartureSampler::new(&self.scenario, arguments.seed);
-        let interruption = Interruption::listen();
         let on_threads = || {
             arguments
                 .threads

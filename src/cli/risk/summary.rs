@@ -34,7 +34,7 @@ pub(super) struct Summary<'a> {
 }
 
 /// A probability as a percentage, or with a power of ten where it is small.
-fn share(value: f64) -> String {
+pub(super) fn share(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
         value if value < 1e-4 => format!("{value:.2e}"),
@@ -59,7 +59,7 @@ fn interval(estimate: &Estimate, text: fn(f64) -> String) -> String {
 }
 
 /// The period in words.
-fn period(years: f64) -> String {
+pub(super) fn period(years: f64) -> String {
     match short(years).as_str() {
         "1" => "in 1 year".to_owned(),
         years => format!("in {years} years"),

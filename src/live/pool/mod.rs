@@ -31,7 +31,9 @@ use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode, Twin};
+use crate::twin::{
+    Accepted, Command, ImpactCommand, Prediction, Refusal, RefusalCode, Striking, Twin,
+};
 use background::Background;
 use keeper::Keeper;
 use schedule::Plan;
@@ -216,6 +218,19 @@ impl FleetHandle {
     /// There is no column with this index.
     pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Refusal> {
         self.ask(column, |reply| Request::Command { command, reply })?
+    }
+
+    /// Whether a column would take this impact now, with what the command leaves open; its stamp counts only if it is not ahead
+    /// of the clock.
+    ///
+    /// # Errors
+    /// The impact would be rejected, or the solver does not answer in time.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    pub fn check_impact(&self, column: u32, command: ImpactCommand) -> Result<Striking, Refusal> {
+        let command = Box::new(command);
+        self.ask(column, |reply| Request::Check { command, reply })?
     }
 
     /// Predicts the outcome of an impact on a column in its current state, in the thread of the caller.

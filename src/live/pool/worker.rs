@@ -265,6 +265,9 @@ impl Shared {
                 slot.is_touched = true;
                 reply.send(slot.twin.handle(command, now, sink));
             }
+            Input::Request(Request::Check { command, reply }) => {
+                reply.send(slot.twin.check_impact(&command, now));
+            }
             Input::Request(Request::Snapshot { reply }) => reply.send(slot.twin.snapshot()),
             Input::Known(known) => {
                 slot.wants_limits = false;

@@ -12,10 +12,11 @@ use crate::incoming::{column_command, impact_command};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
     ColumnParameters, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
-    ResetColumnRequest, ResetColumnResponse, TwinStatus,
+    ResetColumnRequest, ResetColumnResponse, RowImpactEvent, TwinStatus,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
+use crate::printable::Printable;
 use crate::twin::{Command, Refusal, RefusalCode};
 
 use super::super::diagnostics::NodeCounters;
@@ -27,6 +28,7 @@ use super::super::type_descriptions::{
     self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
 };
 use super::live_fleet::FleetTwin;
+use super::rows::RowImpacts;
 
 impl ros2_client::Message for ResetColumnRequest {}
 impl ros2_client::Message for ResetColumnResponse {}
@@ -94,6 +96,8 @@ fn ignore(counters: &NodeCounters, endpoint: &Endpoint, column_id: &str) {
 
 /// The services and parameter messages, which may take longer and have a separate thread.
 pub(super) struct FleetServices {
+    rows: Subscription<RowImpactEvent>,
+    row_impacts: Arc<RowImpacts>,
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<ResetColumnRequest, ResetColumnResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
@@ -103,8 +107,15 @@ pub(super) struct FleetServices {
 }
 
 impl FleetServices {
-    pub fn new(node: &mut Node, describes: bool, senders: Arc<Senders>) -> Result<Self, NodeError> {
+    pub fn new(
+        node: &mut Node,
+        describes: bool,
+        senders: Arc<Senders>,
+        row_impacts: Arc<RowImpacts>,
+    ) -> Result<Self, NodeError> {
         Ok(Self {
+            rows: node.subscription(&qos::ROW_IMPACT_EVENT)?,
+            row_impacts,
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET_COLUMN)?,
             predict: node.server(&qos::PREDICT)?,
@@ -133,6 +144,33 @@ impl FleetServices {
             })
         };
         join!(
+            each(
+                &self.rows,
+                &qos::ROW_IMPACT_EVENT,
+                counters,
+                |message: RowImpactEvent, info| {
+                    // Columns that are elsewhere are those of another fleet on this topic.
+                    let ids = &message.column_ids;
+                    if !ids.is_empty() && ids.iter().all(|it| fleet.index_of(it).is_none()) {
+                        return ignore(counters, &qos::ROW_IMPACT_EVENT, &ids[0]);
+                    }
+                    let id = message.event_id.chars().take(MAX_NAMED_CHARS);
+                    let id = Printable(&id.collect::<String>()).to_string();
+                    let sender = info.publisher_gid();
+                    if admit(sender, &qos::ROW_IMPACT_EVENT, &id).is_err() {
+                        return;
+                    }
+                    match self.row_impacts.take_event(message, fleet) {
+                        Ok(()) => tracing::info!("row impact event \"{id}\" accepted"),
+                        Err(reasons) => {
+                            NodeCounters::count(&counters.rejected_rows);
+                            tracing::warn!(
+                                "row impact event \"{id}\" was rejected, no column is hit by it: {reasons}"
+                            );
+                        }
+                    }
+                }
+            ),
             each(
                 &self.column_parameters,
                 &qos::COLUMN_PARAMETERS,

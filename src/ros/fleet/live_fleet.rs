@@ -14,7 +14,7 @@ use crate::parameters::{
     FleetColumns, ParameterFaults, Parameters, RecordMode, Settings, ViewerMode,
 };
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
-use crate::twin::{Accepted, Command, Prediction, Refusal, RefusalCode};
+use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, RefusalCode, Striking};
 
 use super::super::live_twin::{Health, health_of};
 
@@ -262,6 +262,15 @@ impl FleetTwin {
     /// The command was rejected. If it reached the twin, the refusal is also among the outputs.
     pub fn execute(&self, column: u32, command: Command) -> Result<Accepted, Refusal> {
         self.ask(|handle| handle.execute(column, command))
+    }
+
+    /// Whether a column would take this impact now, with what the command leaves open; its stamp counts only if it is not ahead
+    /// of the clock.
+    ///
+    /// # Errors
+    /// The impact would be rejected, or the solver does not answer.
+    pub fn check_impact(&self, column: u32, command: ImpactCommand) -> Result<Striking, Refusal> {
+        self.ask(|handle| handle.check_impact(column, command))
     }
 
     /// Predicts the outcome of an impact on a column in its current state, in the thread of the caller.

@@ -8,6 +8,7 @@ mod inputs;
 mod live_fleet;
 mod node;
 mod publishing;
+mod rows;
 mod run;
 
 pub use live_fleet::{FleetTwin, FleetTwinError};

@@ -20,6 +20,7 @@ use super::super::twin_node::{publish_log, spawn, stop_publishing_threads};
 use super::inputs::{FleetServices, FleetSubscriptions};
 use super::live_fleet::FleetTwin;
 use super::publishing::FleetPublishing;
+use super::rows::RowImpacts;
 
 /// A running node of a fleet, until [`stop`](Self::stop).
 pub struct FleetNode {
@@ -62,12 +63,17 @@ impl FleetNode {
         let log = log
             .map(|queue| publish_log(&mut node, queue, &counters, None))
             .transpose()?;
-        let publishing =
-            FleetPublishing::new(&mut node, Arc::clone(&fleet), Arc::clone(&counters))?;
+        let rows = Arc::new(RowImpacts::default());
+        let publishing = FleetPublishing::new(
+            &mut node,
+            Arc::clone(&fleet),
+            Arc::clone(&counters),
+            Arc::clone(&rows),
+        )?;
         let subscriptions =
             FleetSubscriptions::new(&mut node, settings.use_sim_time, Arc::clone(&senders))?;
         let describes = settings.start_type_description_service;
-        let services = FleetServices::new(&mut node, describes, senders)?;
+        let services = FleetServices::new(&mut node, describes, senders, rows)?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(fleet.node_parameters());

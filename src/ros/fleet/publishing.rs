@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use ros2_client::Publisher;
 
 use crate::endpoints::Endpoint;
-use crate::fleet::{StatusBatch, StatusBoard};
+use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::live::Receiver;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnStatus, FleetStatus};
+use crate::messages::column_twin::{ColumnStatus, FleetStatus, ImpactEvent, ImpactReport};
 use crate::messages::std_msgs::Header;
 use crate::outgoing::{Message, Outgoing, Topic};
 use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
@@ -27,6 +27,7 @@ use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
+use super::rows::RowImpacts;
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -62,6 +63,8 @@ pub(super) struct FleetPublishing {
     diagnostics: Publisher<Raw>,
     matches: Arc<Matches>,
     fleet: Arc<FleetTwin>,
+    /// Vehicles that hit several columns: the forecasts tell what comes next.
+    rows: Arc<RowImpacts>,
     counters: Arc<NodeCounters>,
     protection: Arc<Protection>,
     peers: Arc<Peers>,
@@ -84,6 +87,7 @@ impl FleetPublishing {
         node: &mut Node,
         fleet: Arc<FleetTwin>,
         counters: Arc<NodeCounters>,
+        rows: Arc<RowImpacts>,
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
         // First, so that others know that it is a fleet when they know of its other topics.
@@ -100,6 +104,7 @@ impl FleetPublishing {
             matches: node.matches(),
             board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
             fleet,
+            rows,
             counters,
             protection: node.protection(),
             peers: node.security_peers(),
@@ -129,13 +134,24 @@ impl FleetPublishing {
                 }
             }
             match outputs.try_next_of() {
-                Some((column, output)) => self.publish(column, output),
+                Some((column, output)) => {
+                    self.rows.take(self.column_id(column), &output, || {
+                        self.fleet.parameters(column)
+                    });
+                    self.publish(column, output);
+                }
                 None if is_stopping => {
+                    self.rows.stop();
+                    self.not_hit();
                     self.statuses();
                     return;
                 }
                 None => outputs.wait(self.wait()),
             }
+            if !is_stopping {
+                self.rows.submit_due(&self.fleet);
+            }
+            self.not_hit();
             if !self.is_over {
                 self.statuses();
                 self.diagnose_now_and_then();
@@ -147,7 +163,49 @@ impl FleetPublishing {
         let since = self.last_diagnostics.as_ref().map(Instant::elapsed);
         let diagnostics = since.map_or(Duration::ZERO, |it| DIAGNOSTICS_PERIOD.saturating_sub(it));
         let status = self.board.rest(self.started.elapsed());
-        diagnostics.min(status).min(MAX_WAIT)
+        let longest = diagnostics.min(status).min(MAX_WAIT);
+        self.rows.rest(&self.fleet, longest)
+    }
+
+    /// Publishes which columns a vehicle that was to hit several does not hit.
+    fn not_hit(&mut self) {
+        for ended in self.rows.take_ended() {
+            let NotHit {
+                impacts,
+                reason,
+                level,
+                is_rejected,
+            } = ended;
+            if !is_rejected {
+                let ids: Vec<_> = impacts.iter().map(|it| it.column_id.as_str()).collect();
+                let text = format!("columns that are not hit: {}; {reason}", ids.join(", "));
+                log(level, &text);
+            }
+            let end = match is_rejected {
+                true => ImpactReport::END_REJECTED,
+                false => ImpactReport::END_NOT_HIT,
+            };
+            for impact in impacts {
+                let ImpactEvent {
+                    header,
+                    column_id,
+                    event_id,
+                    vehicle,
+                    mass,
+                    velocity,
+                    ..
+                } = impact;
+                self.send_without_column(&Message::ImpactForecast(ImpactReport {
+                    header,
+                    column_id,
+                    event_id,
+                    vehicle,
+                    mass,
+                    velocity,
+                    ..ImpactReport::without_results(ImpactReport::NO_FORECAST, end, &reason)
+                }));
+            }
+        }
     }
 
     fn publish(&mut self, column: u32, output: Output) {
@@ -239,7 +297,9 @@ impl FleetPublishing {
             columns_active: number(self.fleet.active()),
             of_all: batch.of_all,
             ignored: self.counters.ignored.load(Ordering::Relaxed),
-            dropped_inputs: health.dropped_inputs + self.counters.rejected_senders(),
+            dropped_inputs: health.dropped_inputs
+                + self.counters.rejected_senders()
+                + self.counters.rejected_rows.load(Ordering::Relaxed),
             dropped_states: health.dropped_states,
             dropped_outputs: health
                 .dropped_recording
@@ -285,6 +345,21 @@ impl FleetPublishing {
         );
         self.send_bytes(&self.diagnostics, &qos::DIAGNOSTICS, cdr::encode(&array));
         self.last_diagnostics = Some(Instant::now());
+    }
+
+    /// Publishes what no column has told. It is not part of what a column does, so that a recording does not contain it.
+    fn send_without_column(&self, message: &Message) {
+        let topic = message.topic();
+        let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
+        let raw = message.encode().ok();
+        let raw = raw.and_then(|bytes| Raw::new(bytes.into()).ok());
+        let is_sent = match (publisher, raw) {
+            (Some((_, publisher)), Some(raw)) => !self.is_over && publisher.publish(raw).is_ok(),
+            _ => false,
+        };
+        if !is_sent {
+            NodeCounters::count(&self.counters.unpublished);
+        }
     }
 
     fn send(&self, message: &Message) {
@@ -334,11 +409,15 @@ impl FleetPublishing {
 
     fn log_notice(&self, column: u32, notice: &Notice) {
         let (column_id, text) = (self.column_id(column), &notice.text);
-        match notice.level {
-            NoticeLevel::Info => tracing::info!("column {column_id:?}: {text}"),
-            NoticeLevel::Warning => tracing::warn!("column {column_id:?}: {text}"),
-            NoticeLevel::Error => tracing::error!("column {column_id:?}: {text}"),
-        }
+        log(notice.level, &format!("column {column_id:?}: {text}"));
+    }
+}
+
+fn log(level: NoticeLevel, text: &str) {
+    match level {
+        NoticeLevel::Info => tracing::info!("{text}"),
+        NoticeLevel::Warning => tracing::warn!("{text}"),
+        NoticeLevel::Error => tracing::error!("{text}"),
     }
 }
 
