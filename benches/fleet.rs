@@ -269,6 +269,7 @@ fn hit() {
             real_time: RealTime::default(),
             threads: FleetOptions::threads_of(&Parameters::default()),
             state_files: Vec::new(),
+            journals: false,
         };
         let (handle, mut receiver) =
             LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

@@ -35,6 +35,8 @@ pub(super) struct ReplayedTwin {
     pub has_ended: bool,
     /// The next entry must be a status.
     pub must_report: bool,
+    /// It is a column of a fleet, which publishes no joint states and markers.
+    of_fleet: bool,
 }
 
 /// What has to be recorded next.
@@ -80,7 +82,7 @@ pub(super) struct Found {
 }
 
 impl ReplayedTwin {
-    pub fn new(checkpoint: &Checkpoint) -> Result<Self, ModelError> {
+    pub fn new(checkpoint: &Checkpoint, of_fleet: bool) -> Result<Self, ModelError> {
         Ok(Self {
             twin: Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos))?,
             outgoing: Outgoing::new(&checkpoint.parameters),
@@ -92,6 +94,7 @@ impl ReplayedTwin {
             unexpected: Vec::new(),
             has_ended: false,
             must_report: false,
+            of_fleet,
         })
     }
 
@@ -241,8 +244,12 @@ impl ReplayedTwin {
         is_misplaced: bool,
     ) -> Option<Message> {
         let mut messages = Vec::new();
-        self.outgoing
-            .convert(&Output::State(state), |message| messages.push(message));
+        let of_fleet = self.of_fleet;
+        self.outgoing.convert(&Output::State(state), |message| {
+            if !of_fleet || message.column_id().is_some() {
+                messages.push(message);
+            }
+        });
         let index = messages
             .iter()
             .position(|it| it.topic() == recorded.topic());

@@ -63,6 +63,7 @@ impl Running {
             Arc::clone(&fleet),
             outputs,
             None,
+            None,
         );
         Self {
             node: node.expect("a node"),
@@ -297,10 +298,6 @@ fn bad_input_ends_the_command_with_what_to_do() {
             "absent.yaml",
         ),
         (with(&["--columns", "bad.csv"]), "bad.csv:2"),
-        (
-            with(&["--ros-args", "-p", "record.mode:=always"]),
-            "record.mode is always, but a fleet has no recordings; set it to off, or run the columns to be recorded with `column-twin run`",
-        ),
         (
             with(&["--ros-args", "-p", "viewer.mode:=serve"]),
             "viewer.mode is serve, but a fleet has no viewer",

@@ -16,10 +16,13 @@ use crate::messages::column_twin::{
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
-use crate::twin::{Command, Refusal, RefusalCode};
+use crate::outgoing::RecordingTap;
+use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 
 use super::super::diagnostics::NodeCounters;
-use super::super::inputs::{MAX_NAMED_CHARS, answer, answer_from, each, follow_clock, tell};
+use super::super::inputs::{
+    MAX_NAMED_CHARS, answer, answer_from, each, follow_clock, record, tell,
+};
 use super::super::node::{Node, NodeError};
 use super::super::qos;
 use super::super::senders::Senders;
@@ -36,6 +39,7 @@ pub(super) struct FleetSubscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
     senders: Arc<Senders>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl FleetSubscriptions {
@@ -43,6 +47,7 @@ impl FleetSubscriptions {
         node: &mut Node,
         is_simulated: bool,
         senders: Arc<Senders>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {
             events: node.subscription(&qos::IMPACT_EVENT)?,
@@ -50,6 +55,7 @@ impl FleetSubscriptions {
                 .then(|| node.subscription(&qos::CLOCK))
                 .transpose()?,
             senders,
+            recording,
         })
     }
 
@@ -66,8 +72,23 @@ impl FleetSubscriptions {
                 if let Err(rejected) = self.senders.admit(info.publisher_gid(), Instant::now()) {
                     let id = event.event_id.chars().take(MAX_NAMED_CHARS);
                     let what = id.collect::<String>();
-                    return tell(&None, &qos::IMPACT_EVENT, &what, &rejected);
+                    let column_id = Some(event.column_id.as_str());
+                    return tell(
+                        &self.recording,
+                        column_id,
+                        &qos::IMPACT_EVENT,
+                        &what,
+                        &rejected,
+                    );
                 }
+                let column_id = event.column_id.clone();
+                record(
+                    &self.recording,
+                    Some(&column_id),
+                    &qos::IMPACT_EVENT,
+                    &event,
+                    &info,
+                );
                 let event_id = event.event_id.clone();
                 tracing::debug!(
                     "received impact event {event_id:?} for column {:?}",
@@ -75,11 +96,32 @@ impl FleetSubscriptions {
                 );
                 if let Err(refusal) = fleet.submit(column, impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
+                    not_taken(
+                        &self.recording,
+                        &column_id,
+                        &qos::IMPACT_EVENT,
+                        &event_id,
+                        &refusal,
+                    );
                 }
             },
         );
         let clock = follow_clock(self.clock.as_ref(), &counters, |now| fleet.set_clock(now));
         join!(events, clock);
+    }
+}
+
+/// Records that a message which was received did not reach its column.
+fn not_taken(
+    recording: &Option<Arc<dyn RecordingTap>>,
+    column_id: &str,
+    endpoint: &Endpoint,
+    what: &str,
+    refusal: &Refusal,
+) {
+    if let Some(recording) = recording {
+        let Refusal { code, reason } = refusal;
+        recording.rejected(Some(column_id), endpoint, what, Some(*code), reason);
     }
 }
 
@@ -100,10 +142,16 @@ pub(super) struct FleetServices {
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
     senders: Arc<Senders>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl FleetServices {
-    pub fn new(node: &mut Node, describes: bool, senders: Arc<Senders>) -> Result<Self, NodeError> {
+    pub fn new(
+        node: &mut Node,
+        describes: bool,
+        senders: Arc<Senders>,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Result<Self, NodeError> {
         Ok(Self {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET_COLUMN)?,
@@ -112,6 +160,7 @@ impl FleetServices {
                 .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
                 .transpose()?,
             senders,
+            recording,
         })
     }
 
@@ -125,10 +174,12 @@ impl FleetServices {
                 answer(&qos::GET_TYPE_DESCRIPTION, server, counters, describe).await;
             }
         };
-        let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
+        let recording = self.recording;
+        let admit = |gid: Gid, column_id: &str, endpoint: &Endpoint, what: &str| {
             let admitted = self.senders.admit(gid, Instant::now());
             admitted.map_err(|rejected| {
-                tell(&None, endpoint, what, &rejected);
+                let column_id = fleet.index_of(column_id).map(|_| column_id);
+                tell(&recording, column_id, endpoint, what, &rejected);
                 rejected.refusal
             })
         };
@@ -141,9 +192,23 @@ impl FleetServices {
                     let Some(column) = fleet.index_of(&message.column_id) else {
                         return ignore(counters, &qos::COLUMN_PARAMETERS, &message.column_id);
                     };
-                    let sender = info.publisher_gid();
-                    if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_ok() {
-                        set_column(fleet, column, &message);
+                    let (sender, column_id) = (info.publisher_gid(), message.column_id.as_str());
+                    let what = "a set of parameters";
+                    if admit(sender, column_id, &qos::COLUMN_PARAMETERS, what).is_err() {
+                        return;
+                    }
+                    record(
+                        &recording,
+                        Some(column_id),
+                        &qos::COLUMN_PARAMETERS,
+                        &message,
+                        &info,
+                    );
+                    if let Err(refusal) = set_column(fleet, column, &message)
+                        && !refusal.code.is_from_twin()
+                    {
+                        let endpoint = &qos::COLUMN_PARAMETERS;
+                        not_taken(&recording, column_id, endpoint, what, &refusal);
                     }
                 }
             ),
@@ -152,7 +217,8 @@ impl FleetServices {
                 &self.reset,
                 counters,
                 |sender, request| {
-                    let admitted = admit(sender, &qos::RESET_COLUMN, "a reset");
+                    let column_id = request.column_id.as_str();
+                    let admitted = admit(sender, column_id, &qos::RESET_COLUMN, "a reset");
                     reset(admitted.and_then(|()| {
                         let column = known(fleet, &request.column_id)?;
                         let source = "service ~/reset_column".into();
@@ -222,9 +288,14 @@ fn predicted(fleet: &FleetTwin, request: &PredictImpactRequest) -> PredictImpact
     }
 }
 
-fn set_column(fleet: &FleetTwin, column: u32, message: &ColumnParameters) {
+fn set_column(
+    fleet: &FleetTwin,
+    column: u32,
+    message: &ColumnParameters,
+) -> Result<Accepted, Refusal> {
     let command = column_command(message, &message.column_id);
-    match fleet.execute(column, command) {
+    let outcome = fleet.execute(column, command);
+    match &outcome {
         Ok(_) => tracing::info!("parameters of column {:?} were accepted", message.column_id),
         // The twin reports its refusals among its outputs.
         Err(refusal) if refusal.code.is_from_twin() => {}
@@ -233,4 +304,5 @@ fn set_column(fleet: &FleetTwin, column: u32, message: &ColumnParameters) {
             message.column_id
         ),
     }
+    outcome
 }

@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use crate::live::{OutputSource, RealTime, Receiver, Waker, request_for_publisher};
+use crate::outgoing::RecordingTap;
 
 use super::super::clock_watch::ClockWatch;
 use super::super::diagnostics::NodeCounters;
@@ -34,7 +35,7 @@ pub struct FleetNode {
 }
 
 impl FleetNode {
-    /// Starts the node of a running fleet.
+    /// Starts the node of a running fleet; `recording` receives a copy of all messages.
     ///
     /// # Errors
     /// A participant, an endpoint or a thread cannot be created.
@@ -44,6 +45,7 @@ impl FleetNode {
         fleet: Arc<FleetTwin>,
         outputs: Receiver,
         log: Option<RosoutQueue>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let settings = fleet.node_parameters().settings();
@@ -60,14 +62,22 @@ impl FleetNode {
         });
         let stop = Arc::new(AtomicBool::new(false));
         let log = log
-            .map(|queue| publish_log(&mut node, queue, &counters, None))
+            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
             .transpose()?;
-        let publishing =
-            FleetPublishing::new(&mut node, Arc::clone(&fleet), Arc::clone(&counters))?;
-        let subscriptions =
-            FleetSubscriptions::new(&mut node, settings.use_sim_time, Arc::clone(&senders))?;
+        let publishing = FleetPublishing::new(
+            &mut node,
+            Arc::clone(&fleet),
+            Arc::clone(&counters),
+            recording.clone(),
+        )?;
+        let subscriptions = FleetSubscriptions::new(
+            &mut node,
+            settings.use_sim_time,
+            Arc::clone(&senders),
+            recording.clone(),
+        )?;
         let describes = settings.start_type_description_service;
-        let services = FleetServices::new(&mut node, describes, senders)?;
+        let services = FleetServices::new(&mut node, describes, senders, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(fleet.node_parameters());

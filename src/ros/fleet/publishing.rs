@@ -12,9 +12,9 @@ use crate::fleet::{StatusBatch, StatusBoard};
 use crate::live::Receiver;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnStatus, FleetStatus};
+use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
 use crate::messages::std_msgs::Header;
-use crate::outgoing::{Message, Outgoing, Topic};
+use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
 
 use super::super::clock_watch::SeldomWarning;
@@ -60,6 +60,7 @@ pub(super) struct FleetPublishing {
     of_columns: Vec<(Topic, Publisher<Raw>)>,
     fleet_status: Publisher<Raw>,
     diagnostics: Publisher<Raw>,
+    recording: Option<Arc<dyn RecordingTap>>,
     matches: Arc<Matches>,
     fleet: Arc<FleetTwin>,
     counters: Arc<NodeCounters>,
@@ -84,6 +85,7 @@ impl FleetPublishing {
         node: &mut Node,
         fleet: Arc<FleetTwin>,
         counters: Arc<NodeCounters>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
         // First, so that others know that it is a fleet when they know of its other topics.
@@ -97,6 +99,7 @@ impl FleetPublishing {
             of_columns,
             fleet_status,
             diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
+            recording,
             matches: node.matches(),
             board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
             fleet,
@@ -123,8 +126,12 @@ impl FleetPublishing {
             if is_stopping {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !std::mem::replace(&mut self.is_over, true) {
+                    let what = match &self.recording {
+                        Some(_) => "recorded only",
+                        None => "lost",
+                    };
                     tracing::error!(
-                        "some outputs could not be published before the end; they are lost"
+                        "some outputs could not be published before the end; they are {what}"
                     );
                 }
             }
@@ -164,7 +171,13 @@ impl FleetPublishing {
                 self.converters.remove(&column);
                 return;
             }
-            Output::Journal(_) | Output::Save(_) => return,
+            Output::Journal(entry) => {
+                if let Some(recording) = &self.recording {
+                    recording.journal(Some(self.column_id(column)), entry);
+                }
+                return;
+            }
+            Output::Save(_) => return,
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
@@ -184,10 +197,11 @@ impl FleetPublishing {
         };
         let mut messages = Vec::new();
         outgoing.convert(&output, |message| messages.push(message));
-        for message in messages {
-            if let Message::TwinStatus(status) = &message {
+        for mut message in messages {
+            if let Message::TwinStatus(status) = &mut message {
+                self.add_health(status);
                 self.board
-                    .update(column as usize, ColumnStatus::from(status));
+                    .update(column as usize, ColumnStatus::from(&*status));
             }
             self.send(&message);
         }
@@ -200,6 +214,23 @@ impl FleetPublishing {
         {
             self.converters.remove(&column);
         }
+    }
+
+    /// Adds the state of threads and queues, which all columns share and the twin does not know.
+    fn add_health(&self, status: &mut TwinStatus) {
+        let health = self.fleet.health();
+        status.overruns = health.overruns;
+        status.worst_lateness = health.worst_lateness;
+        status.dropped_inputs = health.dropped_inputs + self.counters.rejected_senders();
+        status.dropped_states = health.dropped_states;
+        status.dropped_recording = self.recording_health(&health).map_or(0, |it| it.lost);
+    }
+
+    /// Outputs that the queue to this thread dropped are missing in the recording too, which receives its messages here.
+    fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
+        let mut recording = self.recording.as_ref()?.health();
+        recording.lost += health.dropped_recording;
+        Some(recording)
     }
 
     fn column_id(&self, column: u32) -> &str {
@@ -279,6 +310,7 @@ impl FleetPublishing {
                 active: self.fleet.active(),
                 threads: self.fleet.threads(),
                 health: &health,
+                recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
                 counters: &self.counters,
             },
@@ -304,6 +336,9 @@ impl FleetPublishing {
         bytes: Result<Vec<u8>, CdrError>,
     ) {
         let raw = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok());
+        if let (Some(recording), Some(raw)) = (&self.recording, &raw) {
+            recording.sent(endpoint, raw.bytes());
+        }
         let is_sent = raw.is_some_and(|raw| !self.is_over && publisher.publish(raw).is_ok());
         if !is_sent {
             NodeCounters::count(&self.counters.unpublished);
