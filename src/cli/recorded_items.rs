@@ -34,12 +34,28 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
     for message in reader.messages() {
         let message = message?;
         let topic = reader.topics().get(message.topic_index);
-        if config.is_none() && topic.is_some_and(recording::is_journal) {
-            let column = checkpoint_parameters(&message.data)
-                .map_err(|error| Failure::plain(Exit::BadInput, error))?;
-            if let Some(column) = column {
-                parameters.get_or_insert_with(|| Arc::clone(&column));
-                gathered.messages.push(RecordedMessage::Column(column));
+        if topic.is_some_and(recording::is_journal) {
+            let entry = match entry(&message.data) {
+                // Its parameters are not needed.
+                Err(_) if config.is_some() => None,
+                entry => entry.map_err(|error| Failure::plain(Exit::BadInput, error))?,
+            };
+            match entry {
+                Some(JournalEntry::Fleet { columns }) => {
+                    let reason = format!(
+                        "expected the recording of one column to show, found that of a fleet of {} in {}; column-twin report \
+                         --column shows one of them",
+                        columns.len(),
+                        bag.display()
+                    );
+                    return Err(Failure::plain(Exit::BadInput, reason));
+                }
+                Some(JournalEntry::Twin(Journal::Checkpoint(start))) if config.is_none() => {
+                    let column = Arc::clone(&start.parameters);
+                    parameters.get_or_insert_with(|| Arc::clone(&column));
+                    gathered.messages.push(RecordedMessage::Column(column));
+                }
+                _ => {}
             }
         } else {
             gathered.take(&message);
@@ -149,13 +165,11 @@ impl Gathered {
     }
 }
 
-/// The parameters in a line of the journal, if it is a checkpoint.
-fn checkpoint_parameters(bytes: &[u8]) -> Result<Option<Arc<Parameters>>, JournalError> {
-    match JournalLine::decode(bytes).map(|line| line.entry) {
-        Ok(JournalEntry::Twin(Journal::Checkpoint(start))) => {
-            Ok(Some(Arc::clone(&start.parameters)))
-        }
+/// The entry of a line of the journal; `None` if it cannot be read.
+fn entry(bytes: &[u8]) -> Result<Option<JournalEntry>, JournalError> {
+    match JournalLine::decode(bytes) {
+        Ok(line) => Ok(Some(line.entry)),
         Err(error @ JournalError::OtherVersion { .. }) => Err(error),
-        Ok(_) | Err(_) => Ok(None),
+        Err(_) => Ok(None),
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::critical_velocities::KnownResults;
 use super::inputs::Inputs;
 use super::lines::Gap;
+use super::parameter_events::ParameterEvents;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
 use crate::outgoing::Topic;
@@ -14,6 +15,7 @@ use crate::outgoing::Topic;
 pub(super) struct Column {
     pub inputs: Inputs,
     pub replayer: Replayer,
+    pub parameter_events: ParameterEvents,
     /// Messages before its first checkpoint, by topic.
     pub early: [u64; Topic::COUNT],
     pub has_checkpoint: bool,
@@ -76,6 +78,7 @@ impl Columns {
             let mut column = Column {
                 inputs: Inputs::default(),
                 replayer: replayer.of(of_fleet, self.known.clone()),
+                parameter_events: ParameterEvents::default(),
                 early: [0; Topic::COUNT],
                 has_checkpoint: false,
             };

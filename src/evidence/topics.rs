@@ -171,7 +171,7 @@ mod tests {
     fn every_topic_but_the_clock_is_recorded() {
         use crate::endpoints::{Direction, ENDPOINTS};
         let left_out = |topics: Topics| -> Vec<_> {
-            let topic = |it: &&Endpoint| it.direction != Direction::Service;
+            let topic = |it: &Endpoint| it.direction != Direction::Service;
             let all = ENDPOINTS.iter().copied().filter(topic);
             all.filter(|it| topics.index_of(it).is_none())
                 .map(|it| it.name)

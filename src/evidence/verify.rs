@@ -10,7 +10,7 @@ use super::fleet_statuses::FleetStatuses;
 use super::inputs::{self, INPUTS};
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::lines::{Gap, Lines};
-use super::parameter_events::ParameterEvents;
+use super::parameter_events::EventOfFleet;
 use super::replayer::RecordedBytes;
 use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
@@ -33,7 +33,7 @@ pub enum VerifyError {
     /// The recording has no journal.
     #[error(
         "the recording has no topic {name} of type {type_name}, without which it cannot be recomputed; record with the \
-         parameter record.mode of column-twin run, or with column-twin simulate --record",
+         parameter record.mode of column-twin run or column-twin fleet, or with column-twin simulate --record",
         type_name = endpoints::JOURNAL.type_name,
         name = endpoints::JOURNAL.name
     )]
@@ -154,7 +154,6 @@ struct VerifyingPass<'a, 'o> {
     lines: Lines,
     columns: Columns,
     statuses: FleetStatuses,
-    parameter_events: ParameterEvents,
     found: Verification,
     /// Missing messages that were noted when the counts of the journal were last settled.
     settled: u64,
@@ -180,7 +179,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             columns: Columns::new(only, observe.is_some(), declares_losses),
             statuses: FleetStatuses::default(),
             observe,
-            parameter_events: ParameterEvents::default(),
             found: Verification::default(),
             settled: 0,
             last_log_time: 0,
@@ -272,8 +270,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         } else if let Some(topic) = topic {
             self.of_twin(Topic::ALL[topic], message, &place);
         } else if is_parameter_event {
-            self.parameter_events
-                .message(&message.data, &place, &mut self.found);
+            self.parameter_event(&message.data, &place);
         } else if is_fleet_status && let Some(fleet) = self.columns.fleet() {
             self.statuses.message(
                 &message.data,
@@ -325,6 +322,33 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                     .inputs
                     .message(input, &message.data, message.publish_time, place, found);
             });
+    }
+
+    /// Takes a message about parameters.
+    fn parameter_event(&mut self, bytes: &[u8], place: &Place<'_>) {
+        let Some(fleet) = self.columns.fleet() else {
+            return self
+                .columns
+                .in_column(SINGLE, &mut self.found, |column, found| {
+                    column.parameter_events.message(bytes, place, found);
+                });
+        };
+        match EventOfFleet::decode(bytes, fleet) {
+            Ok(event) => {
+                let column_id = Arc::clone(&event.column_id);
+                if self.is_wanted(&column_id, place) {
+                    self.columns
+                        .in_column(&column_id, &mut self.found, |column, found| {
+                            event.take(&mut column.parameter_events, place, found);
+                        });
+                }
+            }
+            Err(read) => {
+                let own = "parameters of one column of the fleet";
+                let difference = place.difference("the message", read, own);
+                self.found.note_difference(difference);
+            }
+        }
     }
 
     /// Takes a message of the twin.
@@ -423,6 +447,11 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 self.lines.ended = true;
                 true
             }
+            JournalEntry::RefusedByNode { stamp, .. } if of_fleet && line.column_id.is_none() => {
+                // A request whose sender is not admitted names no column.
+                refused_by_node(*stamp, line.recorded, place, &mut self.found);
+                true
+            }
             entry => {
                 let column_id = line.column_id.as_deref().unwrap_or(SINGLE);
                 let is_wanted = self.is_wanted(column_id, place);
@@ -470,19 +499,13 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         place: &Place<'_>,
     ) {
         let of_fleet = self.columns.fleet().is_some();
-        let parameter_events = &mut self.parameter_events;
         self.columns
             .in_column(column_id, &mut self.found, |column, found| {
                 let entry = match entry {
                     JournalEntry::Twin(entry) => entry,
                     other => {
                         if let JournalEntry::RefusedByNode { stamp, .. } = other {
-                            found.refused_by_node += 1;
-                            if *stamp != recorded {
-                                let own = seconds(recorded);
-                                let stamp = seconds(*stamp);
-                                found.note_difference(place.difference("stamp", stamp, own));
-                            }
+                            refused_by_node(*stamp, recorded, place, found);
                         }
                         return column.inputs.line(other, is_continued, place, found);
                     }
@@ -491,10 +514,10 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 let before = column.replayer.parameters();
                 let is_complete = column.replayer.journal(entry, place, found);
                 let after = column.replayer.parameters();
-                if !of_fleet {
-                    let before = before.or_else(|| after.clone());
-                    parameter_events.entry(before.as_deref(), after.as_deref(), found);
-                }
+                let before = before.or_else(|| after.clone());
+                column
+                    .parameter_events
+                    .entry(before.as_deref(), after.as_deref(), found);
                 if !is_complete {
                     column.inputs.restart(found);
                 }
@@ -555,6 +578,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             replayer.finish(is_stopped, is_continuation, &place, found);
             let inputs = std::mem::take(&mut column.inputs);
             inputs.finish(last_log_time, is_stopped, found);
+            std::mem::take(&mut column.parameter_events).finish(found);
             let early_messages: u64 = column.early.iter().sum();
             if early_messages > 0 {
                 found.note_unchecked(format!(
@@ -566,7 +590,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 }
             }
         });
-        std::mem::take(&mut self.parameter_events).finish(&mut self.found);
         self.settle(&place);
         let Self {
             reader,
@@ -602,6 +625,14 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         }
         found.weigh_losses(lost, is_damaged);
         Ok(found)
+    }
+}
+
+/// Takes note of a message that the node rejected when the line about it was recorded.
+fn refused_by_node(stamp: i64, recorded: i64, place: &Place<'_>, found: &mut Verification) {
+    found.refused_by_node += 1;
+    if stamp != recorded {
+        found.note_difference(place.difference("stamp", seconds(stamp), seconds(recorded)));
     }
 }
 

@@ -239,13 +239,27 @@ pub(super) struct Services {
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
-struct ParameterServers {
-    get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
-    types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
-    list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
-    describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
-    set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
-    set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
+/// The servers behind `ros2 param`.
+pub(super) struct ParameterServers {
+    pub get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
+    pub types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
+    pub list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
+    pub describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
+    pub set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
+    pub set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
+}
+
+impl ParameterServers {
+    pub fn new(node: &mut Node) -> Result<Self, NodeError> {
+        Ok(Self {
+            get: node.server(&qos::GET_PARAMETERS)?,
+            types: node.server(&qos::GET_PARAMETER_TYPES)?,
+            list: node.server(&qos::LIST_PARAMETERS)?,
+            describe: node.server(&qos::DESCRIBE_PARAMETERS)?,
+            set: node.server(&qos::SET_PARAMETERS)?,
+            set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
+        })
+    }
 }
 
 impl Services {
@@ -263,14 +277,7 @@ impl Services {
             predict: node.server(&qos::PREDICT)?,
             confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
             calibrate: node.server(&qos::CALIBRATE)?,
-            parameters: ParameterServers {
-                get: node.server(&qos::GET_PARAMETERS)?,
-                types: node.server(&qos::GET_PARAMETER_TYPES)?,
-                list: node.server(&qos::LIST_PARAMETERS)?,
-                describe: node.server(&qos::DESCRIBE_PARAMETERS)?,
-                set: node.server(&qos::SET_PARAMETERS)?,
-                set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
-            },
+            parameters: ParameterServers::new(node)?,
             descriptions: parameters
                 .settings()
                 .start_type_description_service

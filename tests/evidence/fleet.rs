@@ -364,7 +364,7 @@ fn bent(message: &mut Message) {
     let name = message.topic.to_string();
     match name.trim_start_matches('/') {
         "column_state" => changed::<ColumnState>(message, |it| next(&mut it.v1)),
-        "hinge_forces" => changed::<HingeForces>(message, |it| next(&mut it.hinges[0].moment)),
+        "hinge_forces" => changed::<HingeForces>(message, |it| next(&mut it.moment[0])),
         "impact_forecast" | "impact_report" => {
             changed::<ImpactReport>(message, |it| next(&mut it.max_v1));
         }

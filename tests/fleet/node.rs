@@ -48,13 +48,13 @@ fn fleet(columns: usize) -> FleetColumns {
     FleetColumns::load(&NodeName::default(), &sources).expect("right")
 }
 
-struct Running {
-    node: FleetNode,
-    fleet: Arc<FleetTwin>,
+pub struct Running {
+    pub node: FleetNode,
+    pub fleet: Arc<FleetTwin>,
 }
 
 impl Running {
-    fn start(domain: &Domain, columns: usize) -> Self {
+    pub fn start(domain: &Domain, columns: usize) -> Self {
         let (fleet, outputs) = FleetTwin::start(&self::fleet(columns)).expect("starts");
         let names = Names::new("/", "column_twin", &[]).expect("valid");
         let node = FleetNode::start(
@@ -157,7 +157,11 @@ fn a_late_joiner_learns_of_all_columns() {
 }
 
 /// Asks a service of the fleet until it answers: a request that is sent before the service is found is lost.
-fn call<Request, Response>(domain: &Domain, endpoint: qos::Endpoint, request: &Request) -> Response
+pub fn call<Request, Response>(
+    domain: &Domain,
+    endpoint: qos::Endpoint,
+    request: &Request,
+) -> Response
 where
     Request: ros2_client::Message + Clone + 'static,
     Response: ros2_client::Message + 'static,

@@ -178,6 +178,7 @@ mod tests {
             active: 0,
             threads: 1,
             health: &Health::default(),
+            recording: None,
             security: None,
             counters: &NodeCounters::default(),
         };

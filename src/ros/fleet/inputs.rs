@@ -21,15 +21,17 @@ use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 
 use super::super::diagnostics::NodeCounters;
 use super::super::inputs::{
-    MAX_NAMED_CHARS, answer, answer_from, each, follow_clock, record, tell,
+    MAX_NAMED_CHARS, ParameterServers, answer, answer_from, each, follow_clock, record, tell,
 };
 use super::super::node::{Node, NodeError};
+use super::super::parameter_services::{set_rejected, set_rejected_atomically};
 use super::super::qos;
 use super::super::senders::Senders;
 use super::super::type_descriptions::{
     self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
 };
 use super::live_fleet::FleetTwin;
+use super::parameter_services as parameters;
 
 impl ros2_client::Message for ResetColumnRequest {}
 impl ros2_client::Message for ResetColumnResponse {}
@@ -139,6 +141,7 @@ pub(super) struct FleetServices {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<ResetColumnRequest, ResetColumnResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
+    parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
     senders: Arc<Senders>,
@@ -156,6 +159,7 @@ impl FleetServices {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET_COLUMN)?,
             predict: node.server(&qos::PREDICT)?,
+            parameters: ParameterServers::new(node)?,
             descriptions: describes
                 .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
                 .transpose()?,
@@ -168,6 +172,14 @@ impl FleetServices {
     pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
         let (fleet, counters) = (&*fleet, &*counters);
         let descriptions = self.descriptions;
+        let ParameterServers {
+            get,
+            types,
+            list,
+            describe,
+            set,
+            set_atomically,
+        } = self.parameters;
         let describe_types = async {
             if let Some(server) = &descriptions {
                 let describe = |request| type_descriptions::describe(&request);
@@ -229,6 +241,35 @@ impl FleetServices {
             answer(&qos::PREDICT, &self.predict, counters, |request| {
                 predicted(fleet, &request)
             }),
+            answer(&qos::GET_PARAMETERS, &get, counters, |request| {
+                parameters::get(fleet, &request)
+            }),
+            answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
+                parameters::types(fleet, &request)
+            }),
+            answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
+                parameters::list(fleet, &request)
+            }),
+            answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
+                parameters::describe(fleet, &request)
+            }),
+            answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
+                match admit(sender, "", &qos::SET_PARAMETERS, "a request") {
+                    Ok(()) => parameters::set(fleet, &request),
+                    Err(refusal) => set_rejected(&request, &refusal),
+                }
+            }),
+            answer_from(
+                &qos::SET_PARAMETERS_ATOMICALLY,
+                &set_atomically,
+                counters,
+                |sender, request| {
+                    match admit(sender, "", &qos::SET_PARAMETERS_ATOMICALLY, "a request") {
+                        Ok(()) => parameters::set_atomically(fleet, request),
+                        Err(refusal) => set_rejected_atomically(&refusal),
+                    }
+                }
+            ),
             describe_types,
         );
     }

@@ -236,7 +236,16 @@ impl FleetTwin {
     #[must_use]
     pub fn parameters(&self, column: u32) -> Arc<Parameters> {
         self.ask(|handle| Ok(handle.parameters(column)))
-            .unwrap_or_else(|_| Arc::clone(&self.initial[column as usize]))
+            .unwrap_or_else(|_| self.initial_parameters(column))
+    }
+
+    /// The parameters of a column at the start.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    #[must_use]
+    pub fn initial_parameters(&self, column: u32) -> Arc<Parameters> {
+        Arc::clone(&self.initial[column as usize])
     }
 
     /// Submits a command to a column without waiting for the outcome, which is among the outputs.

@@ -13,8 +13,10 @@ use crate::live::Receiver;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::column_twin::{ColumnStatus, FleetStatus, TwinStatus};
+use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
+use crate::parameters::Parameters;
 use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
 
 use super::super::clock_watch::SeldomWarning;
@@ -22,6 +24,7 @@ use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
 use super::super::matches::Matches;
 use super::super::node::{Node, NodeError};
+use super::super::parameter_services;
 use super::super::qos;
 use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
@@ -60,6 +63,9 @@ pub(super) struct FleetPublishing {
     of_columns: Vec<(Topic, Publisher<Raw>)>,
     fleet_status: Publisher<Raw>,
     diagnostics: Publisher<Raw>,
+    parameter_events: Publisher<Raw>,
+    /// The parameters of the columns whose parameters have changed since the start.
+    changed_parameters: HashMap<u32, Arc<Parameters>>,
     recording: Option<Arc<dyn RecordingTap>>,
     matches: Arc<Matches>,
     fleet: Arc<FleetTwin>,
@@ -67,6 +73,7 @@ pub(super) struct FleetPublishing {
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
+    fully_qualified: String,
     /// The converters of the columns that respond: they know what was published of the response.
     converters: HashMap<u32, Outgoing>,
     board: StatusBoard,
@@ -99,6 +106,8 @@ impl FleetPublishing {
             of_columns,
             fleet_status,
             diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
+            parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
+            changed_parameters: HashMap::new(),
             recording,
             matches: node.matches(),
             board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
@@ -107,6 +116,7 @@ impl FleetPublishing {
             protection: node.protection(),
             peers: node.security_peers(),
             node_name: node.names().node().to_owned(),
+            fully_qualified: node.names().fully_qualified(),
             converters: HashMap::new(),
             started: Instant::now(),
             readers: 0,
@@ -169,6 +179,7 @@ impl FleetPublishing {
                 );
                 // It knows the names and lengths of before.
                 self.converters.remove(&column);
+                self.parameters_changed(column, &changed.parameters);
                 return;
             }
             Output::Journal(entry) => {
@@ -214,6 +225,28 @@ impl FleetPublishing {
         {
             self.converters.remove(&column);
         }
+    }
+
+    /// Publishes which parameters of a column have other values now.
+    fn parameters_changed(&mut self, column: u32, now: &Arc<Parameters>) {
+        let before = match self.changed_parameters.insert(column, Arc::clone(now)) {
+            Some(before) => before,
+            None => self.fleet.initial_parameters(column),
+        };
+        let node = self.fully_qualified.clone();
+        let stamp = self.fleet.now();
+        let Some(mut event) = parameter_services::event(node, stamp, Some(&before), now) else {
+            return;
+        };
+        let column_id = self.column_id(column);
+        for it in &mut event.changed_parameters {
+            it.name = format!("{column_id}.{}", it.name);
+        }
+        self.send_bytes(
+            &self.parameter_events,
+            &qos::PARAMETER_EVENTS,
+            cdr::encode_as::<ParameterEvent, _>(&event),
+        );
     }
 
     /// Adds the state of threads and queues, which all columns share and the twin does not know.
