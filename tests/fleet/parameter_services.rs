@@ -168,7 +168,7 @@ fn a_column_takes_its_parameters_as_a_whole() {
     );
     assert_eq!(results[0], (true, String::new()));
     let reasons = [
-        "0 to 1e9 N, found -1; column \"c1\"",
+        "`-1.0` is out of range; allowed: 0 to 1e9 N",
         "c1.top.laod is no parameter of this fleet of 2 columns; expected COLUMN.PARAMETER",
         "c7.top.load is no parameter of this fleet of 2 columns",
         "top.load is a parameter of every column; name the column, for example c0.top.load",
