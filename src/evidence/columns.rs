@@ -10,6 +10,7 @@ use super::parameter_events::ParameterEvents;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
 use crate::outgoing::Topic;
+use crate::twin::Nanos;
 
 /// What verification knows of one column.
 pub(super) struct Column {
@@ -32,6 +33,8 @@ pub(super) struct Columns {
     known: KnownResults,
     keeps_outputs: bool,
     declares_losses: bool,
+    /// The latest time of the columns' clock in an entry \[ns\].
+    latest: Nanos,
     /// Lines that are missing before a column has told of itself count for it as well.
     continues_at: Option<i64>,
 }
@@ -45,6 +48,7 @@ impl Columns {
             known: KnownResults::default(),
             keeps_outputs,
             declares_losses,
+            latest: Nanos::MIN,
             continues_at: None,
         }
     }
@@ -113,6 +117,18 @@ impl Columns {
         let ids: Vec<_> = self.columns.keys().cloned().collect();
         for column_id in ids {
             self.in_column(&column_id, found, &mut work);
+        }
+    }
+
+    /// Takes note of the time of an entry.
+    pub fn at(&mut self, now: Nanos) {
+        self.latest = self.latest.max(now);
+    }
+
+    /// Frees what the columns of a fleet know of responses to which no impact belongs any more, as they did themselves.
+    pub fn forget_what_is_too_old(&mut self) {
+        for column in self.columns.values_mut() {
+            column.replayer.forget_what_is_too_old(self.latest);
         }
     }
 

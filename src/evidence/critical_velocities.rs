@@ -13,9 +13,12 @@ use crate::twin::{Command, CriticalVelocityTask};
 /// Results that are kept for other columns of a fleet; the oldest is dropped.
 const MAX_KNOWN: usize = 64;
 
+/// What was computed, and the result.
+type Known = (CriticalVelocityTask, Arc<[VehicleLimits]>);
+
 /// Critical velocities that were computed for some column of a recording.
 #[derive(Debug, Clone, Default)]
-pub(super) struct KnownResults(Rc<RefCell<VecDeque<(CriticalVelocityTask, Arc<[VehicleLimits]>)>>>);
+pub(super) struct KnownResults(Rc<RefCell<VecDeque<Known>>>);
 
 impl KnownResults {
     /// Compares recorded critical velocities with those of the task that the recomputed twin has; the command that gives it its own.
@@ -39,7 +42,7 @@ impl KnownResults {
     }
 
     fn of(&self, task: CriticalVelocityTask) -> Option<Arc<[VehicleLimits]>> {
-        let same = |(it, _): &&(CriticalVelocityTask, _)| task.has_the_result_of(it);
+        let same = |(it, _): &&Known| task.has_the_result_of(it);
         let known = self.0.borrow().iter().find(same).cloned();
         if let Some((_, vehicles)) = known {
             return Some(vehicles);

@@ -11,7 +11,9 @@ use crate::messages::cdr::CdrError;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{Checkpoint, Command, CommandRecord, Journal, Output, Position, StatusRecord};
+use crate::twin::{
+    Checkpoint, Command, CommandRecord, Journal, Nanos, Output, Position, StatusRecord,
+};
 
 /// A recorded message of the twin.
 pub(super) struct RecordedBytes<'a> {
@@ -87,6 +89,13 @@ impl Replayer {
     pub fn parameters(&self) -> Option<Arc<Parameters>> {
         let replayed = self.replayed.as_ref()?;
         Some(Arc::clone(replayed.twin.parameters()))
+    }
+
+    /// Frees what the twin of a fleet knows of a response to which no impact at this time or later belongs any more.
+    pub fn forget_what_is_too_old(&mut self, now: Nanos) {
+        if let Some(replayed) = self.replayed.as_mut().filter(|_| self.of_fleet) {
+            replayed.twin.forget_what_is_too_old(now);
+        }
     }
 
     /// Takes note that so many lines are missing before the present one, or are in an earlier recording. Without them the position
@@ -189,13 +198,11 @@ impl Replayer {
         self.next_number = Some(record.number.saturating_add(1));
         self.advance(record.position, place, found);
         self.expect_no_status(place, found);
+        // As the recorded twin did before its command.
+        self.forget_what_is_too_old(record.now);
         let Some(replayed) = &mut self.replayed else {
             return;
         };
-        if self.of_fleet {
-            // As the recorded twin did before its command.
-            replayed.twin.forget_what_is_too_old(record.now);
-        }
         if record.taken_back && !replayed.twin.knows_last_response() {
             return self.stop_checking(
                 "a late impact belongs to a response before the recording",

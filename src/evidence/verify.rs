@@ -441,6 +441,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 self.list(columns, place);
                 // No column is in the middle of anything.
                 self.settle(place);
+                self.columns.forget_what_is_too_old();
                 true
             }
             JournalEntry::End {} => {
@@ -499,6 +500,9 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         place: &Place<'_>,
     ) {
         let of_fleet = self.columns.fleet().is_some();
+        if let JournalEntry::Twin(Journal::Command(record)) = entry {
+            self.columns.at(record.now);
+        }
         self.columns
             .in_column(column_id, &mut self.found, |column, found| {
                 let entry = match entry {
