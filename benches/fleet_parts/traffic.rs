@@ -125,12 +125,14 @@ fn drive(traffic: &Traffic, domain: &Domain, id: u32, recordings: &Path) {
         .subscription::<ImpactReport>(&qos::IMPACT_REPORT)
         .expect("a subscription");
     let reports = Arc::clone(&counts.reports);
+    let peers = node.participant_events();
     // It ends with the process.
     thread::spawn(move || {
-        futures::executor::block_on(subscription.async_stream().for_each(|_| {
+        let counting = subscription.async_stream().for_each(|_| {
             reports.fetch_add(1, Ordering::Relaxed);
             futures::future::ready(())
-        }));
+        });
+        futures::executor::block_on(futures::future::join(peers, counting));
     });
     let matched = Instant::now() + PATIENCE;
     assert!(node.matches().wait_for(events.guid(), 1, matched));
