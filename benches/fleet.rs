@@ -1,6 +1,8 @@
 //! A fleet of columns in one process: what it costs at rest, how fast it starts, and how fast its forecasts are.
 //!
-//! `cargo bench --bench fleet -- 1000` with another number of columns.
+//! `cargo bench --bench fleet -- 1000` with another number of columns. `cargo bench --bench fleet -- traffic --seconds 3600` lets an
+//! hour of simulated traffic pass over a fleet that is recorded, and verifies the recordings; `--columns`, `--rate` (impacts per
+//! second) and `--seed` change it.
 #![allow(clippy::disallowed_methods)] // as in a test: short-lived threads and channels of its own
 
 #[path = "../tests/ros/domain.rs"]
@@ -14,6 +16,8 @@ mod program;
 #[path = "live/table.rs"]
 #[allow(dead_code)] // the benchmark of the node uses more of it
 mod table;
+#[path = "fleet_parts/traffic.rs"]
+mod traffic;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -58,7 +62,31 @@ const START: f64 = 2.0;
 const DISCOVERY: f64 = 1.0;
 const BYTES: f64 = 20_000.0;
 
+/// Traffic, if nothing else is given: short.
+const TRAFFIC_SECONDS: u64 = 60;
+const IMPACTS_PER_SECOND: f64 = 3.0;
+const SEED: u64 = 1;
+
+/// The value of an option such as `--seconds 3600`.
+fn option<T: std::str::FromStr>(name: &str, or: T) -> T {
+    let mut arguments = std::env::args().skip_while(|it| it != name).skip(1);
+    match arguments.next() {
+        None => or,
+        Some(text) => text
+            .parse()
+            .unwrap_or_else(|_| panic!("{name} is {text:?}, expected a number")),
+    }
+}
+
 fn main() {
+    if std::env::args().any(|it| it == "traffic") {
+        return traffic::traffic(&traffic::Traffic {
+            columns: option("--columns", COLUMNS),
+            rate: option("--rate", IMPACTS_PER_SECOND),
+            seconds: option("--seconds", TRAFFIC_SECONDS),
+            seed: option("--seed", SEED),
+        });
+    }
     let given = std::env::args().filter_map(|it| it.parse().ok()).next();
     let columns = given.unwrap_or(COLUMNS);
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
@@ -269,6 +297,7 @@ fn hit() {
             real_time: RealTime::default(),
             threads: FleetOptions::threads_of(&Parameters::default()),
             state_files: Vec::new(),
+            journals: false,
         };
         let (handle, mut receiver) =
             LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

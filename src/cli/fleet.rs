@@ -29,9 +29,10 @@ Example: the columns of a table, with what they share in a parameter file, on th
     --columns config/fleet.csv --ros-args -r __ns:=/garage
 
 The arguments after --ros-args are those of every ROS 2 node; -p changes a parameter of every column.
-A fleet has at most 2000 columns. It is not recorded; run a column that has to be recorded with
-`column-twin run`.
-Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage.";
+A fleet has at most 2000 columns. With -p record.mode:=events one recording has all of them, and
+`column-twin verify` verifies it column by column.
+Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 stopped by SIGINT or
+SIGTERM, but messages are missing in the recordings.";
 
 /// Runs the node until SIGINT or SIGTERM.
 pub fn run(arguments: &FleetArgs, ros: RosArguments) -> Result<(), Failure> {

@@ -40,22 +40,35 @@ pub(super) fn of_recording(bag: &Path, config: Option<&PathBuf>) -> Result<Recor
     for message in reader.messages() {
         let message = message?;
         let topic = reader.topics().get(message.topic_index);
-        if config.is_none() && topic.is_some_and(recording::is_journal) {
+        if topic.is_some_and(recording::is_journal) {
             let line = match JournalLine::decode(&message.data) {
                 Ok(line) => line,
-                Err(error @ JournalError::OtherVersion { .. }) => {
+                Err(error @ JournalError::OtherVersion { .. }) if config.is_none() => {
                     return Err(Failure::plain(Exit::BadInput, error));
                 }
                 Err(_) => continue,
             };
-            if let JournalEntry::Twin(Journal::Checkpoint(start)) = &line.entry {
-                let column = &start.parameters;
-                parameters.get_or_insert_with(|| Arc::clone(column));
-                let column = RecordedMessage::Column(Arc::clone(column));
-                gathered.messages.push(column);
+            match &line.entry {
+                JournalEntry::Fleet { columns } => {
+                    let reason = format!(
+                        "expected the recording of one column to show, found that of a fleet of {} in {}; column-twin report \
+                         --column shows one of them",
+                        columns.len(),
+                        bag.display()
+                    );
+                    return Err(Failure::plain(Exit::BadInput, reason));
+                }
+                JournalEntry::Twin(Journal::Checkpoint(start)) if config.is_none() => {
+                    let column = Arc::clone(&start.parameters);
+                    parameters.get_or_insert_with(|| Arc::clone(&column));
+                    gathered.messages.push(RecordedMessage::Column(column));
+                }
+                _ => {}
             }
-            let updates = gathered.felt.line(&line);
-            gathered.show_felt(updates);
+            if config.is_none() {
+                let updates = gathered.felt.line(&line);
+                gathered.show_felt(updates);
+            }
         } else {
             gathered.take(&message);
         }

@@ -19,6 +19,9 @@ pub struct ReportArgs {
     /// HTML file to write; an existing file is replaced
     #[arg(long, short, value_name = "FILE", default_value = "report.html")]
     output: PathBuf,
+    /// Report about this column of a fleet
+    #[arg(long, value_name = "ID")]
+    column: Option<String>,
     /// Report about this impact only
     #[arg(long, value_name = "ID")]
     event: Option<String>,
@@ -37,11 +40,15 @@ verified or is not complete.";
 
 /// Writes the report and prints where it is.
 pub fn run(arguments: &ReportArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let document = ReportDocument::of_recording(&arguments.bag, arguments.event.as_deref())
-        .map_err(|error| match error {
-            RecordedReportError::Recording(error) => error.into(),
-            other => Failure::plain(Exit::BadInput, other),
-        })?;
+    let document = ReportDocument::of_recording(
+        &arguments.bag,
+        arguments.column.as_deref(),
+        arguments.event.as_deref(),
+    )
+    .map_err(|error| match error {
+        RecordedReportError::Recording(error) => error.into(),
+        other => Failure::plain(Exit::BadInput, other),
+    })?;
     let html = document
         .html()
         .map_err(|error| Failure::new(Exit::Failed, error))?;

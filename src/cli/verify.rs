@@ -16,6 +16,9 @@ pub struct VerifyArgs {
     /// Directory of the recording, or its MCAP file
     #[arg(value_name = "BAG")]
     bag: PathBuf,
+    /// Recompute this column of a fleet only
+    #[arg(long, value_name = "ID")]
+    column: Option<String>,
     /// Public key by which the recording must be sealed, may be repeated: a file in PEM, or 64 hexadecimal digits
     #[arg(long, value_name = "FILE|KEY")]
     trusted_key: Vec<String>,
@@ -33,6 +36,10 @@ on all other topics. Log and publish times are compared with those in the journa
 
 A message may be missing only if the recording declares the loss: in twin_status, by its recorder,
 by a damaged file, or by a crash that cut off its end. The output lists what cannot be recomputed.
+
+The recording of a fleet is verified column by column, and every finding names its column. Columns
+that have executed no command are not in the recording. The columns in fleet_status are compared
+with their last twin_status.
 
 The seal of a recording is checked, too. It proves that nothing was changed since it was recorded.
 Only a key that you trust (--trusted-key) proves who recorded it. A recording of version 0.1,
@@ -68,7 +75,11 @@ pub fn run(arguments: &VerifyArgs, out: &mut impl Write) -> Result<(), Failure> 
     }
     let bag = arguments.bag.display();
     let seal_fault = seal.fault();
-    let found = match evidence::verify_reader(&reader) {
+    let verified = match &arguments.column {
+        None => evidence::verify_reader(&reader),
+        Some(column_id) => evidence::verify_column(&reader, column_id),
+    };
+    let found = match verified {
         Ok(found) => found,
         Err(error) => {
             // What the seal proves holds for a recording that this program cannot recompute, too.

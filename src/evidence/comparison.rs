@@ -10,6 +10,8 @@ use serde_json::Value;
 pub struct Difference {
     /// Topic, with its recorded name.
     pub topic: String,
+    /// The column of a fleet; empty in the recording of a single twin, and for what is about the fleet.
+    pub column_id: String,
     /// When the message was recorded \[ns since 1970\].
     pub log_time: i64,
     /// Stamp of the message \[ns since 1970\], if it has one.
@@ -30,6 +32,7 @@ impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             topic,
+            column_id,
             log_time,
             stamp,
             event_id,
@@ -48,6 +51,9 @@ impl fmt::Display for Difference {
         }
         if !event_id.is_empty() {
             write!(f, ", impact {event_id:?}")?;
+        }
+        if !column_id.is_empty() {
+            write!(f, ", column {column_id:?}")?;
         }
         Ok(())
     }
@@ -83,6 +89,7 @@ impl Place<'_> {
     ) -> Difference {
         Difference {
             topic: self.topic.to_owned(),
+            column_id: String::new(),
             log_time: self.log_time,
             stamp: self.stamp,
             event_id: self.event_id.to_owned(),

@@ -14,6 +14,7 @@ use crate::twin::Journal;
 /// the journal.
 #[derive(Debug)]
 pub(super) struct EntryEncoder {
+    topics: Topics,
     about: About,
     next_number: u64,
     since: Counting,
@@ -22,6 +23,7 @@ pub(super) struct EntryEncoder {
 impl EntryEncoder {
     pub fn new(topics: &Topics, events_only: bool) -> Self {
         Self {
+            topics: topics.clone(),
             about: About::this_program(topics.by_endpoint(), events_only),
             next_number: 0,
             since: Counting::default(),
@@ -30,13 +32,14 @@ impl EntryEncoder {
 
     /// A message; `None` if its topic is not recorded.
     pub fn message(
+        &self,
         endpoint: &Endpoint,
         data: Arc<[u8]>,
         log_time: i64,
         publish_time: i64,
     ) -> Option<Entry> {
         Some(Entry {
-            topic: Topics::index_of(endpoint)?,
+            topic: self.topics.index_of(endpoint)?,
             log_time,
             publish_time,
             data,
@@ -70,24 +73,31 @@ impl EntryEncoder {
         }
     }
 
-    /// The next line of the journal; `intake` is that of the measurements that were recorded before it, for a checkpoint.
+    /// The next line of the journal, of this column of a fleet; `intake` is that of the measurements that were recorded before it,
+    /// for a checkpoint.
     pub fn line(
         &self,
         entry: JournalEntry,
+        column: Option<&str>,
         time: i64,
         intake: Option<IntakeState>,
     ) -> Result<Option<Entry>, JournalError> {
-        let is_checkpoint = matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_)));
-        let about = is_checkpoint.then(|| self.about.clone());
+        let is_beginning = match &entry {
+            // That of one column of a fleet says nothing of the others.
+            JournalEntry::Twin(Journal::Checkpoint(_)) => column.is_none(),
+            JournalEntry::Fleet { .. } => true,
+            _ => false,
+        };
+        let about = is_beginning.then(|| self.about.clone());
         let since = self.since.tally();
         let line = JournalLine::new(entry, about, self.next_number, time, since, intake);
-        let data = line.encode()?.into();
-        Ok(
-            Self::message(&endpoints::JOURNAL, data, time, time).map(|entry| Entry {
-                checkpoint: is_checkpoint,
+        let data = line.of_column(column).encode()?.into();
+        Ok(self
+            .message(&endpoints::JOURNAL, data, time, time)
+            .map(|entry| Entry {
+                checkpoint: is_beginning,
                 ..entry
-            }),
-        )
+            }))
     }
 
     /// Takes note that the next line was recorded.

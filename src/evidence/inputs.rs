@@ -10,6 +10,7 @@ use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
 use crate::incoming::{column_command, impact_command};
 use crate::messages::cdr::{self, CdrError};
+use crate::messages::column_twin::{ColumnParameters, ImpactEvent};
 use crate::twin::{Command, Nanos, RefusalCode};
 
 /// The topics whose messages become commands.
@@ -58,12 +59,14 @@ struct Described {
 }
 
 impl Inputs {
-    /// Takes the name of the column from a checkpoint. `number` is that of the checkpoint: any but the first continues another
-    /// recording, whose last messages may have their commands here.
-    pub fn checkpoint(&mut self, column_id: &str, number: u64, log_time: Nanos) {
+    /// Takes the name of the column from a checkpoint. If it continues another recording, the last messages of that may have
+    /// their commands here.
+    pub fn checkpoint(&mut self, column_id: &str, is_continued: bool, log_time: Nanos) {
         if self.column_id.is_none() {
             self.column_id = Some(column_id.to_owned());
-            self.earlier_until = (number > 0).then(|| log_time.saturating_add(MAX_WAIT));
+            if is_continued {
+                self.continue_at(log_time);
+            }
         }
     }
 
@@ -123,7 +126,7 @@ impl Inputs {
             JournalEntry::RefusedByNode {
                 topic, what, code, ..
             } => self.rejected(topic, what, *code, place, found),
-            JournalEntry::Twin(_) | JournalEntry::End {} => {}
+            JournalEntry::Twin(_) | JournalEntry::Fleet { .. } | JournalEntry::End {} => {}
         }
     }
 
@@ -352,6 +355,14 @@ fn undescribed(topic: usize, place: &Place<'_>, found: &mut Verification) {
 /// Index of a topic in [`INPUTS`] by its name in the table of endpoints.
 fn index_of(topic: &str) -> Option<usize> {
     INPUTS.iter().position(|it| it.name == topic)
+}
+
+/// The column that a message on the topic [`INPUTS`]`[topic]` is for.
+pub(super) fn column_of(topic: usize, bytes: &[u8]) -> Result<String, CdrError> {
+    match topic {
+        0 => cdr::decode::<ImpactEvent>(bytes).map(|it| it.column_id),
+        _ => cdr::decode::<ColumnParameters>(bytes).map(|it| it.column_id),
+    }
 }
 
 /// The command that follows from a message.

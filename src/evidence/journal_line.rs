@@ -1,5 +1,7 @@
 //! The recorded form of a journal entry: one line of JSON, with numbers that read back bit for bit.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -28,7 +30,10 @@ pub struct JournalLine {
     pub recorded: Nanos,
     /// The messages that were recorded since the previous line.
     pub since: Tally,
-    /// The recording program. Present with every checkpoint, so that every recording identifies its origin.
+    /// The column of a fleet that the entry is about; `None` in the recording of a single twin, and for entries about the fleet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column_id: Option<String>,
+    /// The recording program. Present with every checkpoint of a single twin, and with every list of the columns of a fleet, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
     /// Present with every checkpoint of a column with sensors: the intake of their measurements, after those that were recorded
@@ -146,6 +151,12 @@ pub enum JournalEntry {
         /// The SHA-256 of its bytes in hexadecimal digits.
         sha256: String,
     },
+    /// The node runs a fleet of these columns, none of which responds to an impact or has received one that it has not taken. Each
+    /// column gives out a checkpoint before its next command, so that a recording can begin here.
+    Fleet {
+        /// The identifiers of all columns.
+        columns: Arc<[Arc<str>]>,
+    },
     /// The recorder was stopped; nothing follows.
     End {},
 }
@@ -202,16 +213,28 @@ impl JournalLine {
             number,
             recorded,
             since,
+            column_id: None,
             about,
             intake,
             entry,
         }
     }
 
-    /// Whether the entry is a checkpoint, with which a recording can begin.
+    /// The line about this column of a fleet.
+    #[must_use]
+    pub fn of_column(mut self, column_id: Option<&str>) -> Self {
+        self.column_id = column_id.map(str::to_owned);
+        self
+    }
+
+    /// Whether a recording can begin with this line.
     #[must_use]
     pub fn is_checkpoint(&self) -> bool {
-        matches!(self.entry, JournalEntry::Twin(Journal::Checkpoint(_)))
+        match &self.entry {
+            JournalEntry::Twin(Journal::Checkpoint(_)) => self.column_id.is_none(),
+            JournalEntry::Fleet { .. } => true,
+            _ => false,
+        }
     }
 
     /// Encodes the line as a `std_msgs/msg/String`.

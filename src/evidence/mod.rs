@@ -9,9 +9,14 @@
 //! [`NodeRecording`] records a running node; [`record_impact`] writes the same form of recording without ROS.
 
 mod about;
+mod activity;
+mod columns;
 mod comparison;
+mod critical_velocities;
 mod entry_encoder;
 mod estimates;
+mod fleet_recording;
+mod fleet_statuses;
 mod forecasts;
 mod inputs;
 mod journal_line;
@@ -37,6 +42,6 @@ pub use lines::{MAX_DELAY, MAX_LEAD};
 pub use losses::LOSS_SHOWS_WITHIN;
 pub use node_recording::NodeRecording;
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
-pub use topics::{RECORDED, Topics};
-pub use verification::{NOT_RECOMPUTED, TopicCheck, Verification};
-pub use verify::{Observed, VerifyError, verify, verify_observed, verify_reader};
+pub use topics::{RECORDED, RECORDED_OF_FLEET, Topics};
+pub use verification::{ColumnCheck, NOT_RECOMPUTED, TopicCheck, Verification};
+pub use verify::{Observed, VerifyError, verify, verify_column, verify_observed, verify_reader};

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entry_encoder::EntryEncoder;
+use super::fleet_recording::FleetRecording;
 use super::journal_line::JournalEntry;
 use super::topics::Topics;
 use crate::endpoints::{self, Endpoint};
@@ -43,6 +44,8 @@ struct Open {
     /// `None` after the stop.
     recorder: Option<RecorderHandle>,
     encoder: EntryEncoder,
+    /// The columns of a fleet; `None` for a single twin.
+    fleet: Option<FleetRecording>,
     /// The last recorded time \[ns\]: recorded times never decrease, even if the system clock is set back.
     last_time: i64,
 }
@@ -65,16 +68,21 @@ impl Open {
 
     /// Records a message of the node; `false` as of [`record`](Self::record).
     fn message(&mut self, endpoint: &Endpoint, bytes: Arc<[u8]>, now: i64, published: i64) -> bool {
-        let is_recorded = self.record(EntryEncoder::message(endpoint, bytes, now, published));
+        let length = bytes.len();
+        let entry = self.encoder.message(endpoint, bytes, now, published);
+        let is_recorded = self.record(entry);
         if is_recorded {
             self.encoder.recorded_message(endpoint, now);
+            if let Some(fleet) = &mut self.fleet {
+                fleet.recorded(length);
+            }
         }
         is_recorded
     }
 }
 
 impl NodeRecording {
-    /// Starts a recording as the parameters describe it, with `options` adjusted by the caller; `None` if
+    /// Starts the recording of a single twin as the parameters describe it, with `options` adjusted by the caller; `None` if
     /// `record.mode` is `off`.
     ///
     /// # Errors
@@ -82,6 +90,36 @@ impl NodeRecording {
     pub fn start(
         record: &RecordSettings,
         topics: &Topics,
+        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
+    ) -> Result<Option<Arc<Self>>, RecordingError> {
+        Self::start_of(record, topics, None, options)
+    }
+
+    /// As [`start`](Self::start) of a fleet of these columns, with the topics of a fleet. Both modes leave out the status of columns
+    /// at rest, which need no place in the recording before they execute a command.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_of_fleet(
+        record: &RecordSettings,
+        topics: &Topics,
+        columns: Arc<[Arc<str>]>,
+        options: impl FnOnce(RecorderOptions) -> RecorderOptions,
+    ) -> Result<Option<Arc<Self>>, RecordingError> {
+        let fleet = FleetRecording::new(columns, record);
+        let started = Self::start_of(record, topics, Some(fleet), options)?;
+        if let Some(recording) = &started {
+            let mut open = recording.open();
+            let now = open.now();
+            recording.list_columns(&mut open, now);
+        }
+        Ok(started)
+    }
+
+    fn start_of(
+        record: &RecordSettings,
+        topics: &Topics,
+        fleet: Option<FleetRecording>,
         options: impl FnOnce(RecorderOptions) -> RecorderOptions,
     ) -> Result<Option<Arc<Self>>, RecordingError> {
         let events_only = match record.mode {
@@ -96,6 +134,7 @@ impl NodeRecording {
             open: Mutex::new(Open {
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
+                fleet,
                 last_time: 0,
             }),
             events_only,
@@ -109,7 +148,7 @@ impl NodeRecording {
     pub fn stop(&self) -> Option<RecorderStatistics> {
         let mut open = self.open();
         let now = open.now();
-        self.line(&mut open, JournalEntry::End {}, now, None);
+        self.line(&mut open, JournalEntry::End {}, None, now, None);
         let recorder = open.recorder.take();
         drop(open);
         let mut statistics = recorder.map(RecorderHandle::stop)?;
@@ -121,21 +160,39 @@ impl NodeRecording {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Records a line of the journal.
-    fn line(&self, open: &mut Open, entry: JournalEntry, now: i64, intake: Option<IntakeState>) {
-        if open.recorder.is_none() {
-            return;
-        }
-        let Ok(line) = open.encoder.line(entry, now, intake) else {
-            self.unencoded.fetch_add(1, Ordering::Relaxed);
-            return;
-        };
-        if open.record(line) {
-            open.encoder.recorded_line();
+    /// Lists the columns of a fleet where it is due and another recording can begin.
+    fn list_columns(&self, open: &mut Open, now: i64) {
+        if let Some(list) = open.fleet.as_mut().and_then(|it| it.due_list(now)) {
+            self.line(open, list, None, now, None);
         }
     }
 
-    /// Whether the mode includes this message.
+    /// Records a line of the journal.
+    fn line(
+        &self,
+        open: &mut Open,
+        entry: JournalEntry,
+        column: Option<&str>,
+        now: i64,
+        intake: Option<IntakeState>,
+    ) {
+        if open.recorder.is_none() {
+            return;
+        }
+        let Ok(line) = open.encoder.line(entry, column, now, intake) else {
+            self.unencoded.fetch_add(1, Ordering::Relaxed);
+            return;
+        };
+        let length = line.as_ref().map_or(0, |it| it.data.len());
+        if open.record(line) {
+            open.encoder.recorded_line();
+            if let Some(fleet) = open.fleet.as_mut().filter(|_| column.is_some()) {
+                fleet.recorded(length);
+            }
+        }
+    }
+
+    /// Whether the mode includes this message of a single twin.
     fn is_recorded(&self, endpoint: &Endpoint, bytes: &[u8]) -> bool {
         if !self.events_only {
             return true;
@@ -175,30 +232,44 @@ impl NodeRecording {
 
 /// Whether a status reports that no response is running.
 fn is_at_rest(status: &[u8]) -> bool {
-    cdr::decode::<TwinStatus>(status).is_ok_and(|status| {
-        !matches!(
-            status.phase,
-            TwinStatus::APPROACH | TwinStatus::CONTACT | TwinStatus::FREE
-        )
-    })
+    cdr::decode::<TwinStatus>(status).is_ok_and(|status| status.is_at_rest())
 }
 
 impl RecordingTap for NodeRecording {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
-        if self.is_recorded(endpoint, bytes) {
-            let mut open = self.open();
-            let now = open.now();
+        let mut open = self.open();
+        let now = open.now();
+        self.list_columns(&mut open, now);
+        let is_recorded = match &mut open.fleet {
+            None => self.is_recorded(endpoint, bytes),
+            Some(fleet) => {
+                let is_change =
+                    endpoint.name == endpoints::DIAGNOSTICS.name && self.changes_a_level(bytes);
+                fleet.is_recorded(endpoint, bytes, self.events_only, now) || is_change
+            }
+        };
+        if is_recorded {
             open.message(endpoint, Arc::clone(bytes), now, now);
         }
     }
 
-    fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>) {
+    fn received(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        bytes: Vec<u8>,
+        source_stamp: Option<i64>,
+    ) {
         let mut open = self.open();
         let now = open.now();
+        self.list_columns(&mut open, now);
+        if let (Some(fleet), Some(column)) = (&mut open.fleet, column) {
+            fleet.received(column, now);
+        }
         let published = source_stamp.filter(|stamp| *stamp >= 0).unwrap_or(now);
         let line = EntryEncoder::received(endpoint, &bytes, published);
         open.message(endpoint, bytes.into(), now, published);
-        self.line(&mut open, line, now, None);
+        self.line(&mut open, line, column, now, None);
     }
 
     fn sensors(&self, intake: &Arc<Mutex<Intake>>) {
@@ -217,7 +288,14 @@ impl RecordingTap for NodeRecording {
         }
     }
 
-    fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str) {
+    fn rejected(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        what: &str,
+        code: Option<RefusalCode>,
+        reason: &str,
+    ) {
         let mut open = self.open();
         let stamp = open.now();
         let entry = JournalEntry::RefusedByNode {
@@ -231,10 +309,29 @@ impl RecordingTap for NodeRecording {
             // The node took what it could not encode.
             open.encoder.lost_measurement();
         }
-        self.line(&mut open, entry, stamp, None);
+        self.line(&mut open, entry, column, stamp, None);
+        // A sender that is not admitted has not been received before.
+        let is_received = !matches!(
+            code,
+            Some(RefusalCode::SenderNotAllowed | RefusalCode::SenderTooFast)
+        );
+        if let (Some(fleet), Some(column), true) = (&mut open.fleet, column, is_received) {
+            fleet.rejected(column);
+        }
     }
 
-    fn journal(&self, entry: &Journal) {
+    fn journal(&self, column: Option<&str>, entry: &Journal) {
+        if let Some(column) = column {
+            let mut open = self.open();
+            let now = open.now();
+            self.list_columns(&mut open, now);
+            let fleet = open.fleet.as_mut();
+            if fleet.is_some_and(|it| it.journal(column, entry, now)) {
+                let entry = JournalEntry::Twin(entry.clone());
+                self.line(&mut open, entry, Some(column), now, None);
+            }
+            return;
+        }
         match entry {
             Journal::Command(_) => self.is_active.store(true, Ordering::Relaxed),
             // The status that follows it is left out as well.
@@ -252,7 +349,13 @@ impl RecordingTap for NodeRecording {
         let state = intake.as_ref().map(|it| it.state());
         let mut open = self.open();
         let now = open.now();
-        self.line(&mut open, JournalEntry::Twin(entry.clone()), now, state);
+        self.line(
+            &mut open,
+            JournalEntry::Twin(entry.clone()),
+            None,
+            now,
+            state,
+        );
     }
 
     fn health(&self) -> RecordingHealth {

@@ -1,5 +1,8 @@
 //! Compares the messages on `/parameter_events` with the parameters of the recomputed twin.
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use super::comparison::{Difference, Place};
 use super::verification::Verification;
 use crate::messages::cdr;
@@ -35,6 +38,11 @@ impl ParameterEvents {
                 ));
             }
         };
+        self.take(event, place, found);
+    }
+
+    /// Takes a recorded event whose names are those of the parameters of the column.
+    fn take(&mut self, event: ParameterEvent, place: &Place<'_>, found: &mut Verification) {
         let node = self.node.get_or_insert_with(|| event.node.clone());
         if *node != event.node {
             let node = node.clone();
@@ -81,6 +89,42 @@ impl ParameterEvents {
     /// Ends the recording: events after the last entry are not compared.
     pub fn finish(self, found: &mut Verification) {
         found.parameter_events.unchecked += self.waiting.len() as u64;
+    }
+}
+
+/// A recorded event of a fleet, whose parameters have the names of one column before theirs.
+#[derive(Debug)]
+pub(super) struct EventOfFleet {
+    pub column_id: Arc<str>,
+    /// With the names of the parameters in the column.
+    event: ParameterEvent,
+}
+
+impl EventOfFleet {
+    /// Reads a recorded event; the error is the reason, as it is found in the recording.
+    pub fn decode(bytes: &[u8], fleet: &BTreeSet<Arc<str>>) -> Result<Self, String> {
+        let mut event: ParameterEvent =
+            cdr::decode(bytes).map_err(|error| format!("not readable ({error})"))?;
+        let first = event.changed_parameters.first().map_or("", |it| &it.name);
+        // An identifier may contain dots.
+        let column_id = first
+            .rmatch_indices('.')
+            .find_map(|(dot, _)| fleet.get(&first[..dot]))
+            .cloned()
+            .ok_or_else(|| format!("a change of {first:?}"))?;
+        for parameter in &mut event.changed_parameters {
+            let name = parameter.name.strip_prefix(&*column_id);
+            let name = name.and_then(|it| it.strip_prefix('.'));
+            let name = name.ok_or_else(|| format!("a change of {:?}", parameter.name))?;
+            parameter.name = name.to_owned();
+        }
+        Ok(Self { column_id, event })
+    }
+
+    /// Gives the event to what is known of its column.
+    pub fn take(self, known: &mut ParameterEvents, place: &Place<'_>, found: &mut Verification) {
+        found.parameter_events.recorded += 1;
+        known.take(self.event, place, found);
     }
 }
 

@@ -40,6 +40,8 @@ pub(super) struct ReplayedTwin {
     pub must_report: bool,
     /// The newest events that are the same impact as an estimate.
     pub merged: VecDeque<MergedEvent>,
+    /// It is a column of a fleet, which publishes no joint states and markers.
+    of_fleet: bool,
 }
 
 /// Most merged events that are kept: an estimate rests on fewer.
@@ -88,7 +90,7 @@ pub(super) struct Found {
 }
 
 impl ReplayedTwin {
-    pub fn new(checkpoint: &Checkpoint) -> Result<Self, ModelError> {
+    pub fn new(checkpoint: &Checkpoint, of_fleet: bool) -> Result<Self, ModelError> {
         Ok(Self {
             twin: Twin::from_checkpoint(checkpoint, Box::new(monotonic_nanos))?,
             outgoing: Outgoing::new(&checkpoint.parameters),
@@ -101,6 +103,7 @@ impl ReplayedTwin {
             has_ended: false,
             must_report: false,
             merged: VecDeque::new(),
+            of_fleet,
         })
     }
 
@@ -257,8 +260,12 @@ impl ReplayedTwin {
         is_misplaced: bool,
     ) -> Option<Message> {
         let mut messages = Vec::new();
-        self.outgoing
-            .convert(&Output::State(state), |message| messages.push(message));
+        let of_fleet = self.of_fleet;
+        self.outgoing.convert(&Output::State(state), |message| {
+            if !of_fleet || message.column_id().is_some() {
+                messages.push(message);
+            }
+        });
         let index = messages
             .iter()
             .position(|it| it.topic() == recorded.topic());

@@ -3,17 +3,16 @@
 use std::sync::Arc;
 
 use super::comparison::{Difference, Place, seconds};
+use super::critical_velocities::KnownResults;
 use super::estimates::EstimateCheck;
-use super::lines::Gap;
 use super::replayed_twin::{Found, ReplayedTwin, compare, note_missing};
 use super::verification::Verification;
+use crate::messages::cdr::CdrError;
 use crate::messages::column_twin::{ImpactReport, TwinStatus};
 use crate::outgoing::{Message, Topic};
 use crate::parameters::Parameters;
-use crate::study::VehicleLimits;
 use crate::twin::{
-    Checkpoint, Command, CommandRecord, CriticalVelocityTask, Journal, Output, Position,
-    StatusRecord,
+    Checkpoint, Command, CommandRecord, Journal, Nanos, Output, Position, StatusRecord,
 };
 
 /// A recorded message of the twin.
@@ -22,6 +21,8 @@ pub(super) struct RecordedBytes<'a> {
     pub name: &'a str,
     pub log_time: i64,
     pub bytes: &'a [u8],
+    /// The same, decoded.
+    pub message: Result<Message, CdrError>,
 }
 
 /// Takes the journal and the messages of a recording in their order.
@@ -48,6 +49,10 @@ pub(super) struct Replayer {
     pub estimates: EstimateCheck,
     /// The recording declares losses, or is damaged: a message that is not expected may belong to what is missing.
     declares_losses: bool,
+    /// It is a column of a fleet.
+    of_fleet: bool,
+    /// Critical velocities of other columns.
+    known: KnownResults,
 }
 
 impl Replayer {
@@ -58,6 +63,15 @@ impl Replayer {
             keeps_outputs,
             declares_losses,
             ..Self::default()
+        }
+    }
+
+    /// The replayer of a column of a fleet, or of a single twin, with what other columns share with it.
+    pub fn of(self, of_fleet: bool, known: KnownResults) -> Self {
+        Self {
+            of_fleet,
+            known,
+            ..self
         }
     }
 
@@ -77,22 +91,16 @@ impl Replayer {
         Some(Arc::clone(replayed.twin.parameters()))
     }
 
-    /// Takes what the number of a line tells about the lines before it. Without the missing lines the position of the twin may
-    /// be unknown.
-    pub fn gap(&mut self, gap: Gap, place: &Place<'_>, found: &mut Verification) {
-        let lost = match gap {
-            Gap::None => return,
-            Gap::Earlier(lost) => lost,
-            Gap::Missing(lost) => {
-                found.missing_entries = found.missing_entries.saturating_add(lost);
-                let own = format!("{lost} lines");
-                found.note_missing(
-                    lost,
-                    place.difference("the lines before this one", "absent", own),
-                );
-                lost
-            }
-        };
+    /// Frees what the twin of a fleet knows of a response to which no impact at this time or later belongs any more.
+    pub fn forget_what_is_too_old(&mut self, now: Nanos) {
+        if let Some(replayed) = self.replayed.as_mut().filter(|_| self.of_fleet) {
+            replayed.twin.forget_what_is_too_old(now);
+        }
+    }
+
+    /// Takes note that so many lines are missing before the present one, or are in an earlier recording. Without them the position
+    /// of the twin may be unknown.
+    pub fn lines_are_missing(&mut self, lost: u64, found: &mut Verification) {
         self.missing_lines = self.missing_lines.saturating_add(lost);
         if let Some(replayed) = &mut self.replayed {
             replayed.must_report = false;
@@ -168,11 +176,11 @@ impl Replayer {
     /// Starts a new twin at a checkpoint.
     fn start_from(&mut self, checkpoint: &Checkpoint, place: &Place<'_>, found: &mut Verification) {
         self.end_replay(false, found);
-        match ReplayedTwin::new(checkpoint) {
+        match ReplayedTwin::new(checkpoint, self.of_fleet) {
             Ok(mut replayed) => {
                 if let Some(vehicles) = &checkpoint.critical_velocities {
                     let task = replayed.twin.task_at_rest();
-                    check_critical_velocities(vehicles, task, place, found);
+                    self.known.check(vehicles, task, place, found);
                 }
                 replayed.outputs = self.keeps_outputs.then(Vec::new);
                 self.replayed = Some(replayed);
@@ -190,6 +198,8 @@ impl Replayer {
         self.next_number = Some(record.number.saturating_add(1));
         self.advance(record.position, place, found);
         self.expect_no_status(place, found);
+        // As the recorded twin did before its command.
+        self.forget_what_is_too_old(record.now);
         let Some(replayed) = &mut self.replayed else {
             return;
         };
@@ -208,7 +218,7 @@ impl Replayer {
         let command = match &record.command {
             Command::CriticalVelocities { vehicles } => {
                 let task = replayed.twin.critical_velocity_task();
-                check_critical_velocities(vehicles, task, &place, found)
+                self.known.check(vehicles, task, &place, found)
             }
             Command::Estimate(estimate) => {
                 let merged = &replayed.merged;
@@ -305,20 +315,21 @@ impl Replayer {
     }
 
     /// Takes a recorded message of the twin.
-    pub fn message(&mut self, recorded: &RecordedBytes<'_>, found: &mut Verification) {
+    pub fn message(&mut self, recorded: RecordedBytes<'_>, found: &mut Verification) {
         let RecordedBytes {
             topic,
             name,
             log_time,
             bytes,
-        } = *recorded;
+            message,
+        } = recorded;
         let place = Place {
             topic: name,
             log_time,
             ..Place::default()
         };
         found.topics[topic.index()].recorded += 1;
-        let message = match Message::decode(topic, bytes) {
+        let message = match message {
             Ok(message) => message,
             Err(error) => {
                 found.topics[topic.index()].unexpected += 1;
@@ -334,7 +345,6 @@ impl Replayer {
             event_id: message.event_id().unwrap_or_default(),
             ..place
         };
-        found.note_losses(&message, log_time);
         self.check_counters(&message, &place, found);
         let Some(replayed) = &mut self.replayed else {
             found.topics[topic.index()].unchecked += 1;
@@ -472,25 +482,6 @@ impl Replayer {
         }
         self.end_replay(!self.declares_losses && !is_continuation, found);
         self.estimates.finish(found);
-    }
-}
-
-/// Compares recorded critical velocities with those of the task that the recomputed twin has; the command that gives it its own.
-fn check_critical_velocities(
-    recorded: &Arc<[VehicleLimits]>,
-    task: Option<CriticalVelocityTask>,
-    place: &Place<'_>,
-    found: &mut Verification,
-) -> Command {
-    let computed = task.and_then(|task| task.compute(&mut || true));
-    if let Some(difference) = place.first_difference(&Some(recorded), &computed.as_ref()) {
-        found.note_difference(Difference {
-            field: format!("critical velocities{}", difference.field),
-            ..difference
-        });
-    }
-    Command::CriticalVelocities {
-        vehicles: computed.unwrap_or_default(),
     }
 }
 

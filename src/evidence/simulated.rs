@@ -168,7 +168,7 @@ impl ImpactRecorder {
         bytes: Arc<[u8]>,
         now: Nanos,
     ) -> Result<(), RecordingError> {
-        if let Some(entry) = EntryEncoder::message(endpoint, bytes, now, now) {
+        if let Some(entry) = self.encoder.message(endpoint, bytes, now, now) {
             self.writer.write(&entry)?;
             self.encoder.recorded_message(endpoint, now);
         }
@@ -176,7 +176,7 @@ impl ImpactRecorder {
     }
 
     fn line(&mut self, entry: JournalEntry, now: Nanos) -> Result<(), SimulatedRecordingError> {
-        if let Some(entry) = self.encoder.line(entry, now, None)? {
+        if let Some(entry) = self.encoder.line(entry, None, now, None)? {
             self.writer.write(&entry)?;
             self.encoder.recorded_line();
         }

@@ -6,7 +6,7 @@ use crate::endpoints::{self, Endpoint};
 use crate::outgoing::Topic;
 use crate::recording::{self, OfferedQos, RecordingError, TopicInfo};
 
-/// The endpoints that are recorded.
+/// The endpoints that are recorded of a single twin.
 pub const RECORDED: [&Endpoint; 15] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
@@ -25,34 +25,79 @@ pub const RECORDED: [&Endpoint; 15] = [
     &endpoints::ROSOUT,
 ];
 
+/// The endpoints that are recorded of a fleet: those that it has.
+pub const RECORDED_OF_FLEET: [&Endpoint; 12] = [
+    &endpoints::JOURNAL,
+    &endpoints::IMPACT_EVENT,
+    &endpoints::COLUMN_PARAMETERS,
+    &endpoints::COLUMN_STATE,
+    &endpoints::HINGE_FORCES,
+    &endpoints::IMPACT_FORECAST,
+    &endpoints::IMPACT_REPORT,
+    &endpoints::TWIN_STATUS,
+    &endpoints::FLEET_STATUS,
+    &endpoints::DIAGNOSTICS,
+    &endpoints::PARAMETER_EVENTS,
+    &endpoints::ROSOUT,
+];
+
 /// Name of the node in recordings made without a node.
 const NODE: &str = "column_twin";
 
-/// The topics of one recording, in the order of [`RECORDED`].
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// The topics of one recording.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Topics {
+    endpoints: &'static [&'static Endpoint],
+    /// In the order of the endpoints.
     names: Vec<String>,
 }
 
 impl Topics {
-    /// The topics with the names that `resolve` returns.
+    /// The topics of a single twin with the names that `resolve` returns.
     ///
     /// # Errors
     /// The first error of `resolve`.
     pub fn resolved<E>(resolve: impl FnMut(&Endpoint) -> Result<String, E>) -> Result<Self, E> {
-        let names: Result<_, E> = RECORDED.iter().copied().map(resolve).collect();
-        Ok(Self { names: names? })
+        Self::of(&RECORDED, resolve)
+    }
+
+    /// The topics of a fleet with the names that `resolve` returns.
+    ///
+    /// # Errors
+    /// The first error of `resolve`.
+    pub fn resolved_of_fleet<E>(
+        resolve: impl FnMut(&Endpoint) -> Result<String, E>,
+    ) -> Result<Self, E> {
+        Self::of(&RECORDED_OF_FLEET, resolve)
+    }
+
+    fn of<E>(
+        endpoints: &'static [&'static Endpoint],
+        resolve: impl FnMut(&Endpoint) -> Result<String, E>,
+    ) -> Result<Self, E> {
+        let names: Result<_, E> = endpoints.iter().copied().map(resolve).collect();
+        Ok(Self {
+            endpoints,
+            names: names?,
+        })
     }
 
     /// The topics of a node `/column_twin` without remapping.
     #[must_use]
     pub fn of_default_node() -> Self {
-        let name = |endpoint: &&Endpoint| match endpoint.name.strip_prefix("~/") {
-            Some(private) => format!("/{NODE}/{private}"),
-            None => format!("/{}", endpoint.name.trim_start_matches('/')),
-        };
         Self {
-            names: RECORDED.iter().map(name).collect(),
+            endpoints: &RECORDED,
+            names: RECORDED.iter().copied().map(default_name).collect(),
+        }
+    }
+
+    /// The topics of the node `/column_twin` of a fleet without remapping.
+    #[must_use]
+    pub fn of_default_fleet() -> Self {
+        let names = RECORDED_OF_FLEET.iter().copied().map(default_name);
+        Self {
+            endpoints: &RECORDED_OF_FLEET,
+            names: names.collect(),
         }
     }
 
@@ -61,7 +106,7 @@ impl Topics {
     /// # Errors
     /// A message definition of this program is invalid.
     pub fn declared(&self) -> Result<Vec<TopicInfo>, RecordingError> {
-        let pairs = RECORDED.iter().zip(&self.names);
+        let pairs = self.endpoints.iter().zip(&self.names);
         pairs
             .map(|(endpoint, name)| {
                 recording::topic(name, endpoint.type_name, OfferedQos::from(&endpoint.qos))
@@ -72,16 +117,25 @@ impl Topics {
     /// Resolved names by the names in the table of endpoints.
     #[must_use]
     pub fn by_endpoint(&self) -> BTreeMap<String, String> {
-        let pairs = RECORDED.iter().zip(&self.names);
+        let pairs = self.endpoints.iter().zip(&self.names);
         pairs
             .map(|(endpoint, name)| (endpoint.name.to_owned(), name.clone()))
             .collect()
     }
 
-    /// Index of an endpoint in [`RECORDED`]; `None` if it is not recorded.
+    /// Index of the topic of an endpoint; `None` if it is not recorded.
     #[must_use]
-    pub fn index_of(endpoint: &Endpoint) -> Option<usize> {
-        RECORDED.iter().position(|it| it.name == endpoint.name)
+    pub fn index_of(&self, endpoint: &Endpoint) -> Option<usize> {
+        self.endpoints
+            .iter()
+            .position(|it| it.name == endpoint.name)
+    }
+}
+
+fn default_name(endpoint: &Endpoint) -> String {
+    match endpoint.name.strip_prefix("~/") {
+        Some(private) => format!("/{NODE}/{private}"),
+        None => format!("/{}", endpoint.name.trim_start_matches('/')),
     }
 }
 
@@ -114,14 +168,30 @@ mod tests {
     }
 
     #[test]
-    fn every_topic_of_a_twin_but_the_clock_is_recorded() {
+    fn every_topic_but_the_clock_is_recorded() {
         use crate::endpoints::{Direction, ENDPOINTS};
-        let left_out: Vec<_> = ENDPOINTS
-            .iter()
-            .filter(|it| it.direction != Direction::Service && Topics::index_of(it).is_none())
-            .map(|it| it.name)
-            .collect();
-        // A fleet is not recorded.
-        assert_eq!(left_out, ["row_impact_event", "/clock", "fleet_status"]);
+        let left_out = |topics: Topics| -> Vec<_> {
+            let topic = |it: &Endpoint| it.direction != Direction::Service;
+            let all = ENDPOINTS.iter().copied().filter(topic);
+            all.filter(|it| topics.index_of(it).is_none())
+                .map(|it| it.name)
+                .collect()
+        };
+        let of_one = left_out(Topics::of_default_node());
+        assert_eq!(of_one, ["row_impact_event", "/clock", "fleet_status"]);
+        // The others show one column, or come from sensors, which the columns of a fleet do not have.
+        let of_fleet = left_out(Topics::of_default_fleet());
+        let absent = [
+            "measurements",
+            "impact_estimate",
+            "joint_states",
+            "markers",
+            "/clock",
+        ];
+        assert!(
+            absent.iter().all(|it| of_fleet.contains(it)),
+            "{of_fleet:?}"
+        );
+        assert_eq!(of_fleet.len(), absent.len(), "{of_fleet:?}");
     }
 }

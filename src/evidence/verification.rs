@@ -1,5 +1,6 @@
 //! The result of a verification.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::about::{About, build};
@@ -12,11 +13,14 @@ use crate::outgoing::{Message, Topic};
 /// Maximum number of reasons kept for what was not checked; all are counted.
 const MAX_REASONS: usize = 20;
 
+/// Maximum number of columns with findings that the text lists.
+const MAX_COLUMNS: usize = 20;
+
 /// Maximum number of differences and missing messages that are kept as examples; all are counted.
 const MAX_EXAMPLES: usize = 5;
 
 /// Fields that depend on the machine or on other threads, by topic, and what was done with them instead.
-pub const NOT_RECOMPUTED: [(&str, &str); 8] = [
+pub const NOT_RECOMPUTED: [(&str, &str); 9] = [
     (
         "impact_forecast, impact_report",
         "compute_time; the time at which a forecast was complete",
@@ -24,6 +28,10 @@ pub const NOT_RECOMPUTED: [(&str, &str); 8] = [
     (
         "twin_status",
         "overruns, worst_lateness and the dropped_ counts, which must not decrease",
+    ),
+    (
+        "fleet_status",
+        "stamp, lateness and the counts of the node; its columns are compared with their last recorded twin_status",
     ),
     ("parameter_events", "the stamp"),
     (
@@ -84,6 +92,16 @@ pub struct Verification {
     pub inputs_of: [TopicCheck; INPUTS.len()],
     /// The messages on `parameter_events`; the journal counts them with the topics that cannot be recomputed.
     pub parameter_events: TopicCheck,
+    /// Number of columns of a fleet; `None` for a single twin.
+    pub fleet: Option<usize>,
+    /// What was found about each column of a fleet that the recording tells of.
+    pub columns: BTreeMap<String, ColumnCheck>,
+    /// The column of a fleet to which the verification was restricted.
+    pub only: Option<String>,
+    /// Messages of other columns, which were not compared.
+    pub of_other_columns: u64,
+    /// The messages on `fleet_status`; the journal counts them with the topics that cannot be recomputed.
+    pub fleet_statuses: TopicCheck,
     /// Missing messages on topics that cannot be recomputed, or where nothing could be recomputed.
     pub missing_others: u64,
     /// Missing messages and entries whose loss the recording does not declare.
@@ -94,9 +112,30 @@ pub struct Verification {
     pub lines: Option<(u64, u64)>,
     /// How the recording ends, for people.
     pub ending: String,
+    /// The column of a fleet that is being verified, to which whatever is noted belongs.
+    pub(super) at_column: String,
     pub(super) losses: Losses,
     /// All missing messages and entries so far.
     pub(super) noted_missing: u64,
+}
+
+/// The result for one column of a fleet.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ColumnCheck {
+    /// Checkpoints in the recording.
+    pub checkpoints: u64,
+    /// Checkpoints whose exact state was compared.
+    pub states_at_rest: u64,
+    /// Commands that were executed again.
+    pub inputs: u64,
+    /// Messages that were compared.
+    pub compared: u64,
+    /// Differences.
+    pub differences: u64,
+    /// Missing messages and entries of the journal.
+    pub missing: u64,
+    /// Messages that were not compared.
+    pub unchecked: u64,
 }
 
 /// The result for one topic.
@@ -161,12 +200,34 @@ impl Verification {
         checks.map(|it| it.unchecked).sum()
     }
 
+    /// What was found so far, of all columns.
+    pub(super) fn counts(&self) -> ColumnCheck {
+        ColumnCheck {
+            checkpoints: self.checkpoints,
+            states_at_rest: self.states_at_rest,
+            inputs: self.inputs,
+            compared: self.compared(),
+            differences: self.differences,
+            missing: self.noted_missing,
+            unchecked: self.unchecked_messages(),
+        }
+    }
+
+    /// The difference with the column that is being verified.
+    fn of_column(&self, mut difference: Difference) -> Difference {
+        if difference.column_id.is_empty() {
+            difference.column_id.clone_from(&self.at_column);
+        }
+        difference
+    }
+
     pub(super) fn note_difference(&mut self, difference: Difference) {
         self.note_differences(1, difference);
     }
 
     /// Notes several differences of which this one is an example.
     pub(super) fn note_differences(&mut self, count: u64, example: Difference) {
+        let example = self.of_column(example);
         self.differences = self.differences.saturating_add(count);
         if self.examples.len() < MAX_EXAMPLES {
             self.examples.push(example.clone());
@@ -180,6 +241,7 @@ impl Verification {
         self.noted_missing = self.noted_missing.saturating_add(count);
         self.losses.missing(count, example.log_time);
         if self.missing_examples.len() < MAX_EXAMPLES {
+            let example = self.of_column(example);
             self.missing_examples.push(example);
         }
     }
@@ -187,7 +249,10 @@ impl Verification {
     pub(super) fn note_unchecked(&mut self, reason: String) {
         self.unchecked_reasons += 1;
         if self.unchecked.len() < MAX_REASONS {
-            self.unchecked.push(reason);
+            self.unchecked.push(match self.at_column.is_empty() {
+                true => reason,
+                false => format!("column {:?}: {reason}", self.at_column),
+            });
         }
     }
 
@@ -217,7 +282,48 @@ impl Verification {
             endpoints::PARAMETER_EVENTS.name.trim_start_matches('/'),
             &self.parameter_events,
         )];
-        inputs.chain(twin.zip(&self.topics)).chain(events)
+        let fleet = self
+            .fleet
+            .map(|_| (endpoints::FLEET_STATUS.name, &self.fleet_statuses));
+        inputs
+            .chain(twin.zip(&self.topics))
+            .chain(fleet)
+            .chain(events)
+    }
+}
+
+impl Verification {
+    /// The columns of a fleet: how many, and those with findings.
+    fn write_columns(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(fleet) = self.fleet else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "Fleet of {fleet} columns, of which {} appear in the recording",
+            self.columns.len()
+        )?;
+        if let Some(only) = &self.only {
+            writeln!(
+                f,
+                "Only column {only:?} was verified; {} messages of others were not compared",
+                self.of_other_columns
+            )?;
+        }
+        let has_findings =
+            |it: &(&String, &ColumnCheck)| it.1.differences + it.1.missing + it.1.unchecked > 0;
+        let findings: Vec<_> = self.columns.iter().filter(has_findings).collect();
+        for (column_id, check) in findings.iter().take(MAX_COLUMNS) {
+            writeln!(
+                f,
+                "  {column_id}: {} commands, {} messages compared, {} differences, {} missing, {} not checked",
+                check.inputs, check.compared, check.differences, check.missing, check.unchecked
+            )?;
+        }
+        match findings.len().saturating_sub(MAX_COLUMNS) {
+            0 => Ok(()),
+            more => writeln!(f, "  and {more} more columns with findings"),
+        }
     }
 }
 
@@ -291,6 +397,7 @@ impl fmt::Display for Verification {
                 estimates.unchecked
             )?;
         }
+        self.write_columns(f)?;
         if let Some((first, last)) = self.lines {
             writeln!(
                 f,

@@ -4,17 +4,25 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::about::About;
+use super::columns::Columns;
 use super::comparison::{Place, seconds};
-use super::inputs::{INPUTS, Inputs};
+use super::fleet_statuses::FleetStatuses;
+use super::inputs::{self, INPUTS};
 use super::journal_line::{JournalEntry, JournalError, JournalLine};
 use super::lines::{Gap, Lines};
-use super::parameter_events::ParameterEvents;
-use super::replayer::{RecordedBytes, Replayer};
+use super::parameter_events::EventOfFleet;
+use super::replayer::RecordedBytes;
 use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
-use crate::outgoing::Topic;
+use crate::outgoing::{Message, Topic};
 use crate::recording::{self, Reader, RecordingError};
 use crate::twin::{Journal, Output};
+
+/// The column of a single twin: its name is known from its first checkpoint only.
+const SINGLE: &str = "";
+
+/// Most columns that an error lists.
+const MAX_NAMED: usize = 20;
 
 /// Why a recording cannot be verified.
 #[derive(Debug, thiserror::Error)]
@@ -25,7 +33,7 @@ pub enum VerifyError {
     /// The recording has no journal.
     #[error(
         "the recording has no topic {name} of type {type_name}, without which it cannot be recomputed; record with the \
-         parameter record.mode of column-twin run, or with column-twin simulate --record",
+         parameter record.mode of column-twin run or column-twin fleet, or with column-twin simulate --record",
         type_name = endpoints::JOURNAL.type_name,
         name = endpoints::JOURNAL.name
     )]
@@ -33,6 +41,14 @@ pub enum VerifyError {
     /// The journal cannot be read.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// The recording has no such column.
+    #[error("expected a column of the recording ({columns}), found {wanted:?}")]
+    NoSuchColumn {
+        /// As given.
+        wanted: String,
+        /// Those that the recording has, as many as fit into a line.
+        columns: String,
+    },
     /// The journal has no checkpoint.
     #[error(
         "the journal of the recording has no checkpoint, from which a recomputation could start (the recording is \
@@ -66,23 +82,35 @@ pub fn verify(path: &Path) -> Result<Verification, VerifyError> {
 /// # Errors
 /// As [`verify`](fn@verify).
 pub fn verify_reader(reader: &Reader) -> Result<Verification, VerifyError> {
-    verify_with(reader, None)
+    verify_with(reader, None, None)
+}
+
+/// As [`verify`](fn@verify) of an open recording, of one column of a fleet only. The numbers, times and counts of the whole
+/// recording are checked all the same.
+///
+/// # Errors
+/// As [`verify`](fn@verify), or the recording has no such column.
+pub fn verify_column(reader: &Reader, column_id: &str) -> Result<Verification, VerifyError> {
+    verify_with(reader, Some(column_id), None)
 }
 
 /// As [`verify`](fn@verify) of an open recording, and shows an observer the journal and what is recomputed from it: the
-/// outputs that precede an entry first.
+/// outputs that precede an entry first. With a `column_id`, as [`verify_column`]: the entries of several columns of a fleet cannot be
+/// told from one another.
 ///
 /// # Errors
-/// As [`verify`](fn@verify).
+/// As [`verify`](fn@verify), or the recording has no such column.
 pub fn verify_observed(
     reader: &Reader,
+    column_id: Option<&str>,
     observe: &mut dyn FnMut(Observed<'_>),
 ) -> Result<Verification, VerifyError> {
-    verify_with(reader, Some(observe))
+    verify_with(reader, column_id, Some(observe))
 }
 
 fn verify_with(
     reader: &Reader,
+    only: Option<&str>,
     observe: Option<&mut dyn FnMut(Observed<'_>)>,
 ) -> Result<Verification, VerifyError> {
     let journal = reader
@@ -91,8 +119,8 @@ fn verify_with(
         .find(|it| recording::is_journal(it))
         .map(|it| Arc::clone(&it.name))
         .ok_or(VerifyError::NoJournal)?;
-    let mut pass = VerifyingPass::new(reader, &journal, observe);
-    pass.found.about = about(reader, &journal)?;
+    let mut pass = VerifyingPass::new(reader, &journal, only, observe);
+    pass.begin(beginning(reader, &journal)?, only)?;
     for message in reader.messages() {
         match message {
             Ok(message) => pass.message(&message)?,
@@ -104,13 +132,14 @@ fn verify_with(
     pass.finish()
 }
 
-/// The program that made the recording, from the first checkpoint: the names of its topics are needed from the beginning.
-fn about(reader: &Reader, journal: &str) -> Result<Option<About>, VerifyError> {
+/// The first line with which a recording can begin: the names of the topics and the columns of a fleet are needed from the
+/// beginning.
+fn beginning(reader: &Reader, journal: &str) -> Result<Option<JournalLine>, VerifyError> {
     let lines = reader.messages().filter_map(Result::ok);
     for message in lines.filter(|it| *it.topic == *journal) {
         let line = JournalLine::decode(&message.data)?;
         if line.about.is_some() {
-            return Ok(line.about);
+            return Ok(Some(line));
         }
     }
     Ok(None)
@@ -123,38 +152,71 @@ struct VerifyingPass<'a, 'o> {
     journal: &'a str,
     observe: Option<&'o mut dyn FnMut(Observed<'_>)>,
     lines: Lines,
-    inputs: Inputs,
-    replayer: Replayer,
-    parameter_events: ParameterEvents,
+    columns: Columns,
+    statuses: FleetStatuses,
     found: Verification,
     /// Missing messages that were noted when the counts of the journal were last settled.
     settled: u64,
-    /// Messages of the twin before the first checkpoint, by topic.
-    early: [u64; Topic::COUNT],
     last_log_time: i64,
+    /// The recording declares losses, or is damaged.
+    declares_losses: bool,
 }
 
 impl<'a, 'o> VerifyingPass<'a, 'o> {
     fn new(
         reader: &'a Reader,
         journal: &'a str,
+        only: Option<&str>,
         observe: Option<&'o mut dyn FnMut(Observed<'_>)>,
     ) -> Self {
         let is_damaged = reader.damaged_records() > 0;
         let lost = reader.lost_messages().unwrap_or_default();
+        let declares_losses = is_damaged || lost > 0;
         Self {
             reader,
             journal,
             lines: Lines::new(!is_damaged, reader.repeats_checkpoint()),
-            inputs: Inputs::default(),
-            replayer: Replayer::new(observe.is_some(), is_damaged || lost > 0),
+            columns: Columns::new(only, observe.is_some(), declares_losses),
+            statuses: FleetStatuses::default(),
             observe,
-            parameter_events: ParameterEvents::default(),
             found: Verification::default(),
             settled: 0,
-            early: [0; Topic::COUNT],
             last_log_time: 0,
+            declares_losses,
         }
+    }
+
+    /// Takes the first line with which the recording can begin.
+    fn begin(&mut self, line: Option<JournalLine>, only: Option<&str>) -> Result<(), VerifyError> {
+        let Some(line) = line else {
+            return Ok(());
+        };
+        let known = match &line.entry {
+            JournalEntry::Fleet { columns } => {
+                self.found.fleet = Some(columns.len());
+                self.columns.list(columns);
+                columns.to_vec()
+            }
+            JournalEntry::Twin(Journal::Checkpoint(it)) => {
+                vec![it.parameters.settings().column_id.as_str().into()]
+            }
+            _ => Vec::new(),
+        };
+        self.found.about = line.about;
+        let Some(wanted) = only else {
+            return Ok(());
+        };
+        if !known.iter().any(|it| **it == *wanted) {
+            let columns = known.iter().take(MAX_NAMED).map(|it| format!("{it:?}"));
+            let mut columns = columns.collect::<Vec<_>>().join(", ");
+            if let more @ 1.. = known.len().saturating_sub(MAX_NAMED) {
+                columns += &format!(" and {more} more");
+            }
+            let wanted = wanted.to_owned();
+            return Err(VerifyError::NoSuchColumn { wanted, columns });
+        }
+        self.found.only = self.found.fleet.map(|_| wanted.to_owned());
+        Ok(())
     }
 
     fn message(&mut self, message: &recording::Message) -> Result<(), VerifyError> {
@@ -173,30 +235,28 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             let after = place.difference("the message", "after the end of the journal", "before");
             self.found.note_difference(after);
         }
-        let topic = topic_of(
-            self.found.about.as_ref(),
-            message,
-            Topic::ALL.map(Topic::endpoint),
-        );
-        let input = topic_of(self.found.about.as_ref(), message, INPUTS);
+        let about = self.found.about.as_ref();
+        let is_on = |endpoint: &Endpoint| topic_of(about, message, [endpoint]).is_some();
+        let topic = topic_of(about, message, Topic::ALL.map(Topic::endpoint));
+        let input = topic_of(about, message, INPUTS);
+        let is_measurement = is_on(&endpoints::MEASUREMENTS);
+        let is_parameter_event = is_on(&endpoints::PARAMETER_EVENTS);
+        let is_fleet_status = is_on(&endpoints::FLEET_STATUS);
         let is_recomputed = topic.is_some() || input.is_some();
         self.lines
             .message(&message.topic, message.log_time, is_recomputed);
-        let is_measurement = topic_of(
-            self.found.about.as_ref(),
-            message,
-            [&endpoints::MEASUREMENTS],
-        )
-        .is_some();
         if is_measurement {
             // Its publish time is that of its arrival by the clock of the twin.
             self.lines.measurement(message.publish_time, &message.data);
-            self.replayer.estimates.measured.message(
-                &message.data,
-                message.publish_time,
-                &place,
-                &mut self.found,
-            );
+            self.columns
+                .in_column(SINGLE, &mut self.found, |column, found| {
+                    column.replayer.estimates.measured.message(
+                        &message.data,
+                        message.publish_time,
+                        &place,
+                        found,
+                    );
+                });
         } else if input.is_none() && message.publish_time != message.log_time {
             let difference = place.difference(
                 "publish time",
@@ -206,37 +266,136 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             self.found.note_difference(difference);
         }
         if let Some(input) = input {
-            self.inputs.message(
-                input,
+            self.input(input, message, &place);
+        } else if let Some(topic) = topic {
+            self.of_twin(Topic::ALL[topic], message, &place);
+        } else if is_parameter_event {
+            self.parameter_event(&message.data, &place);
+        } else if is_fleet_status && let Some(fleet) = self.columns.fleet() {
+            self.statuses.message(
                 &message.data,
-                message.publish_time,
                 &place,
+                fleet.len(),
+                self.declares_losses,
                 &mut self.found,
             );
-        } else if let Some(topic) = topic {
-            if self.found.checkpoints == 0 {
-                self.early[topic] += 1;
-                return Ok(());
-            }
-            let recorded = RecordedBytes {
-                topic: Topic::ALL[topic],
-                name: &message.topic,
-                log_time: message.log_time,
-                bytes: &message.data,
-            };
-            self.replayer.message(&recorded, &mut self.found);
-            self.show_outputs();
-        } else if topic_of(
-            self.found.about.as_ref(),
-            message,
-            [&endpoints::PARAMETER_EVENTS],
-        )
-        .is_some()
-        {
-            self.parameter_events
-                .message(&message.data, &place, &mut self.found);
         }
         Ok(())
+    }
+
+    /// Whether a message belongs to a column that is to be verified. One that belongs to no column of the fleet is a difference.
+    fn is_wanted(&mut self, column_id: &str, place: &Place<'_>) -> bool {
+        let fleet = self.columns.fleet();
+        if fleet.is_some_and(|fleet| !fleet.contains(column_id)) {
+            let own = "a column of the fleet";
+            let difference = place.difference("column_id", format!("{column_id:?}"), own);
+            self.found.note_difference(difference);
+            return false;
+        }
+        let is_wanted = fleet.is_none() || self.columns.is_wanted(column_id);
+        if !is_wanted {
+            self.found.of_other_columns += 1;
+        }
+        is_wanted
+    }
+
+    /// Takes a message that becomes a command.
+    fn input(&mut self, input: usize, message: &recording::Message, place: &Place<'_>) {
+        let mut column_id = String::new();
+        if self.columns.fleet().is_some() {
+            match inputs::column_of(input, &message.data) {
+                Ok(id) => column_id = id,
+                Err(error) => {
+                    let read = format!("not readable ({error})");
+                    let difference =
+                        place.difference("the message", read, "a message of this type");
+                    return self.found.note_difference(difference);
+                }
+            }
+        }
+        if !self.is_wanted(&column_id, place) {
+            return;
+        }
+        self.columns
+            .in_column(&column_id, &mut self.found, |column, found| {
+                column
+                    .inputs
+                    .message(input, &message.data, message.publish_time, place, found);
+            });
+    }
+
+    /// Takes a message about parameters.
+    fn parameter_event(&mut self, bytes: &[u8], place: &Place<'_>) {
+        let Some(fleet) = self.columns.fleet() else {
+            return self
+                .columns
+                .in_column(SINGLE, &mut self.found, |column, found| {
+                    column.parameter_events.message(bytes, place, found);
+                });
+        };
+        match EventOfFleet::decode(bytes, fleet) {
+            Ok(event) => {
+                let column_id = Arc::clone(&event.column_id);
+                if self.is_wanted(&column_id, place) {
+                    self.columns
+                        .in_column(&column_id, &mut self.found, |column, found| {
+                            event.take(&mut column.parameter_events, place, found);
+                        });
+                }
+            }
+            Err(read) => {
+                let own = "parameters of one column of the fleet";
+                let difference = place.difference("the message", read, own);
+                self.found.note_difference(difference);
+            }
+        }
+    }
+
+    /// Takes a message of the twin.
+    fn of_twin(&mut self, topic: Topic, message: &recording::Message, place: &Place<'_>) {
+        let decoded = Message::decode(topic, &message.data);
+        let of_fleet = self.columns.fleet().is_some();
+        let column_id = match &decoded {
+            Ok(decoded) => {
+                self.found.note_losses(decoded, message.log_time);
+                if let (Message::TwinStatus(status), true) = (decoded, of_fleet) {
+                    self.statuses.reported(status);
+                }
+                decoded.column_id().filter(|_| of_fleet)
+            }
+            Err(error) if of_fleet => {
+                let read = format!("not readable ({error})");
+                let difference = place.difference("the message", read, "a message of this type");
+                return self.found.note_difference(difference);
+            }
+            Err(_) => None,
+        };
+        let column_id = column_id.unwrap_or(SINGLE).to_owned();
+        if !self.is_wanted(&column_id, place) {
+            return;
+        }
+        let recorded = RecordedBytes {
+            topic,
+            name: &message.topic,
+            log_time: message.log_time,
+            bytes: &message.data,
+            message: decoded,
+        };
+        // What a column of a fleet does is preceded by its checkpoint, except after what the recording declares.
+        let is_early = of_fleet && !self.lines.is_continuation() && !self.declares_losses;
+        self.columns
+            .in_column(&column_id, &mut self.found, |column, found| {
+                if column.has_checkpoint {
+                    return column.replayer.message(recorded, found);
+                }
+                column.early[topic.index()] += 1;
+                if is_early {
+                    found.topics[topic.index()].unexpected += 1;
+                    let own = "after a checkpoint of its column";
+                    found.note_difference(place.difference("the message", "present", own));
+                }
+            });
+        self.show_outputs();
     }
 
     fn line(&mut self, line: &JournalLine, publish_time: i64, place: &Place<'_>) {
@@ -251,65 +410,139 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             let missing = place.difference("the lines before this one", "absent", "a checkpoint");
             found.note_missing(1, missing);
         }
-        self.replayer.gap(gap, place, found);
-        match gap {
-            Gap::Missing(_) => self.inputs.restart(found),
-            Gap::Earlier(_) => self.inputs.continue_at(place.log_time),
-            Gap::None => {}
+        if let Gap::Missing(lost) = gap {
+            found.missing_entries = found.missing_entries.saturating_add(lost);
+            let own = format!("{lost} lines");
+            let missing = place.difference("the lines before this one", "absent", own);
+            found.note_missing(lost, missing);
         }
-        let measured = &mut self.replayer.estimates.measured;
+        self.columns.gap(gap, place.log_time, found);
         let is_measured = self.lines.count(line, gap, is_first, place, found);
-        let is_next = matches!(gap, Gap::None | Gap::Earlier(0));
-        if line.since.lost_measurements > 0 {
-            measured.lose("measurements that the node took could not be recorded");
-        } else if !is_measured || !is_next {
-            measured.lose("measurements are missing, or are not those that the journal tells of");
+        let of_fleet = self.columns.fleet().is_some();
+        if !of_fleet {
+            let is_next = matches!(gap, Gap::None | Gap::Earlier(0));
+            self.columns.in_column(SINGLE, found, |column, found| {
+                let measured = &mut column.replayer.estimates.measured;
+                if line.since.lost_measurements > 0 {
+                    measured.lose("measurements that the node took could not be recorded");
+                } else if !is_measured || !is_next {
+                    measured.lose(
+                        "measurements are missing, or are not those that the journal tells of",
+                    );
+                }
+                if let JournalEntry::Twin(Journal::Checkpoint(checkpoint)) = &line.entry {
+                    let parameters = &checkpoint.parameters;
+                    measured.checkpoint(line.intake.as_ref(), parameters, place, found);
+                }
+            });
         }
-        if let JournalEntry::Twin(Journal::Checkpoint(checkpoint)) = &line.entry {
-            measured.checkpoint(line.intake.as_ref(), &checkpoint.parameters, place, found);
+        let is_wanted = match &line.entry {
+            JournalEntry::Fleet { columns } => {
+                self.list(columns, place);
+                // No column is in the middle of anything.
+                self.settle(place);
+                self.columns.forget_what_is_too_old();
+                true
+            }
+            JournalEntry::End {} => {
+                self.lines.ended = true;
+                true
+            }
+            JournalEntry::RefusedByNode { stamp, .. } if of_fleet && line.column_id.is_none() => {
+                // A request whose sender is not admitted names no column.
+                refused_by_node(*stamp, line.recorded, place, &mut self.found);
+                true
+            }
+            entry => {
+                let column_id = line.column_id.as_deref().unwrap_or(SINGLE);
+                let is_wanted = self.is_wanted(column_id, place);
+                if is_wanted {
+                    let is_continued = is_first || matches!(gap, Gap::Earlier(_));
+                    self.entry(entry, column_id, line.recorded, is_continued, place);
+                }
+                // The forecasts of a response are known to be missing at its end.
+                if !of_fleet && matches!(entry, JournalEntry::Twin(Journal::Checkpoint(_))) {
+                    self.settle(place);
+                }
+                is_wanted
+            }
+        };
+        self.show_outputs();
+        if let Some(observe) = self.observe.as_mut().filter(|_| is_wanted) {
+            observe(Observed::Entry(&line.entry));
         }
-        match &line.entry {
-            JournalEntry::Twin(entry) => {
-                let before = self.replayer.parameters();
-                let is_complete = self.replayer.journal(entry, place, found);
-                let after = self.replayer.parameters();
+    }
+
+    /// Takes a list of the columns of a fleet, which are the same in all lists.
+    fn list(&mut self, columns: &[Arc<str>], place: &Place<'_>) {
+        let known = self.columns.fleet();
+        if !known.is_some_and(|known| {
+            columns.len() == known.len() && columns.iter().all(|it| known.contains(it))
+        }) {
+            let number = |it: usize| format!("{it} columns");
+            let own = known.map_or(0, std::collections::BTreeSet::len);
+            let difference = place.difference(
+                "the list of the columns",
+                number(columns.len()),
+                format!("the {} of the first list", number(own)),
+            );
+            self.found.note_difference(difference);
+        }
+    }
+
+    /// Takes an entry about a column.
+    fn entry(
+        &mut self,
+        entry: &JournalEntry,
+        column_id: &str,
+        recorded: i64,
+        is_continued: bool,
+        place: &Place<'_>,
+    ) {
+        let of_fleet = self.columns.fleet().is_some();
+        if let JournalEntry::Twin(Journal::Command(record)) = entry {
+            self.columns.at(record.now);
+        }
+        self.columns
+            .in_column(column_id, &mut self.found, |column, found| {
+                let entry = match entry {
+                    JournalEntry::Twin(entry) => entry,
+                    other => {
+                        if let JournalEntry::RefusedByNode { stamp, .. } = other {
+                            refused_by_node(*stamp, recorded, place, found);
+                        }
+                        return column.inputs.line(other, is_continued, place, found);
+                    }
+                };
+                column.has_checkpoint |= matches!(entry, Journal::Checkpoint(_));
+                let before = column.replayer.parameters();
+                let is_complete = column.replayer.journal(entry, place, found);
+                let after = column.replayer.parameters();
                 let before = before.or_else(|| after.clone());
-                self.parameter_events
+                column
+                    .parameter_events
                     .entry(before.as_deref(), after.as_deref(), found);
                 if !is_complete {
-                    self.inputs.restart(found);
+                    column.inputs.restart(found);
                 }
                 match entry {
                     Journal::Checkpoint(checkpoint) => {
-                        let column_id = &checkpoint.parameters.settings().column_id;
-                        self.inputs
-                            .checkpoint(column_id, checkpoint.number, place.log_time);
+                        let own = &checkpoint.parameters.settings().column_id;
+                        if of_fleet && own != column_id {
+                            let wanted = format!("{column_id:?}, as the line has it");
+                            let own = format!("{own:?}");
+                            found.note_difference(place.difference("column_id", own, wanted));
+                        }
+                        // The first checkpoint of a column of a fleet precedes its first command, whatever its number is.
+                        let is_continued = !of_fleet && checkpoint.number > 0;
+                        column.inputs.checkpoint(own, is_continued, place.log_time);
                     }
-                    Journal::Command(record) => self.inputs.command(&record.command, place, found),
+                    Journal::Command(record) => {
+                        column.inputs.command(&record.command, place, found);
+                    }
                     Journal::Status(_) => {}
                 }
-                // The forecasts of a response are known to be missing at its end.
-                if matches!(entry, Journal::Checkpoint(_)) {
-                    self.settle(place);
-                }
-            }
-            JournalEntry::End {} => self.lines.ended = true,
-            other => {
-                if let JournalEntry::RefusedByNode { stamp, .. } = other {
-                    found.refused_by_node += 1;
-                    if *stamp != line.recorded {
-                        let own = seconds(line.recorded);
-                        found.note_difference(place.difference("stamp", seconds(*stamp), own));
-                    }
-                }
-                let is_continued = is_first || matches!(gap, Gap::Earlier(_));
-                self.inputs.line(other, is_continued, place, found);
-            }
-        }
-        self.show_outputs();
-        if let Some(observe) = &mut self.observe {
-            observe(Observed::Entry(&line.entry));
-        }
+            });
     }
 
     /// Compares what was found to be missing with the counts of the journal.
@@ -321,15 +554,17 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
 
     fn show_outputs(&mut self) {
         if let Some(observe) = &mut self.observe {
-            for output in &self.replayer.take_outputs() {
-                observe(Observed::Recomputed(output));
-            }
+            self.columns.in_each(&mut self.found, |column, _| {
+                for output in &column.replayer.take_outputs() {
+                    observe(Observed::Recomputed(output));
+                }
+            });
         }
     }
 
     fn finish(mut self) -> Result<Verification, VerifyError> {
         let wholeness = self.reader.wholeness();
-        if self.found.checkpoints == 0 {
+        if self.found.checkpoints == 0 && self.columns.fleet().is_none() {
             let wholeness = wholeness.to_string();
             return Err(VerifyError::NoCheckpoint { wholeness });
         }
@@ -341,30 +576,32 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         let is_stopped = self.lines.ended;
         let is_damaged = self.reader.damaged_records() > 0;
         let is_continuation = self.lines.is_continuation();
-        let replayer = std::mem::take(&mut self.replayer);
-        replayer.finish(is_stopped, is_continuation, &place, &mut self.found);
-        std::mem::take(&mut self.parameter_events).finish(&mut self.found);
-        let inputs = std::mem::take(&mut self.inputs);
-        inputs.finish(self.last_log_time, is_stopped, &mut self.found);
+        let last_log_time = self.last_log_time;
+        self.columns.in_each(&mut self.found, |column, found| {
+            let replayer = std::mem::take(&mut column.replayer);
+            replayer.finish(is_stopped, is_continuation, &place, found);
+            let inputs = std::mem::take(&mut column.inputs);
+            inputs.finish(last_log_time, is_stopped, found);
+            std::mem::take(&mut column.parameter_events).finish(found);
+            let early_messages: u64 = column.early.iter().sum();
+            if early_messages > 0 {
+                found.note_unchecked(format!(
+                    "{early_messages} messages were recorded before the first checkpoint"
+                ));
+                for (check, count) in found.topics.iter_mut().zip(column.early) {
+                    check.recorded += count;
+                    check.unchecked += count;
+                }
+            }
+        });
         self.settle(&place);
         let Self {
             reader,
             lines,
             mut found,
-            early,
             ..
         } = self;
         lines.finish(&place, &mut found);
-        let early_messages: u64 = early.iter().sum();
-        if early_messages > 0 {
-            found.note_unchecked(format!(
-                "{early_messages} messages were recorded before the first checkpoint"
-            ));
-            for (check, count) in found.topics.iter_mut().zip(early) {
-                check.recorded += count;
-                check.unchecked += count;
-            }
-        }
         let moved = reader.out_of_order();
         if moved > 0 {
             let difference = place.difference(
@@ -392,6 +629,14 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         }
         found.weigh_losses(lost, is_damaged);
         Ok(found)
+    }
+}
+
+/// Takes note of a message that the node rejected when the line about it was recorded.
+fn refused_by_node(stamp: i64, recorded: i64, place: &Place<'_>, found: &mut Verification) {
+    found.refused_by_node += 1;
+    if stamp != recorded {
+        found.note_difference(place.difference("stamp", seconds(stamp), seconds(recorded)));
     }
 }
 

@@ -660,6 +660,14 @@ impl From<&TwinStatus> for ColumnStatus {
     }
 }
 
+impl TwinStatus {
+    /// Whether no response is running.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        !matches!(self.phase, Self::APPROACH | Self::CONTACT | Self::FREE)
+    }
+}
+
 impl ColumnStatus {
     /// Whether the column takes no impact before it is reset: it has collapsed, is severed, or cannot be computed.
     #[must_use]

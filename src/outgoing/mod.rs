@@ -188,6 +188,19 @@ impl Message {
         header.stamp.to_nanos()
     }
 
+    /// The column to which the message belongs; `None` if its type has no such field.
+    #[must_use]
+    pub fn column_id(&self) -> Option<&str> {
+        match self {
+            Self::ColumnState(message) => Some(&message.column_id),
+            Self::HingeForces(message) => Some(&message.column_id),
+            Self::ImpactForecast(message) | Self::ImpactReport(message) => Some(&message.column_id),
+            Self::ImpactEstimate(message) => Some(&message.column_id),
+            Self::TwinStatus(message) => Some(&message.column_id),
+            Self::JointStates(_) | Self::Markers(_) => None,
+        }
+    }
+
     /// The impact to which the message belongs; `None` if its type has no such field.
     #[must_use]
     pub fn event_id(&self) -> Option<&str> {

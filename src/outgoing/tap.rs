@@ -8,12 +8,20 @@ use crate::senses::Intake;
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Receives a copy of everything that the node receives and sends. Called from the node's threads; must not block.
+///
+/// `column` is the identifier of the column that something is about, in the node of a fleet; `None` in that of a single twin.
 pub trait RecordingTap: Send + Sync + 'static {
     /// The node sent a message; `bytes` include the encapsulation header.
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>);
 
     /// The node received a message; `source_stamp` is the time of sending \[ns since 1970\], if known.
-    fn received(&self, endpoint: &Endpoint, bytes: Vec<u8>, source_stamp: Option<i64>);
+    fn received(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        bytes: Vec<u8>,
+        source_stamp: Option<i64>,
+    );
 
     /// The measurements come through this intake. It is locked from when it takes a batch until
     /// [`measured`](Self::measured) has returned.
@@ -25,10 +33,17 @@ pub trait RecordingTap: Send + Sync + 'static {
 
     /// The node rejected a received message, so that it did not reach the twin. `what` identifies the message; `code` is
     /// `None` if only its recording failed.
-    fn rejected(&self, endpoint: &Endpoint, what: &str, code: Option<RefusalCode>, reason: &str);
+    fn rejected(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        what: &str,
+        code: Option<RefusalCode>,
+        reason: &str,
+    );
 
     /// The twin produced an entry of its journal.
-    fn journal(&self, entry: &Journal);
+    fn journal(&self, column: Option<&str>, entry: &Journal);
 
     /// The state of the recording.
     fn health(&self) -> RecordingHealth;

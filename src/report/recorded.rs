@@ -70,6 +70,20 @@ pub enum RecordedReportError {
     /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// It has no such column.
+    #[error(transparent)]
+    Column(VerifyError),
+    /// It is of a fleet, and no column was named.
+    #[error(
+        "expected the recording of one column, found that of a fleet of {columns} in {}; name the column with --column",
+        path.display()
+    )]
+    Fleet {
+        /// The recording.
+        path: PathBuf,
+        /// Number of its columns.
+        columns: usize,
+    },
     /// It is not a recording of this program, or nothing happened in it.
     #[error(
         "{} contains no impact: expected messages of type column_twin/msg/ImpactEvent or column_twin/msg/ImpactReport, found \
@@ -94,21 +108,43 @@ pub enum RecordedReportError {
 }
 
 impl ReportDocument {
-    /// The report about all impacts of a recording, or about the one with this identifier.
+    /// The report about all impacts of a recording, or about the one with this identifier. The recording of a fleet needs the
+    /// `column_id` of one of its columns.
     ///
     /// A recording that cannot be verified, or only in part, still gives a report; the report states what was not verified.
     ///
     /// # Errors
     /// The recording cannot be read, or contains no such impact.
-    pub fn of_recording(path: &Path, event_id: Option<&str>) -> Result<Self, RecordedReportError> {
+    pub fn of_recording(
+        path: &Path,
+        column_id: Option<&str>,
+        event_id: Option<&str>,
+    ) -> Result<Self, RecordedReportError> {
         let reader = Reader::open(path)?;
         let mut gathered = Gathered {
             wanted: event_id.map(str::to_owned),
             ..Gathered::default()
         };
         let verification =
-            evidence::verify_observed(&reader, &mut |observed| gathered.take(observed));
+            evidence::verify_observed(&reader, column_id, &mut |it| gathered.take(it));
+        if let Err(error @ VerifyError::NoSuchColumn { .. }) = verification {
+            return Err(RecordedReportError::Column(error));
+        }
+        if column_id.is_none()
+            && let Ok(Verification {
+                fleet: Some(columns),
+                ..
+            }) = &verification
+        {
+            return Err(RecordedReportError::Fleet {
+                path: path.to_path_buf(),
+                columns: *columns,
+            });
+        }
         let (mut events, _) = recording::summarise_events(&reader)?;
+        if let Some(column_id) = column_id {
+            events.retain(|event| event.column_id == column_id);
+        }
         add_commands(&mut events, &gathered.commands);
         check_events(path, &reader, &events, &gathered.felt, event_id)?;
         let whole = reader.wholeness();

@@ -241,7 +241,7 @@ fn queue_entry(queue: &QueueStats) -> (String, String) {
 }
 
 /// A recording is evidence, so every loss is an error.
-fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
+pub(super) fn recording_status(recording: &RecordingHealth) -> DiagnosticStatus {
     let lost = recording.lost;
     let (level, message) = match (&recording.problem, lost) {
         (Some(problem), _) => (

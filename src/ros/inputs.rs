@@ -84,9 +84,15 @@ impl Subscriptions {
                 if let Err(rejected) = self.senders.admit(sender, Instant::now()) {
                     let id = event.event_id.chars().take(MAX_NAMED_CHARS);
                     let what = id.collect::<String>();
-                    return tell(&self.recording, &qos::IMPACT_EVENT, &what, &rejected);
+                    return tell(&self.recording, None, &qos::IMPACT_EVENT, &what, &rejected);
                 }
-                record(&self.recording, &qos::IMPACT_EVENT, &event, &info);
+                record(
+                    &self.recording,
+                    None,
+                    &qos::IMPACT_EVENT,
+                    &event,
+                    Some(&info),
+                );
                 let event_id = event.event_id.clone();
                 tracing::debug!(
                     "received impact event {event_id:?} of {}: {} kg, {} m/s, gap {} m, {:.6} s old",
@@ -100,6 +106,7 @@ impl Subscriptions {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
                     if let Some(recording) = &self.recording {
                         recording.rejected(
+                            None,
                             &qos::IMPACT_EVENT,
                             &event_id,
                             Some(refusal.code),
@@ -186,9 +193,10 @@ pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
 /// Most characters of an identifier that a log names before it was checked.
 pub(super) const MAX_NAMED_CHARS: usize = 64;
 
-/// Logs and records that a message of a sender was rejected.
+/// Logs and records that a message of a sender was rejected; `column` is as in [`RecordingTap`].
 pub(super) fn tell(
     recording: &Option<Arc<dyn RecordingTap>>,
+    column: Option<&str>,
     endpoint: &Endpoint,
     what: &str,
     rejected: &Rejected,
@@ -199,26 +207,29 @@ pub(super) fn tell(
     }
     tracing::warn!("{what:?} on {} was rejected: {refusal}", endpoint.name);
     if let Some(recording) = recording {
-        recording.rejected(endpoint, what, Some(refusal.code), &refusal.reason);
+        recording.rejected(column, endpoint, what, Some(refusal.code), &refusal.reason);
     }
 }
 
-/// Records a received message in the encoding of this program.
-fn record<M: crate::messages::Message>(
+/// Records a received message in the encoding of this program; `column` is as in [`RecordingTap`], and `info` is absent for a
+/// message that the node has derived from another one.
+pub(super) fn record<M: crate::messages::Message>(
     recording: &Option<Arc<dyn RecordingTap>>,
+    column: Option<&str>,
     endpoint: &Endpoint,
     message: &M,
-    info: &MessageInfo,
+    info: Option<&MessageInfo>,
 ) {
     let Some(recording) = recording else {
         return;
     };
     match cdr::encode(message) {
         Ok(bytes) => {
-            let source = info.source_timestamp().map(|stamp| stamp.to_nanos());
-            recording.received(endpoint, bytes, source);
+            let stamp = info.and_then(MessageInfo::source_timestamp);
+            let source = stamp.map(|it| it.to_nanos());
+            recording.received(column, endpoint, bytes, source);
         }
-        Err(error) => recording.rejected(endpoint, "a message", None, &error.to_string()),
+        Err(error) => recording.rejected(column, endpoint, "a message", None, &error.to_string()),
     }
 }
 
@@ -236,13 +247,27 @@ pub(super) struct Services {
     recording: Option<Arc<dyn RecordingTap>>,
 }
 
-struct ParameterServers {
-    get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
-    types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
-    list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
-    describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
-    set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
-    set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
+/// The servers behind `ros2 param`.
+pub(super) struct ParameterServers {
+    pub get: Server<rcl::GetParametersRequest, rcl::GetParametersResponse>,
+    pub types: Server<rcl::GetParameterTypesRequest, rcl::GetParameterTypesResponse>,
+    pub list: Server<rcl::ListParametersRequest, rcl::ListParametersResponse>,
+    pub describe: Server<rcl::DescribeParametersRequest, rcl::DescribeParametersResponse>,
+    pub set: Server<rcl::SetParametersRequest, rcl::SetParametersResponse>,
+    pub set_atomically: Server<rcl::SetParametersRequest, rcl::SetParametersAtomicallyResponse>,
+}
+
+impl ParameterServers {
+    pub fn new(node: &mut Node) -> Result<Self, NodeError> {
+        Ok(Self {
+            get: node.server(&qos::GET_PARAMETERS)?,
+            types: node.server(&qos::GET_PARAMETER_TYPES)?,
+            list: node.server(&qos::LIST_PARAMETERS)?,
+            describe: node.server(&qos::DESCRIBE_PARAMETERS)?,
+            set: node.server(&qos::SET_PARAMETERS)?,
+            set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
+        })
+    }
 }
 
 impl Services {
@@ -260,14 +285,7 @@ impl Services {
             predict: node.server(&qos::PREDICT)?,
             confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
             calibrate: node.server(&qos::CALIBRATE)?,
-            parameters: ParameterServers {
-                get: node.server(&qos::GET_PARAMETERS)?,
-                types: node.server(&qos::GET_PARAMETER_TYPES)?,
-                list: node.server(&qos::LIST_PARAMETERS)?,
-                describe: node.server(&qos::DESCRIBE_PARAMETERS)?,
-                set: node.server(&qos::SET_PARAMETERS)?,
-                set_atomically: node.server(&qos::SET_PARAMETERS_ATOMICALLY)?,
-            },
+            parameters: ParameterServers::new(node)?,
             descriptions: parameters
                 .settings()
                 .start_type_description_service
@@ -299,7 +317,7 @@ impl Services {
         let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
             let admitted = self.senders.admit(gid, Instant::now());
             admitted.map_err(|rejected| {
-                tell(&recording, endpoint, what, &rejected);
+                tell(&recording, None, endpoint, what, &rejected);
                 rejected.refusal
             })
         };
@@ -313,7 +331,13 @@ impl Services {
                     if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_err() {
                         return;
                     }
-                    record(&recording, &qos::COLUMN_PARAMETERS, &message, &info);
+                    record(
+                        &recording,
+                        None,
+                        &qos::COLUMN_PARAMETERS,
+                        &message,
+                        Some(&info),
+                    );
                     tracing::debug!(
                         "received a set of parameters of {}",
                         GuidPrefix::from(sender)
@@ -325,6 +349,7 @@ impl Services {
                         && !refusal.code.is_from_twin()
                     {
                         recording.rejected(
+                            None,
                             &qos::COLUMN_PARAMETERS,
                             "a set of parameters",
                             Some(refusal.code),

@@ -101,7 +101,13 @@ impl SensorInputs {
         match cdr::encode(measurement) {
             Ok(bytes) => recording.measured(&qos::MEASUREMENTS, bytes, received),
             Err(error) => {
-                recording.rejected(&qos::MEASUREMENTS, "a batch", None, &error.to_string());
+                recording.rejected(
+                    None,
+                    &qos::MEASUREMENTS,
+                    "a batch",
+                    None,
+                    &error.to_string(),
+                );
             }
         }
     }
@@ -253,7 +259,7 @@ impl MeasurementSubscriptions {
             let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
             let told = |rejected: &Rejected| {
                 let what = format!("a measurement on {topic}");
-                tell(&inputs.recording, &qos::MEASUREMENTS, &what, rejected);
+                tell(&inputs.recording, None, &qos::MEASUREMENTS, &what, rejected);
             };
             admitted.inspect_err(told).is_ok()
         };

@@ -4,6 +4,7 @@
 //! never a set as a whole, reject a whole number for a `double`, and run their set action at declaration.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 
 use ros2_client::parameters::raw;
 use ros2_client::rcl_interfaces::{
@@ -19,7 +20,7 @@ use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 use super::live_twin::LiveTwin;
 
 /// Maximum number of parameters in one request: more than exist, and few enough to answer quickly.
-const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
+pub(super) const MAX_PARAMETERS_PER_REQUEST: usize = 1024;
 
 /// What a client has to know of a change that is accepted during a response.
 const WAITS: &str = "takes effect when the response ends";
@@ -80,7 +81,11 @@ pub(super) fn describe(
 
 /// One reply for each request, as the services require: `answer` up to the bound, `reject` beyond it. `reject` receives the
 /// reason, which is empty after the first one, so that the reply does not grow beyond the request.
-fn each<T, A>(requested: &[T], answer: impl Fn(&T) -> A, reject: impl Fn(String) -> A) -> Vec<A> {
+pub(super) fn each<T, A>(
+    requested: &[T],
+    answer: impl Fn(&T) -> A,
+    reject: impl Fn(String) -> A,
+) -> Vec<A> {
     let (answered, rejected) = requested.split_at(requested.len().min(MAX_PARAMETERS_PER_REQUEST));
     let rejections = (0..rejected.len()).map(|index| {
         reject(match index {
@@ -91,18 +96,15 @@ fn each<T, A>(requested: &[T], answer: impl Fn(&T) -> A, reject: impl Fn(String)
     answered.iter().map(answer).chain(rejections).collect()
 }
 
-fn too_many(count: usize) -> String {
+pub(super) fn too_many(count: usize) -> String {
     format!(
         "expected at most {MAX_PARAMETERS_PER_REQUEST} parameters in one request, found {count}; send several requests"
     )
 }
 
-/// `~/list_parameters`, as in rclcpp: without prefixes all names with fewer than `depth` dots (0: any number); with
-/// prefixes the names equal to one of them, or below one with fewer than `depth` dots after it, including the first.
-pub(super) fn list(
-    parameters: &Parameters,
-    request: &ListParametersRequest,
-) -> ListParametersResponse {
+/// Whether a request asks for this name, as in rclcpp: without prefixes all names with fewer than `depth` dots (0: any number);
+/// with prefixes the names equal to one of them, or below one with fewer than `depth` dots after it, including the first.
+pub(super) fn is_listed(name: &str, request: &ListParametersRequest) -> bool {
     let within = |dots: usize| request.depth == 0 || (dots as u64) < request.depth;
     let below = |name: &str, prefix: &String| {
         name == prefix
@@ -111,13 +113,21 @@ pub(super) fn list(
                 .and_then(|rest| rest.strip_prefix('.'))
                 .is_some_and(|rest| within(rest.matches('.').count() + 1))
     };
+    match request.prefixes.is_empty() {
+        true => within(name.matches('.').count()),
+        false => request.prefixes.iter().any(|prefix| below(name, prefix)),
+    }
+}
+
+/// `~/list_parameters`: see [`is_listed`].
+pub(super) fn list(
+    parameters: &Parameters,
+    request: &ListParametersRequest,
+) -> ListParametersResponse {
     let mut names: Vec<String> = parameters
         .all_declared()
         .map(|parameter| parameter.name)
-        .filter(|name| match request.prefixes.is_empty() {
-            true => within(name.matches('.').count()),
-            false => request.prefixes.iter().any(|prefix| below(name, prefix)),
-        })
+        .filter(|name| is_listed(name, request))
         .map(str::to_owned)
         .collect();
     names.sort();
@@ -175,8 +185,30 @@ pub(super) fn set_atomically(
     }
 }
 
+/// A column whose parameters can change.
+pub(super) trait Configurable {
+    /// The parameters that hold.
+    fn parameters(&self) -> Arc<Parameters>;
+
+    /// Executes a command, and waits for the outcome.
+    fn execute(&self, command: Command) -> Result<Accepted, Refusal>;
+}
+
+impl Configurable for LiveTwin {
+    fn parameters(&self) -> Arc<Parameters> {
+        self.parameters()
+    }
+
+    fn execute(&self, command: Command) -> Result<Accepted, Refusal> {
+        self.execute(command)
+    }
+}
+
 /// Changes parameters as a whole; returns what the client should know: that the change waits, or uses a deprecated value.
-fn set_all(twin: &LiveTwin, parameters: Vec<raw::Parameter>) -> Result<String, String> {
+pub(super) fn set_all(
+    twin: &impl Configurable,
+    parameters: Vec<raw::Parameter>,
+) -> Result<String, String> {
     const SOURCE: &str = "parameter service";
     let current = twin.parameters();
     let is_single = parameters.len() == 1;
@@ -231,7 +263,10 @@ fn deprecation((name, value): &(String, Value)) -> Option<String> {
 
 /// The value, if the parameter can be set while the node runs, or has this value already: `ros2 param load` sends back a whole
 /// dump.
-fn settable_value(current: &Parameters, parameter: raw::Parameter) -> Result<Value, Refusal> {
+pub(super) fn settable_value(
+    current: &Parameters,
+    parameter: raw::Parameter,
+) -> Result<Value, Refusal> {
     let raw::Parameter { name, value } = parameter;
     // What becomes of an array of other elements is the same for all, unless it is empty.
     let array = |is_empty: bool| is_empty.then(|| Value::DoubleArray(vec![]));
@@ -278,7 +313,7 @@ fn settable_value(current: &Parameters, parameter: raw::Parameter) -> Result<Val
     })
 }
 
-fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
+pub(super) fn result(outcome: Result<String, String>) -> raw::SetParametersResult {
     raw::SetParametersResult {
         successful: outcome.is_ok(),
         reason: outcome.unwrap_or_else(|reason| reason),
@@ -318,7 +353,7 @@ fn entry((parameter, value): (DeclaredParameter<'_>, Value)) -> raw::Parameter {
     }
 }
 
-fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
+pub(super) fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
     let mut it = no_descriptor();
     it.name = declared.name.to_owned();
     let parameter = declared.row;
@@ -372,7 +407,7 @@ fn descriptor(declared: DeclaredParameter<'_>) -> raw::ParameterDescriptor {
     it
 }
 
-fn no_descriptor() -> raw::ParameterDescriptor {
+pub(super) fn no_descriptor() -> raw::ParameterDescriptor {
     raw::ParameterDescriptor {
         name: String::new(),
         r#type: raw::ParameterType::NOT_SET,
@@ -385,7 +420,7 @@ fn no_descriptor() -> raw::ParameterDescriptor {
     }
 }
 
-fn type_code(kind: Kind) -> u8 {
+pub(super) fn type_code(kind: Kind) -> u8 {
     match kind {
         Kind::Bool => raw::ParameterType::BOOL,
         Kind::Integer => raw::ParameterType::INTEGER,
@@ -396,7 +431,7 @@ fn type_code(kind: Kind) -> u8 {
     }
 }
 
-fn raw_value(value: Value) -> raw::ParameterValue {
+pub(super) fn raw_value(value: Value) -> raw::ParameterValue {
     let mut raw = not_set();
     raw.ptype = type_code(value.kind());
     match value {
@@ -410,7 +445,7 @@ fn raw_value(value: Value) -> raw::ParameterValue {
     raw
 }
 
-fn not_set() -> raw::ParameterValue {
+pub(super) fn not_set() -> raw::ParameterValue {
     raw::ParameterValue {
         ptype: raw::ParameterType::NOT_SET,
         boolean_value: false,

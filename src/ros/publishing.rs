@@ -182,7 +182,7 @@ impl Publishing {
         match output {
             Output::Journal(entry) => {
                 if let Some(recording) = &self.recording {
-                    recording.journal(&entry);
+                    recording.journal(None, &entry);
                 }
             }
             Output::Refused(refused) => log_refusal(&refused),

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use crate::live::LiveOptions;
 use crate::outgoing::RecordingTap;
-use crate::parameters::{Fault, ParameterFaults, Parameters, Source};
+use crate::parameters::{Fault, FleetColumns, ParameterFaults, Parameters, Source};
+#[cfg(feature = "record")]
+use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
 
 use super::NODE_NAME;
 use super::arguments::RosArguments;
@@ -123,24 +125,39 @@ pub fn run(options: &RunOptions) -> Result<RunEnd, RunError> {
 
 /// The recording of a run, if there is one. Ends last, after everything has been published.
 #[cfg(feature = "record")]
-struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
+pub(super) struct RunRecording(Option<Arc<crate::evidence::NodeRecording>>);
 
 #[cfg(feature = "record")]
 impl RunRecording {
     fn start(parameters: &Parameters, names: &Names) -> Result<Self, RunError> {
         use crate::evidence::{NodeRecording, Topics};
-        use crate::recording::{RecorderOptions, RecorderReport, RecordingError, ReportLevel};
         let topics = Topics::resolved(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
-        let log = |report: &RecorderReport| match report.level() {
-            ReportLevel::Info => tracing::info!("{report}"),
-            ReportLevel::Warning => tracing::warn!("{report}"),
-            ReportLevel::Error => tracing::error!("{report}"),
-        };
-        let with_log = |options| RecorderOptions {
-            on_report: Some(Arc::new(log)),
-            ..options
-        };
-        NodeRecording::start(&parameters.settings().record, &topics, with_log)
+        Self::started(NodeRecording::start(
+            &parameters.settings().record,
+            &topics,
+            with_log,
+        ))
+    }
+
+    /// The recording of a fleet.
+    pub(super) fn start_of_fleet(fleet: &FleetColumns, names: &Names) -> Result<Self, RunError> {
+        use crate::evidence::{NodeRecording, Topics};
+        let topics =
+            Topics::resolved_of_fleet(|endpoint| names.resolve(endpoint.kind(), endpoint.name))?;
+        let columns = fleet.columns.iter();
+        let columns = columns.map(|it| it.parameters.settings().column_id.as_str().into());
+        Self::started(NodeRecording::start_of_fleet(
+            &fleet.node.settings().record,
+            &topics,
+            columns.collect(),
+            with_log,
+        ))
+    }
+
+    fn started(
+        started: Result<Option<Arc<crate::evidence::NodeRecording>>, RecordingError>,
+    ) -> Result<Self, RunError> {
+        started
             .map(Self)
             .map_err(|error| match crate::recording::with_parameter(&error) {
                 reason if matches!(error, RecordingError::BadKey { .. }) => {
@@ -150,20 +167,34 @@ impl RunRecording {
             })
     }
 
-    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
+    pub(super) fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         let tap = self.0.clone()?;
         Some(tap)
     }
 
     /// Ends the recording, and returns the number of missing messages, including those dropped before the recorder.
-    fn stop(self, dropped_before: u64) -> u64 {
+    pub(super) fn stop(self, dropped_before: u64) -> u64 {
         let statistics = self.0.and_then(|recording| recording.stop());
         statistics.map_or(0, |it| it.lost + dropped_before)
     }
 }
 
+/// Logs what the recorder reports.
+#[cfg(feature = "record")]
+fn with_log(options: RecorderOptions) -> RecorderOptions {
+    let log = |report: &RecorderReport| match report.level() {
+        ReportLevel::Info => tracing::info!("{report}"),
+        ReportLevel::Warning => tracing::warn!("{report}"),
+        ReportLevel::Error => tracing::error!("{report}"),
+    };
+    RecorderOptions {
+        on_report: Some(Arc::new(log)),
+        ..options
+    }
+}
+
 #[cfg(not(feature = "record"))]
-struct RunRecording;
+pub(super) struct RunRecording;
 
 #[cfg(not(feature = "record"))]
 impl RunRecording {
@@ -177,11 +208,15 @@ impl RunRecording {
         }
     }
 
-    fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
+    pub(super) fn start_of_fleet(fleet: &FleetColumns, names: &Names) -> Result<Self, RunError> {
+        Self::start(&fleet.node, names)
+    }
+
+    pub(super) fn tap(&self) -> Option<Arc<dyn RecordingTap>> {
         None
     }
 
-    fn stop(self, _: u64) -> u64 {
+    pub(super) fn stop(self, _: u64) -> u64 {
         0
     }
 }

@@ -69,6 +69,21 @@ impl Twin {
         Some(end.saturating_add(max_age as Nanos))
     }
 
+    /// Frees the memory of the last response if no event that is accepted at `now` can belong to it any more.
+    pub fn forget_what_is_too_old(&mut self, now: Nanos) {
+        if !self.is_responding() && self.remembers_until().is_some_and(|it| it < now) {
+            self.forget_last_response();
+        }
+    }
+
+    /// Lets a column at rest give out a checkpoint before its next command. A recording of many columns may have begun since its
+    /// last one, or may have left it out.
+    pub fn demand_checkpoint(&mut self) {
+        if !self.is_responding() {
+            self.journal.set_checkpoint_due();
+        }
+    }
+
     /// Frees the memory of the last response, of which [`Twin::remembers_until`] tells how long events may need it. A change of
     /// `event.max_age` after that does not bring it back.
     pub fn forget_last_response(&mut self) {

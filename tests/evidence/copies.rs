@@ -19,9 +19,18 @@ pub fn written(messages: &[Message]) -> (TempDir, PathBuf) {
 
 /// A recording with these options and messages.
 pub fn written_with(options: &WriterOptions, messages: &[Message]) -> (TempDir, PathBuf) {
+    written_on(&Topics::of_default_node(), options, messages)
+}
+
+/// A recording with these topics, options and messages.
+pub fn written_on(
+    topics: &Topics,
+    options: &WriterOptions,
+    messages: &[Message],
+) -> (TempDir, PathBuf) {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("forged");
-    let declared = Topics::of_default_node().declared().unwrap();
+    let declared = topics.declared().unwrap();
     let options = WriterOptions {
         sync: false,
         ..options.clone()

@@ -45,15 +45,15 @@ impl RecordingTap for Tap {
         all.push((endpoint.name, bytes.to_vec()));
     }
 
-    fn received(&self, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
+    fn received(&self, _: Option<&str>, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
 
     fn sensors(&self, _: &Arc<Mutex<Intake>>) {}
 
     fn measured(&self, _: &Endpoint, _: Vec<u8>, _: i64) {}
 
-    fn rejected(&self, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
+    fn rejected(&self, _: Option<&str>, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
 
-    fn journal(&self, _: &Journal) {}
+    fn journal(&self, _: Option<&str>, _: &Journal) {}
 
     fn health(&self) -> RecordingHealth {
         RecordingHealth {

@@ -10,6 +10,7 @@ mod critical;
 mod domain;
 mod dropped;
 mod estimates;
+mod fleet;
 mod forgeries;
 #[allow(dead_code)] // the tests of the recordings use the rest
 #[path = "../../crates/recording/tests/recording/forging.rs"]

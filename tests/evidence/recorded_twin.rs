@@ -129,7 +129,7 @@ impl RecordedTwin {
                 recording.sent(message.topic().endpoint(), &bytes);
             });
             if let Output::Journal(entry) = output {
-                recording.journal(&entry);
+                recording.journal(None, &entry);
             }
         }
     }
@@ -173,7 +173,7 @@ impl RecordedTwin {
         let bytes = cdr::encode(message).expect("bytes");
         let sent = SystemTime::now().duration_since(UNIX_EPOCH).expect("after");
         let sent = i64::try_from(sent.as_nanos()).expect("before 2262") - MS / 2;
-        self.recording.received(endpoint, bytes, Some(sent));
+        self.recording.received(None, endpoint, bytes, Some(sent));
     }
 
     /// The node receives measurements now, and records others; what the intake makes of those that it receives.

@@ -10,10 +10,12 @@ mod domain;
 mod incoming;
 mod memory;
 mod node;
+mod parameter_services;
 mod parameters;
 mod pool;
 #[path = "../ros/program.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod program;
+mod real_peers;
 mod row;
 mod studies;

@@ -49,13 +49,13 @@ fn fleet(columns: usize) -> FleetColumns {
     FleetColumns::load(&NodeName::default(), &sources).expect("right")
 }
 
-struct Running {
-    node: FleetNode,
-    fleet: Arc<FleetTwin>,
+pub struct Running {
+    pub node: FleetNode,
+    pub fleet: Arc<FleetTwin>,
 }
 
 impl Running {
-    fn start(domain: &Domain, columns: usize) -> Self {
+    pub fn start(domain: &Domain, columns: usize) -> Self {
         let (fleet, outputs) = FleetTwin::start(&self::fleet(columns)).expect("starts");
         let names = Names::new("/", "column_twin", &[]).expect("valid");
         let node = FleetNode::start(
@@ -63,6 +63,7 @@ impl Running {
             names,
             Arc::clone(&fleet),
             outputs,
+            None,
             None,
         );
         Self {
@@ -157,7 +158,11 @@ fn a_late_joiner_learns_of_all_columns() {
 }
 
 /// Asks a service of the fleet until it answers: a request that is sent before the service is found is lost.
-fn call<Request, Response>(domain: &Domain, endpoint: qos::Endpoint, request: &Request) -> Response
+pub fn call<Request, Response>(
+    domain: &Domain,
+    endpoint: qos::Endpoint,
+    request: &Request,
+) -> Response
 where
     Request: ros2_client::Message + Clone + 'static,
     Response: ros2_client::Message + 'static,
@@ -379,10 +384,6 @@ fn bad_input_ends_the_command_with_what_to_do() {
             "absent.yaml",
         ),
         (with(&["--columns", "bad.csv"]), "bad.csv:2"),
-        (
-            with(&["--ros-args", "-p", "record.mode:=always"]),
-            "record.mode is always, but a fleet has no recordings; set it to off, or run the columns to be recorded with `column-twin run`",
-        ),
         (
             with(&["--ros-args", "-p", "viewer.mode:=serve"]),
             "viewer.mode is serve, but a fleet has no viewer",

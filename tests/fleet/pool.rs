@@ -52,6 +52,7 @@ impl Fleet {
             real_time: RealTime::none(),
             threads,
             state_files: Vec::new(),
+            journals: false,
         };
         let (handle, receiver) = LiveFleet::start(twins, clock, options).expect("starts");
         Self {
@@ -403,6 +404,7 @@ fn a_stop_saves_the_columns_that_were_hit_and_no_others() {
         real_time: RealTime::none(),
         threads: 2,
         state_files: paths.clone(),
+        journals: false,
     };
     let (handle, mut receiver) = LiveFleet::start(twins, clock, options).expect("starts");
     handle.execute(3, impact(3, "a", START)).expect("accepted");

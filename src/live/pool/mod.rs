@@ -61,6 +61,8 @@ pub struct FleetOptions {
     pub threads: usize,
     /// Where to save the damage, a path for each column; empty: it is not saved.
     pub state_files: Vec<PathBuf>,
+    /// Whether the outputs have the journals of the columns, for a recording: of each column from its first command on.
+    pub journals: bool,
 }
 
 impl FleetOptions {
@@ -140,6 +142,7 @@ impl LiveFleet {
             stop: AtomicBool::new(false),
             outputs,
             keeper,
+            journals: options.journals,
             background: Arc::clone(&background),
             counters: Counters::default(),
         });

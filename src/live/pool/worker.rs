@@ -15,7 +15,7 @@ use super::background::{Background, Known};
 use super::keeper::Keeper;
 use super::schedule::{Job, Plan, Schedule};
 use crate::parameters::Parameters;
-use crate::twin::{Command, Nanos, NoticeLevel, Output, Outputs, Twin};
+use crate::twin::{Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
 
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
 const SLICE: u64 = 64;
@@ -109,6 +109,8 @@ pub struct Shared {
     pub stop: AtomicBool,
     pub outputs: Arc<OutputQueues>,
     pub keeper: Option<Arc<Keeper>>,
+    /// Whether the outputs have the journals of the columns.
+    pub journals: bool,
     pub parameters: Box<[RwLock<Arc<Parameters>>]>,
     pub background: Arc<Background>,
     pub counters: Counters,
@@ -229,14 +231,14 @@ impl Shared {
         let slot = &self.slots[column as usize];
         let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
         let slot = &mut *slot;
-        let mut sink = self.sink(column);
+        let mut sink = self.sink(column, slot);
         self.counters.jobs.fetch_add(1, Ordering::Relaxed);
         let now = self.clock.now();
         if slot.jumps != jumps {
             slot.jumps = jumps;
             let command = Command::ClockJumpedBack { by: last_jump };
             // The twin takes it in every state.
-            let _ = slot.twin.handle(command, now, &mut sink);
+            let _ = execute(slot, command, now, &mut sink);
         }
         match job {
             Job::Input(input) => self.take_input(slot, input, &mut sink),
@@ -263,7 +265,8 @@ impl Shared {
         match input {
             Input::Request(Request::Command { command, reply }) => {
                 slot.is_touched = true;
-                reply.send(slot.twin.handle(command, now, sink));
+                sink.has_journal = self.journals;
+                reply.send(execute(slot, command, now, sink));
             }
             Input::Request(Request::Check { command, reply }) => {
                 reply.send(slot.twin.check_impact(&command, now));
@@ -275,7 +278,7 @@ impl Shared {
                 if slot.twin.awaits(&task) {
                     let command = Command::CriticalVelocities { vehicles };
                     // The twin takes it in every state.
-                    let _ = slot.twin.handle(command, now, sink);
+                    let _ = execute(slot, command, now, sink);
                 }
             }
         }
@@ -310,21 +313,18 @@ impl Shared {
         {
             slot.wants_limits = self.background.want(column, task);
         }
-        let deadline = twin.remembers_until();
-        if deadline.is_some_and(|it| it < now) {
-            twin.forget_last_response();
-            return Plan::default();
-        }
+        twin.forget_what_is_too_old(now);
         Plan {
-            deadline: deadline.map(|it| it.saturating_add(1)),
+            deadline: twin.remembers_until().map(|it| it.saturating_add(1)),
             ..Plan::default()
         }
     }
 
-    fn sink(&self, column: u32) -> Sink<'_> {
+    fn sink(&self, column: u32, slot: &Slot) -> Sink<'_> {
         Sink {
             shared: self,
             column,
+            has_journal: self.journals && slot.is_touched,
             is_unnotified: false,
         }
     }
@@ -346,8 +346,8 @@ impl Shared {
             if !slot.is_touched {
                 continue;
             }
+            let mut sink = self.sink(column, &slot);
             let twin = &mut slot.twin;
-            let mut sink = self.sink(column);
             twin.run_ahead(MAX_STEPS_AT_STOP, now, &mut sink);
             twin.abandon_forecasts(&mut sink);
             if !twin.is_responding() {
@@ -361,7 +361,12 @@ impl Shared {
             sink.notify();
         }
         if lost_inputs > 0 {
-            let mut sink = self.sink(0);
+            let mut sink = Sink {
+                shared: self,
+                column: 0,
+                has_journal: false,
+                is_unnotified: false,
+            };
             let text = format!(
                 "lost by the stop: {lost_inputs} commands to columns of the fleet in the queue of the solvers"
             );
@@ -371,10 +376,28 @@ impl Shared {
     }
 }
 
+/// Lets a column execute a command. What a recording needs before the command of a column at rest comes first, and what the column
+/// knows of its past does not depend on when a thread had time to let it forget.
+fn execute(
+    slot: &mut Slot,
+    command: Command,
+    now: Nanos,
+    sink: &mut Sink<'_>,
+) -> Result<Accepted, Refusal> {
+    slot.twin.forget_what_is_too_old(now);
+    if sink.has_journal {
+        slot.twin.demand_checkpoint();
+    }
+    slot.twin.handle(command, now, sink)
+}
+
 /// Passes the outputs of one column to the readers of the fleet's.
 struct Sink<'a> {
     shared: &'a Shared,
     column: u32,
+    /// The entries of its journal are wanted. A column that has executed no command since the start has none, so that one that is
+    /// never hit costs nothing.
+    has_journal: bool,
     is_unnotified: bool,
 }
 
@@ -394,8 +417,7 @@ impl Outputs for Sink<'_> {
                     keeper.write(self.column, saved);
                 }
             }
-            // A fleet is not recorded.
-            Output::Journal(_) => {}
+            Output::Journal(_) if !self.has_journal => {}
             output => {
                 if let Output::ParametersChanged(changed) = &output {
                     let latest = self.shared.parameters[self.column as usize].write();

@@ -5,10 +5,11 @@ use std::sync::atomic::Ordering;
 use crate::messages::column_twin::{ColumnStatus, TwinStatus};
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use crate::messages::std_msgs::Header;
+use crate::outgoing::RecordingHealth;
 
 use super::super::diagnostics::{
-    NodeCounters, clock_status, entry, node_status, phase_name, queue_status, security_status,
-    senders_status, solver_status,
+    NodeCounters, clock_status, entry, node_status, phase_name, queue_status, recording_status,
+    security_status, senders_status, solver_status,
 };
 use super::super::lines::severity_word;
 use super::super::live_twin::Health;
@@ -25,6 +26,8 @@ pub(super) struct FleetObserved<'a> {
     /// Solver threads.
     pub threads: usize,
     pub health: &'a Health,
+    /// `None` without a recording.
+    pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
     pub counters: &'a NodeCounters,
@@ -41,6 +44,7 @@ pub(super) fn fleet_diagnostics(
         active,
         threads,
         health,
+        recording,
         security,
         counters,
     } = observed;
@@ -58,6 +62,7 @@ pub(super) fn fleet_diagnostics(
         queue_status(&health.queues),
         node_status(counters),
     ];
+    status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
@@ -173,6 +178,7 @@ mod tests {
             active: 0,
             threads: 1,
             health: &Health::default(),
+            recording: None,
             security: None,
             counters: &NodeCounters::default(),
         };

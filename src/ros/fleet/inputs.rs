@@ -16,18 +16,23 @@ use crate::messages::column_twin::{
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
+use crate::outgoing::RecordingTap;
 use crate::printable::Printable;
-use crate::twin::{Command, Refusal, RefusalCode};
+use crate::twin::{Accepted, Command, Refusal, RefusalCode};
 
 use super::super::diagnostics::NodeCounters;
-use super::super::inputs::{MAX_NAMED_CHARS, answer, answer_from, each, follow_clock, tell};
+use super::super::inputs::{
+    MAX_NAMED_CHARS, ParameterServers, answer, answer_from, each, follow_clock, record, tell,
+};
 use super::super::node::{Node, NodeError};
+use super::super::parameter_services::{set_rejected, set_rejected_atomically};
 use super::super::qos;
 use super::super::senders::Senders;
 use super::super::type_descriptions::{
     self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
 };
 use super::live_fleet::FleetTwin;
+use super::parameter_services as parameters;
 use super::rows::RowImpacts;
 
 impl ros2_client::Message for ResetColumnRequest {}
@@ -38,6 +43,7 @@ pub(super) struct FleetSubscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
     senders: Arc<Senders>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl FleetSubscriptions {
@@ -45,6 +51,7 @@ impl FleetSubscriptions {
         node: &mut Node,
         is_simulated: bool,
         senders: Arc<Senders>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {
             events: node.subscription(&qos::IMPACT_EVENT)?,
@@ -52,6 +59,7 @@ impl FleetSubscriptions {
                 .then(|| node.subscription(&qos::CLOCK))
                 .transpose()?,
             senders,
+            recording,
         })
     }
 
@@ -68,8 +76,23 @@ impl FleetSubscriptions {
                 if let Err(rejected) = self.senders.admit(info.publisher_gid(), Instant::now()) {
                     let id = event.event_id.chars().take(MAX_NAMED_CHARS);
                     let what = id.collect::<String>();
-                    return tell(&None, &qos::IMPACT_EVENT, &what, &rejected);
+                    let column_id = Some(event.column_id.as_str());
+                    return tell(
+                        &self.recording,
+                        column_id,
+                        &qos::IMPACT_EVENT,
+                        &what,
+                        &rejected,
+                    );
                 }
+                let column_id = event.column_id.clone();
+                record(
+                    &self.recording,
+                    Some(&column_id),
+                    &qos::IMPACT_EVENT,
+                    &event,
+                    Some(&info),
+                );
                 let event_id = event.event_id.clone();
                 tracing::debug!(
                     "received impact event {event_id:?} for column {:?}",
@@ -77,11 +100,32 @@ impl FleetSubscriptions {
                 );
                 if let Err(refusal) = fleet.submit(column, impact_command(event)) {
                     tracing::warn!("impact event {event_id:?} was rejected: {refusal}");
+                    not_taken(
+                        &self.recording,
+                        &column_id,
+                        &qos::IMPACT_EVENT,
+                        &event_id,
+                        &refusal,
+                    );
                 }
             },
         );
         let clock = follow_clock(self.clock.as_ref(), &counters, |now| fleet.set_clock(now));
         join!(events, clock);
+    }
+}
+
+/// Records that a message which was received did not reach its column.
+pub(super) fn not_taken(
+    recording: &Option<Arc<dyn RecordingTap>>,
+    column_id: &str,
+    endpoint: &Endpoint,
+    what: &str,
+    refusal: &Refusal,
+) {
+    if let Some(recording) = recording {
+        let Refusal { code, reason } = refusal;
+        recording.rejected(Some(column_id), endpoint, what, Some(*code), reason);
     }
 }
 
@@ -101,9 +145,11 @@ pub(super) struct FleetServices {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<ResetColumnRequest, ResetColumnResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
+    parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
     senders: Arc<Senders>,
+    recording: Option<Arc<dyn RecordingTap>>,
 }
 
 impl FleetServices {
@@ -112,6 +158,7 @@ impl FleetServices {
         describes: bool,
         senders: Arc<Senders>,
         row_impacts: Arc<RowImpacts>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         Ok(Self {
             rows: node.subscription(&qos::ROW_IMPACT_EVENT)?,
@@ -119,10 +166,12 @@ impl FleetServices {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET_COLUMN)?,
             predict: node.server(&qos::PREDICT)?,
+            parameters: ParameterServers::new(node)?,
             descriptions: describes
                 .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
                 .transpose()?,
             senders,
+            recording,
         })
     }
 
@@ -130,16 +179,26 @@ impl FleetServices {
     pub async fn run(self, fleet: Arc<FleetTwin>, counters: Arc<NodeCounters>) {
         let (fleet, counters) = (&*fleet, &*counters);
         let descriptions = self.descriptions;
+        let ParameterServers {
+            get,
+            types,
+            list,
+            describe,
+            set,
+            set_atomically,
+        } = self.parameters;
         let describe_types = async {
             if let Some(server) = &descriptions {
                 let describe = |request| type_descriptions::describe(&request);
                 answer(&qos::GET_TYPE_DESCRIPTION, server, counters, describe).await;
             }
         };
-        let admit = |gid: Gid, endpoint: &Endpoint, what: &str| {
+        let recording = self.recording;
+        let admit = |gid: Gid, column_id: &str, endpoint: &Endpoint, what: &str| {
             let admitted = self.senders.admit(gid, Instant::now());
             admitted.map_err(|rejected| {
-                tell(&None, endpoint, what, &rejected);
+                let column_id = fleet.index_of(column_id).map(|_| column_id);
+                tell(&recording, column_id, endpoint, what, &rejected);
                 rejected.refusal
             })
         };
@@ -157,7 +216,7 @@ impl FleetServices {
                     let id = message.event_id.chars().take(MAX_NAMED_CHARS);
                     let id = Printable(&id.collect::<String>()).to_string();
                     let sender = info.publisher_gid();
-                    if admit(sender, &qos::ROW_IMPACT_EVENT, &id).is_err() {
+                    if admit(sender, "", &qos::ROW_IMPACT_EVENT, &id).is_err() {
                         return;
                     }
                     match self.row_impacts.take_event(message, fleet) {
@@ -179,9 +238,23 @@ impl FleetServices {
                     let Some(column) = fleet.index_of(&message.column_id) else {
                         return ignore(counters, &qos::COLUMN_PARAMETERS, &message.column_id);
                     };
-                    let sender = info.publisher_gid();
-                    if admit(sender, &qos::COLUMN_PARAMETERS, "a set of parameters").is_ok() {
-                        set_column(fleet, column, &message);
+                    let (sender, column_id) = (info.publisher_gid(), message.column_id.as_str());
+                    let what = "a set of parameters";
+                    if admit(sender, column_id, &qos::COLUMN_PARAMETERS, what).is_err() {
+                        return;
+                    }
+                    record(
+                        &recording,
+                        Some(column_id),
+                        &qos::COLUMN_PARAMETERS,
+                        &message,
+                        Some(&info),
+                    );
+                    if let Err(refusal) = set_column(fleet, column, &message)
+                        && !refusal.code.is_from_twin()
+                    {
+                        let endpoint = &qos::COLUMN_PARAMETERS;
+                        not_taken(&recording, column_id, endpoint, what, &refusal);
                     }
                 }
             ),
@@ -190,7 +263,8 @@ impl FleetServices {
                 &self.reset,
                 counters,
                 |sender, request| {
-                    let admitted = admit(sender, &qos::RESET_COLUMN, "a reset");
+                    let column_id = request.column_id.as_str();
+                    let admitted = admit(sender, column_id, &qos::RESET_COLUMN, "a reset");
                     reset(admitted.and_then(|()| {
                         let column = known(fleet, &request.column_id)?;
                         let source = "service ~/reset_column".into();
@@ -201,6 +275,35 @@ impl FleetServices {
             answer(&qos::PREDICT, &self.predict, counters, |request| {
                 predicted(fleet, &request)
             }),
+            answer(&qos::GET_PARAMETERS, &get, counters, |request| {
+                parameters::get(fleet, &request)
+            }),
+            answer(&qos::GET_PARAMETER_TYPES, &types, counters, |request| {
+                parameters::types(fleet, &request)
+            }),
+            answer(&qos::LIST_PARAMETERS, &list, counters, |request| {
+                parameters::list(fleet, &request)
+            }),
+            answer(&qos::DESCRIBE_PARAMETERS, &describe, counters, |request| {
+                parameters::describe(fleet, &request)
+            }),
+            answer_from(&qos::SET_PARAMETERS, &set, counters, |sender, request| {
+                match admit(sender, "", &qos::SET_PARAMETERS, "a request") {
+                    Ok(()) => parameters::set(fleet, &request),
+                    Err(refusal) => set_rejected(&request, &refusal),
+                }
+            }),
+            answer_from(
+                &qos::SET_PARAMETERS_ATOMICALLY,
+                &set_atomically,
+                counters,
+                |sender, request| {
+                    match admit(sender, "", &qos::SET_PARAMETERS_ATOMICALLY, "a request") {
+                        Ok(()) => parameters::set_atomically(fleet, request),
+                        Err(refusal) => set_rejected_atomically(&refusal),
+                    }
+                }
+            ),
             describe_types,
         );
     }
@@ -260,9 +363,14 @@ fn predicted(fleet: &FleetTwin, request: &PredictImpactRequest) -> PredictImpact
     }
 }
 
-fn set_column(fleet: &FleetTwin, column: u32, message: &ColumnParameters) {
+fn set_column(
+    fleet: &FleetTwin,
+    column: u32,
+    message: &ColumnParameters,
+) -> Result<Accepted, Refusal> {
     let command = column_command(message, &message.column_id);
-    match fleet.execute(column, command) {
+    let outcome = fleet.execute(column, command);
+    match &outcome {
         Ok(_) => tracing::info!("parameters of column {:?} were accepted", message.column_id),
         // The twin reports its refusals among its outputs.
         Err(refusal) if refusal.code.is_from_twin() => {}
@@ -271,4 +379,5 @@ fn set_column(fleet: &FleetTwin, column: u32, message: &ColumnParameters) {
             message.column_id
         ),
     }
+    outcome
 }

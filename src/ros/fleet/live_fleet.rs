@@ -87,16 +87,6 @@ struct Running {
 /// What is not offered yet by a fleet must not be ignored in silence.
 fn check_offered(node: &Parameters) -> Result<(), FleetTwinError> {
     let settings = node.settings();
-    if settings.record.mode != RecordMode::Off {
-        return Err(FleetTwinError::NotInAFleet {
-            name: "record.mode",
-            value: node
-                .get("record.mode")
-                .map_or_else(String::new, |it| it.plain()),
-            what: "recordings",
-            done: "recorded",
-        });
-    }
     if settings.viewer.mode != ViewerMode::Off {
         return Err(FleetTwinError::NotInAFleet {
             name: "viewer.mode",
@@ -169,6 +159,7 @@ impl FleetTwin {
             real_time: RealTime::of(node),
             threads: FleetOptions::threads_of(node),
             state_files,
+            journals: node.settings().record.mode != RecordMode::Off,
         };
         let column_ids: Vec<Arc<str>> = twins.iter().map(|it| Arc::clone(it.column_id())).collect();
         let (handle, receiver) = LiveFleet::start(twins, Arc::clone(&clock), options)?;
@@ -245,7 +236,16 @@ impl FleetTwin {
     #[must_use]
     pub fn parameters(&self, column: u32) -> Arc<Parameters> {
         self.ask(|handle| Ok(handle.parameters(column)))
-            .unwrap_or_else(|_| Arc::clone(&self.initial[column as usize]))
+            .unwrap_or_else(|_| self.initial_parameters(column))
+    }
+
+    /// The parameters of a column at the start.
+    ///
+    /// # Panics
+    /// There is no column with this index.
+    #[must_use]
+    pub fn initial_parameters(&self, column: u32) -> Arc<Parameters> {
+        Arc::clone(&self.initial[column as usize])
     }
 
     /// Submits a command to a column without waiting for the outcome, which is among the outputs.

@@ -7,6 +7,7 @@ mod diagnostics;
 mod inputs;
 mod live_fleet;
 mod node;
+mod parameter_services;
 mod publishing;
 mod rows;
 mod run;

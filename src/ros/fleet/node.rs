@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use crate::live::{OutputSource, RealTime, Receiver, Waker, request_for_publisher};
+use crate::outgoing::RecordingTap;
 
 use super::super::clock_watch::ClockWatch;
 use super::super::diagnostics::NodeCounters;
@@ -35,7 +36,7 @@ pub struct FleetNode {
 }
 
 impl FleetNode {
-    /// Starts the node of a running fleet.
+    /// Starts the node of a running fleet; `recording` receives a copy of all messages.
     ///
     /// # Errors
     /// A participant, an endpoint or a thread cannot be created.
@@ -45,6 +46,7 @@ impl FleetNode {
         fleet: Arc<FleetTwin>,
         outputs: Receiver,
         log: Option<RosoutQueue>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let settings = fleet.node_parameters().settings();
@@ -61,19 +63,24 @@ impl FleetNode {
         });
         let stop = Arc::new(AtomicBool::new(false));
         let log = log
-            .map(|queue| publish_log(&mut node, queue, &counters, None))
+            .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
             .transpose()?;
-        let rows = Arc::new(RowImpacts::default());
+        let rows = Arc::new(RowImpacts::new(recording.clone()));
         let publishing = FleetPublishing::new(
             &mut node,
             Arc::clone(&fleet),
             Arc::clone(&counters),
             Arc::clone(&rows),
+            recording.clone(),
         )?;
-        let subscriptions =
-            FleetSubscriptions::new(&mut node, settings.use_sim_time, Arc::clone(&senders))?;
+        let subscriptions = FleetSubscriptions::new(
+            &mut node,
+            settings.use_sim_time,
+            Arc::clone(&senders),
+            recording.clone(),
+        )?;
         let describes = settings.start_type_description_service;
-        let services = FleetServices::new(&mut node, describes, senders, rows)?;
+        let services = FleetServices::new(&mut node, describes, senders, rows, recording)?;
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(fleet.node_parameters());

@@ -12,9 +12,13 @@ use crate::fleet::{NotHit, StatusBatch, StatusBoard};
 use crate::live::Receiver;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr::{self, CdrError};
-use crate::messages::column_twin::{ColumnStatus, FleetStatus, ImpactEvent, ImpactReport};
+use crate::messages::column_twin::{
+    ColumnStatus, FleetStatus, ImpactEvent, ImpactReport, TwinStatus,
+};
+use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::messages::std_msgs::Header;
-use crate::outgoing::{Message, Outgoing, Topic};
+use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
+use crate::parameters::Parameters;
 use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
 
 use super::super::clock_watch::SeldomWarning;
@@ -22,6 +26,7 @@ use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
 use super::super::matches::Matches;
 use super::super::node::{Node, NodeError};
+use super::super::parameter_services;
 use super::super::qos;
 use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
@@ -61,6 +66,10 @@ pub(super) struct FleetPublishing {
     of_columns: Vec<(Topic, Publisher<Raw>)>,
     fleet_status: Publisher<Raw>,
     diagnostics: Publisher<Raw>,
+    parameter_events: Publisher<Raw>,
+    /// The parameters of the columns whose parameters have changed since the start.
+    changed_parameters: HashMap<u32, Arc<Parameters>>,
+    recording: Option<Arc<dyn RecordingTap>>,
     matches: Arc<Matches>,
     fleet: Arc<FleetTwin>,
     /// Vehicles that hit several columns: the forecasts tell what comes next.
@@ -69,6 +78,7 @@ pub(super) struct FleetPublishing {
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
+    fully_qualified: String,
     /// The converters of the columns that respond: they know what was published of the response.
     converters: HashMap<u32, Outgoing>,
     board: StatusBoard,
@@ -88,6 +98,7 @@ impl FleetPublishing {
         fleet: Arc<FleetTwin>,
         counters: Arc<NodeCounters>,
         rows: Arc<RowImpacts>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
         // First, so that others know that it is a fleet when they know of its other topics.
@@ -101,6 +112,9 @@ impl FleetPublishing {
             of_columns,
             fleet_status,
             diagnostics: node.publisher(&qos::DIAGNOSTICS)?,
+            parameter_events: node.publisher(&qos::PARAMETER_EVENTS)?,
+            changed_parameters: HashMap::new(),
+            recording,
             matches: node.matches(),
             board: StatusBoard::new(fleet.column_ids().iter().map(ToString::to_string)),
             fleet,
@@ -109,6 +123,7 @@ impl FleetPublishing {
             protection: node.protection(),
             peers: node.security_peers(),
             node_name: node.names().node().to_owned(),
+            fully_qualified: node.names().fully_qualified(),
             converters: HashMap::new(),
             started: Instant::now(),
             readers: 0,
@@ -128,8 +143,12 @@ impl FleetPublishing {
             if is_stopping {
                 let end = *end.get_or_insert_with(|| Instant::now() + FINAL_PUBLISHING_TIME);
                 if Instant::now() >= end && !std::mem::replace(&mut self.is_over, true) {
+                    let what = match &self.recording {
+                        Some(_) => "recorded only",
+                        None => "lost",
+                    };
                     tracing::error!(
-                        "some outputs could not be published before the end; they are lost"
+                        "some outputs could not be published before the end; they are {what}"
                     );
                 }
             }
@@ -220,9 +239,16 @@ impl FleetPublishing {
                 );
                 // It knows the names and lengths of before.
                 self.converters.remove(&column);
+                self.parameters_changed(column, &changed.parameters);
                 return;
             }
-            Output::Journal(_) | Output::Save(_) => return,
+            Output::Journal(entry) => {
+                if let Some(recording) = &self.recording {
+                    recording.journal(Some(self.column_id(column)), entry);
+                }
+                return;
+            }
+            Output::Save(_) => return,
             Output::State(_)
             | Output::Forecast(_)
             | Output::Report(_)
@@ -242,10 +268,11 @@ impl FleetPublishing {
         };
         let mut messages = Vec::new();
         outgoing.convert(&output, |message| messages.push(message));
-        for message in messages {
-            if let Message::TwinStatus(status) = &message {
+        for mut message in messages {
+            if let Message::TwinStatus(status) = &mut message {
+                self.add_health(status);
                 self.board
-                    .update(column as usize, ColumnStatus::from(status));
+                    .update(column as usize, ColumnStatus::from(&*status));
             }
             self.send(&message);
         }
@@ -258,6 +285,45 @@ impl FleetPublishing {
         {
             self.converters.remove(&column);
         }
+    }
+
+    /// Publishes which parameters of a column have other values now.
+    fn parameters_changed(&mut self, column: u32, now: &Arc<Parameters>) {
+        let before = match self.changed_parameters.insert(column, Arc::clone(now)) {
+            Some(before) => before,
+            None => self.fleet.initial_parameters(column),
+        };
+        let node = self.fully_qualified.clone();
+        let stamp = self.fleet.now();
+        let Some(mut event) = parameter_services::event(node, stamp, Some(&before), now) else {
+            return;
+        };
+        let column_id = self.column_id(column);
+        for it in &mut event.changed_parameters {
+            it.name = format!("{column_id}.{}", it.name);
+        }
+        self.send_bytes(
+            &self.parameter_events,
+            &qos::PARAMETER_EVENTS,
+            cdr::encode_as::<ParameterEvent, _>(&event),
+        );
+    }
+
+    /// Adds the state of threads and queues, which all columns share and the twin does not know.
+    fn add_health(&self, status: &mut TwinStatus) {
+        let health = self.fleet.health();
+        status.overruns = health.overruns;
+        status.worst_lateness = health.worst_lateness;
+        status.dropped_inputs = health.dropped_inputs + self.counters.rejected_senders();
+        status.dropped_states = health.dropped_states;
+        status.dropped_recording = self.recording_health(&health).map_or(0, |it| it.lost);
+    }
+
+    /// Outputs that the queue to this thread dropped are missing in the recording too, which receives its messages here.
+    fn recording_health(&self, health: &Health) -> Option<RecordingHealth> {
+        let mut recording = self.recording.as_ref()?.health();
+        recording.lost += health.dropped_recording;
+        Some(recording)
     }
 
     fn column_id(&self, column: u32) -> &str {
@@ -339,6 +405,7 @@ impl FleetPublishing {
                 active: self.fleet.active(),
                 threads: self.fleet.threads(),
                 health: &health,
+                recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
                 counters: &self.counters,
             },
@@ -379,6 +446,9 @@ impl FleetPublishing {
         bytes: Result<Vec<u8>, CdrError>,
     ) {
         let raw = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok());
+        if let (Some(recording), Some(raw)) = (&self.recording, &raw) {
+            recording.sent(endpoint, raw.bytes());
+        }
         let is_sent = raw.is_some_and(|raw| !self.is_over && publisher.publish(raw).is_ok());
         if !is_sent {
             NodeCounters::count(&self.counters.unpublished);

@@ -1,28 +1,42 @@
 //! Vehicles that hit several columns of the fleet: events are checked with all columns that they name, and impacts are submitted
 //! when they are due.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::column::VehicleReport;
 use crate::fleet::{NotHit, RowImpact, Rows};
 use crate::incoming::impact_command;
 use crate::messages::column_twin::RowImpactEvent;
+use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, crush_of_name, split_crush};
 use crate::twin::{Command, Nanos, Output, Striking};
 
+use super::super::inputs::record;
+use super::super::qos;
+use super::inputs::not_taken;
 use super::live_fleet::FleetTwin;
 
 /// Most reasons that a rejection lists.
 const MAX_LISTED: usize = 20;
 
 /// The rows under way, shared by the thread that takes their events and the one that sees the forecasts.
-#[derive(Debug, Default)]
-pub(super) struct RowImpacts(Mutex<Rows>);
+pub(super) struct RowImpacts {
+    rows: Mutex<Rows>,
+    /// It contains each impact as the event that it is for its column, with which the column is verified.
+    recording: Option<Arc<dyn RecordingTap>>,
+}
 
 impl RowImpacts {
+    pub fn new(recording: Option<Arc<dyn RecordingTap>>) -> Self {
+        Self {
+            rows: Mutex::default(),
+            recording,
+        }
+    }
+
     fn rows(&self) -> MutexGuard<'_, Rows> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.rows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Takes an event, all impacts of it or none. Waits for each of its columns.
@@ -79,11 +93,24 @@ impl RowImpacts {
         let now = fleet.now();
         rows.give_up(now);
         for event in rows.due(now, |column| max_ahead(fleet, column)) {
-            let submitted = match fleet.index_of(&event.column_id) {
-                Some(column) => fleet.submit(column, impact_command(event.clone())),
-                None => continue,
+            let Some(column) = fleet.index_of(&event.column_id) else {
+                continue;
             };
-            if let Err(refusal) = submitted {
+            record(
+                &self.recording,
+                Some(&event.column_id),
+                &qos::IMPACT_EVENT,
+                &event,
+                None,
+            );
+            if let Err(refusal) = fleet.submit(column, impact_command(event.clone())) {
+                not_taken(
+                    &self.recording,
+                    &event.column_id,
+                    &qos::IMPACT_EVENT,
+                    &event.event_id,
+                    &refusal,
+                );
                 rows.not_submitted(&event, &refusal.to_string());
             }
         }
@@ -124,7 +151,7 @@ impl RowImpacts {
 /// Longest time between two looks at whether a column accepts the stamp of an impact that is kept.
 const LOOK_AGAIN: Duration = Duration::from_millis(50);
 
-type ParametersOf = std::sync::Arc<Parameters>;
+type ParametersOf = Arc<Parameters>;
 
 /// How far ahead of the clock a column accepts stamps \[ns\].
 fn max_ahead(fleet: &FleetTwin, column_id: &str) -> Nanos {

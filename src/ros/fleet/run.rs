@@ -11,7 +11,7 @@ use super::super::dds_threads::DdsThreads;
 use super::super::environment::{DiscoveryRange, Environment};
 use super::super::names::Names;
 use super::super::rosout::start_logging;
-use super::super::run::{RunEnd, RunError};
+use super::super::run::{RunEnd, RunError, RunRecording};
 use super::super::security::protection;
 use super::super::signals::StopSignals;
 use super::live_fleet::{FleetTwin, FleetTwinError};
@@ -60,13 +60,21 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
         tracing::warn!("{warning}");
     }
     let dds_threads = DdsThreads::stop_on_panic();
+    let recording = RunRecording::start_of_fleet(&columns, &names)?;
     let (fleet, outputs) = FleetTwin::start(&columns).map_err(|error| match error {
         FleetTwinError::Parameters(faults) => RunError::Parameters(faults),
         error => RunError::Fleet(error),
     })?;
     let count = columns.columns.len();
     drop(columns);
-    let node = FleetNode::start(environment, names, Arc::clone(&fleet), outputs, log)?;
+    let node = FleetNode::start(
+        environment,
+        names,
+        Arc::clone(&fleet),
+        outputs,
+        log,
+        recording.tap(),
+    )?;
     let reach = match environment.discovery_range {
         DiscoveryRange::Localhost => "this machine only",
         DiscoveryRange::Subnet => "every network of this machine",
@@ -82,7 +90,7 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     node.stop();
     let health = fleet.health();
     Ok(RunEnd {
-        lost_in_recording: 0,
+        lost_in_recording: recording.stop(health.dropped_recording),
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
 }

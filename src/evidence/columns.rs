@@ -1,0 +1,174 @@
+//! The columns of a recording, each of which is verified by itself: one of a single twin, many of a fleet.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::critical_velocities::KnownResults;
+use super::inputs::Inputs;
+use super::lines::Gap;
+use super::parameter_events::ParameterEvents;
+use super::replayer::Replayer;
+use super::verification::{ColumnCheck, Verification};
+use crate::outgoing::Topic;
+use crate::twin::Nanos;
+
+/// What verification knows of one column.
+pub(super) struct Column {
+    pub inputs: Inputs,
+    pub replayer: Replayer,
+    pub parameter_events: ParameterEvents,
+    /// Messages before its first checkpoint, by topic.
+    pub early: [u64; Topic::COUNT],
+    pub has_checkpoint: bool,
+}
+
+/// The columns that a recording has told of so far.
+pub(super) struct Columns {
+    /// By their identifiers; that of a single twin is empty here.
+    columns: BTreeMap<Arc<str>, Column>,
+    /// The identifiers of the columns of a fleet.
+    fleet: Option<BTreeSet<Arc<str>>>,
+    /// The column of a fleet to which the verification is restricted.
+    only: Option<String>,
+    known: KnownResults,
+    keeps_outputs: bool,
+    declares_losses: bool,
+    /// The latest time of the columns' clock in an entry \[ns\].
+    latest: Nanos,
+    /// Lines that are missing before a column has told of itself count for it as well.
+    continues_at: Option<i64>,
+}
+
+impl Columns {
+    pub fn new(only: Option<&str>, keeps_outputs: bool, declares_losses: bool) -> Self {
+        Self {
+            columns: BTreeMap::new(),
+            fleet: None,
+            only: only.map(str::to_owned),
+            known: KnownResults::default(),
+            keeps_outputs,
+            declares_losses,
+            latest: Nanos::MIN,
+            continues_at: None,
+        }
+    }
+
+    /// Takes the list of the columns of a fleet.
+    pub fn list(&mut self, columns: &[Arc<str>]) {
+        self.fleet
+            .get_or_insert_with(|| columns.iter().cloned().collect());
+    }
+
+    /// The columns of the fleet; `None` for a single twin.
+    pub fn fleet(&self) -> Option<&BTreeSet<Arc<str>>> {
+        self.fleet.as_ref()
+    }
+
+    /// Whether this column of a fleet is to be verified.
+    pub fn is_wanted(&self, column_id: &str) -> bool {
+        self.only.as_deref().is_none_or(|it| it == column_id)
+    }
+
+    /// Lets `work` act on a column, and accounts for what it finds.
+    pub fn in_column<T>(
+        &mut self,
+        column_id: &str,
+        found: &mut Verification,
+        work: impl FnOnce(&mut Column, &mut Verification) -> T,
+    ) -> T {
+        let (of_fleet, continues_at) = (self.fleet.is_some(), self.continues_at);
+        let new = || {
+            let replayer = Replayer::new(self.keeps_outputs, self.declares_losses);
+            let mut column = Column {
+                inputs: Inputs::default(),
+                replayer: replayer.of(of_fleet, self.known.clone()),
+                parameter_events: ParameterEvents::default(),
+                early: [0; Topic::COUNT],
+                has_checkpoint: false,
+            };
+            if let Some(log_time) = continues_at {
+                column.inputs.continue_at(log_time);
+            }
+            column
+        };
+        let column = match self.columns.get_mut(column_id) {
+            Some(column) => column,
+            None => self.columns.entry(column_id.into()).or_insert_with(new),
+        };
+        if !of_fleet {
+            return work(column, found);
+        }
+        let before = found.counts();
+        column_id.clone_into(&mut found.at_column);
+        let result = work(column, found);
+        found.at_column.clear();
+        let after = found.counts();
+        let check = found.columns.entry(column_id.to_owned()).or_default();
+        check.add(&before, &after);
+        result
+    }
+
+    /// Lets `work` act on every column in turn, as [`in_column`](Self::in_column).
+    pub fn in_each(
+        &mut self,
+        found: &mut Verification,
+        mut work: impl FnMut(&mut Column, &mut Verification),
+    ) {
+        let ids: Vec<_> = self.columns.keys().cloned().collect();
+        for column_id in ids {
+            self.in_column(&column_id, found, &mut work);
+        }
+    }
+
+    /// Takes note of the time of an entry.
+    pub fn at(&mut self, now: Nanos) {
+        self.latest = self.latest.max(now);
+    }
+
+    /// Frees what the columns of a fleet know of responses to which no impact belongs any more, as they did themselves.
+    pub fn forget_what_is_too_old(&mut self) {
+        for column in self.columns.values_mut() {
+            column.replayer.forget_what_is_too_old(self.latest);
+        }
+    }
+
+    /// Takes note of a gap in the lines, which may be those of any column.
+    pub fn gap(&mut self, gap: Gap, log_time: i64, found: &mut Verification) {
+        let (Gap::Missing(lost) | Gap::Earlier(lost)) = gap else {
+            return;
+        };
+        if matches!(gap, Gap::Earlier(_)) {
+            self.continues_at = Some(log_time);
+        }
+        self.in_each(found, |column, found| {
+            column.replayer.lines_are_missing(lost, found);
+            match gap {
+                Gap::Missing(_) => column.inputs.restart(found),
+                Gap::Earlier(_) => column.inputs.continue_at(log_time),
+                Gap::None => {}
+            }
+        });
+    }
+}
+
+impl ColumnCheck {
+    /// Adds what was found between two counts.
+    fn add(&mut self, before: &Self, after: &Self) {
+        let Self {
+            checkpoints,
+            states_at_rest,
+            inputs,
+            compared,
+            differences,
+            missing,
+            unchecked,
+        } = self;
+        *checkpoints += after.checkpoints - before.checkpoints;
+        *states_at_rest += after.states_at_rest - before.states_at_rest;
+        *inputs += after.inputs - before.inputs;
+        *compared += after.compared - before.compared;
+        *differences += after.differences - before.differences;
+        *missing += after.missing - before.missing;
+        *unchecked += after.unchecked - before.unchecked;
+    }
+}

@@ -1,0 +1,145 @@
+//! What the recording of a fleet knows of its columns: where another recording may begin, and which messages belong into it.
+
+use std::sync::Arc;
+
+use super::activity::Activity;
+use super::journal_line::JournalEntry;
+use crate::endpoints::{self, Endpoint};
+use crate::messages::cdr;
+use crate::messages::column_twin::{FleetStatus, TwinStatus};
+use crate::parameters::RecordSettings;
+use crate::twin::{CHECKPOINT_PERIOD, Command, CommandRecord, Journal, Nanos};
+
+/// Time after which the columns are listed again \[ns\], so that another recording can begin there.
+const LIST_PERIOD: Nanos = CHECKPOINT_PERIOD;
+
+/// They are listed sooner if this part of the largest file has been recorded since then, or its longest duration is over.
+const LISTS_IN_A_FILE: u64 = 8;
+
+/// The columns of a recorded fleet.
+#[derive(Debug)]
+pub(super) struct FleetRecording {
+    columns: Arc<[Arc<str>]>,
+    activity: Activity,
+    /// When the columns were listed \[ns since 1970\].
+    listed: Option<Nanos>,
+    /// What was recorded since then \[B\].
+    recorded: u64,
+    period: Nanos,
+    bytes: u64,
+    /// A status at rest is in no `fleet_status` yet.
+    owes_status: bool,
+}
+
+impl FleetRecording {
+    pub fn new(columns: Arc<[Arc<str>]>, record: &RecordSettings) -> Self {
+        // 0: a recording may last for ever.
+        let longest = match record.max_duration > 0.0 {
+            true => (1e9 * record.max_duration) as Nanos,
+            false => Nanos::MAX,
+        };
+        Self {
+            period: LIST_PERIOD.min(longest),
+            bytes: record.max_file_size / LISTS_IN_A_FILE,
+            columns,
+            activity: Activity::default(),
+            listed: None,
+            recorded: 0,
+            owes_status: false,
+        }
+    }
+
+    /// The list of the columns, if it is due and a recording can begin here.
+    pub fn due_list(&mut self, now: Nanos) -> Option<JournalEntry> {
+        let is_due = self.listed.is_none_or(|last| {
+            let is_long_ago = now.saturating_sub(last) >= self.period;
+            self.recorded > 0 && (is_long_ago || self.recorded >= self.bytes)
+        });
+        if !is_due || !self.activity.is_idle(now) {
+            return None;
+        }
+        self.listed = Some(now);
+        self.recorded = 0;
+        Some(JournalEntry::Fleet {
+            columns: Arc::clone(&self.columns),
+        })
+    }
+
+    /// Takes note of a received message.
+    pub fn received(&mut self, column: &str, now: Nanos) {
+        self.activity.received(column, now);
+    }
+
+    /// Takes note that a message which was received did not reach its column.
+    pub fn rejected(&mut self, column: &str) {
+        self.activity.rejected(column);
+    }
+
+    /// Takes note of an entry of a column's journal; whether it is recorded. The status of a column that has executed no command
+    /// since the last one tells nothing new, and needs no checkpoint before it if it is left out.
+    pub fn journal(&mut self, column: &str, entry: &Journal, now: Nanos) -> bool {
+        match entry {
+            Journal::Command(record) => {
+                self.activity.command(column, is_received(record), now);
+                true
+            }
+            Journal::Checkpoint(_) => true,
+            Journal::Status(_) => {
+                self.activity.reported(column, now);
+                self.activity.is_responding(column)
+            }
+        }
+    }
+
+    /// Takes note that a message or a line of so many bytes was recorded.
+    pub fn recorded(&mut self, bytes: usize) {
+        self.recorded = self.recorded.saturating_add(bytes as u64);
+    }
+
+    /// Whether a sent message is recorded, with `events_only` as little as possible of what is sent while nothing happens.
+    pub fn is_recorded(
+        &mut self,
+        endpoint: &Endpoint,
+        bytes: &[u8],
+        events_only: bool,
+        now: Nanos,
+    ) -> bool {
+        if endpoint.name == endpoints::TWIN_STATUS.name {
+            return self.takes_status(bytes);
+        }
+        if !events_only || !self.activity.is_idle(now) {
+            return true;
+        }
+        if endpoint.name == endpoints::DIAGNOSTICS.name {
+            return false;
+        }
+        if endpoint.name != endpoints::FLEET_STATUS.name {
+            return true;
+        }
+        let of_all = cdr::decode::<FleetStatus>(bytes).is_ok_and(|status| status.of_all);
+        !of_all && std::mem::take(&mut self.owes_status)
+    }
+
+    fn takes_status(&mut self, bytes: &[u8]) -> bool {
+        let Ok(status) = cdr::decode::<TwinStatus>(bytes) else {
+            return true;
+        };
+        let is_recorded = self.activity.is_responding(&status.column_id);
+        if is_recorded && status.is_at_rest() {
+            self.activity.rests(&status.column_id);
+            self.owes_status = true;
+        }
+        is_recorded
+    }
+}
+
+/// Whether a command follows from a received message.
+fn is_received(record: &CommandRecord) -> bool {
+    match &record.command {
+        Command::Impact(_) => true,
+        Command::SetParameters { source, .. } | Command::RejectedChange { source, .. } => {
+            **source == *endpoints::COLUMN_PARAMETERS.name
+        }
+        _ => false,
+    }
+}
