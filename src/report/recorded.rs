@@ -10,7 +10,7 @@ use super::document::{Origin, ReportDocument};
 use super::felt_impact::FeltImpact;
 use super::reported_impact::ReportedImpact;
 use super::words;
-use crate::column::{Impact, Model, Sample, State};
+use crate::column::{Impact, ImpactSpecification, Model, Sample, State};
 use crate::evidence::{self, JournalEntry, Observed, Verification, VerifyError, sha256_of_file};
 use crate::figures::HistoryThinning;
 use crate::live::monotonic_nanos;
@@ -20,7 +20,7 @@ use crate::senses::EstimateRecord;
 use crate::study::VehicleLimits;
 use crate::twin::{
     ColumnSnapshot, Command, CommandRecord, ImpactCommand, Journal, Lengths, Nanos, Output,
-    ReportOutput, StateOutput, Twin,
+    ReportOutput, StateOutput, Twin, vehicle_name,
 };
 
 /// Maximum number of impacts with a section of their own; of more impacts, the last ones have one.
@@ -340,6 +340,9 @@ impl Gathered {
             }
             _ => {}
         }
+        if let (Some(impact), Some(estimate)) = (record.impact, self.accepted_estimate(record)) {
+            self.announce_estimate(record, impact, &estimate);
+        }
         // Whatever else is accepted may change the column.
         self.critical_velocities = match &record.command {
             Command::CriticalVelocities { vehicles } => Some(Arc::clone(vehicles)),
@@ -370,6 +373,62 @@ impl Gathered {
             }
             _ => {}
         }
+    }
+
+    /// The estimate that has become the impact of a command, or has replaced it.
+    fn accepted_estimate(&self, record: &CommandRecord) -> Option<Arc<EstimateRecord>> {
+        match &record.command {
+            Command::Estimate(estimate) => Some(Arc::clone(estimate)),
+            Command::DecideEstimate(_) => self.felt.back()?.estimates.last().cloned(),
+            _ => None,
+        }
+    }
+
+    /// Takes the impact that an estimate has become, on the column before the first one.
+    fn announce_estimate(
+        &mut self,
+        record: &CommandRecord,
+        impact: Impact,
+        estimate: &EstimateRecord,
+    ) {
+        let event_id = estimate.event_id.to_string();
+        let is_same = |it: &&Finished| *it.output.event_id == *event_id;
+        let finished = self.finished.back().filter(is_same);
+        let earlier = self.announced.get(&event_id);
+        let earlier = earlier.or(finished.and_then(|it| it.announced.as_ref()));
+        let is_at_rest = record.position.step.is_none() && !record.taken_back;
+        let before = match earlier {
+            Some(earlier) => earlier.before.clone(),
+            None => {
+                let at_rest = self.at_rest.as_ref().filter(|_| is_at_rest);
+                at_rest.map(Twin::snapshot)
+            }
+        };
+        let contact = estimate.estimate.contact_time.mean;
+        let command = ImpactCommand {
+            event_id: event_id.clone(),
+            column_id: String::new(),
+            stamp: estimate
+                .origin
+                .saturating_add((1e9 * contact).round() as i64),
+            vehicle: vehicle_name(estimate).to_string(),
+            impact: ImpactSpecification {
+                mass: impact.mass,
+                velocity: impact.velocity,
+                gap: Some(impact.gap),
+                restitution: Some(impact.restitution),
+                height: None,
+            },
+        };
+        if earlier.is_none() {
+            self.commands.push((command.clone(), None));
+        }
+        let announced = Announced {
+            command,
+            impact: Some(impact),
+            before,
+        };
+        self.announced.insert(event_id, announced);
     }
 
     /// Takes an estimate: another one of the last impact that was felt, or the first one of the next.
@@ -516,6 +575,12 @@ impl Finished {
             return None;
         }
         let rate = parameters.settings().publish_rate;
+        let why = match announced.before {
+            None => "The column was still moving when this impact began.",
+            Some(_) => {
+                "The response cannot be computed again from the vehicle's name and numbers alone."
+            }
+        };
         Some(ReportedImpact {
             title: words::title(&parameters, vehicle, &impact, properties.length_below),
             event: None,
@@ -527,8 +592,8 @@ impl Finished {
             settled: after.filter(|_| output.report.residual_v1.is_some()),
             struck: None,
             remarks: vec![format!(
-                "The column was still moving when this impact began. The histories have the values that were published, at most \
-                 {rate} per second; the error of the time step was not estimated."
+                "{why} The histories have the values that were published, at most {rate} per second; the error of the time step \
+                 was not estimated."
             )],
             parameters,
         })

@@ -210,7 +210,10 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
 /// Rows about the origin of the recording.
 pub(super) fn facts(recorded: &ReportedRecording) -> Markup {
     html! {
-        (fact("Origin", "recording of a twin; the twin computes, and nothing was measured on the column"))
+        (fact("Origin", match recorded.felt.is_empty() {
+            true => "recording of a twin; the twin computes, and nothing was measured on the column",
+            false => "recording of a twin, which computes; its sensors have felt impacts",
+        }))
         (fact("Recording", recorded.path.display().to_string()))
         (fact("Written by", &recorded.written_by))
         @if let Ok(Verification { about: Some(About { build: recorded_build, .. }), .. }) = &recorded.verification {

@@ -431,7 +431,7 @@ impl Twin {
 
 /// The name of the vehicle that follows an estimate: the most probable one that is no rigid mass; empty where it is none of
 /// the catalogue.
-fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
+pub(crate) fn vehicle_name(record: &EstimateRecord) -> Arc<str> {
     if record.best.vehicle.is_none() {
         return RIGID.into();
     }

@@ -95,6 +95,8 @@ pub use calibration::{CALIBRATION_FACTORS, Calibration};
 pub use command::{Accepted, Command, EstimateDecision, ImpactCommand, Nanos, ResidualMeasurement};
 pub use critical::CriticalVelocityTask;
 pub use estimates::{Decision, Estimates};
+#[cfg(feature = "record")]
+pub(crate) use estimation::vehicle_name;
 pub use forecast::MAX_SUPERSEDED_FORECASTS;
 pub use journal::{
     CHECKPOINT_PERIOD, Checkpoint, CommandRecord, Journal, NotReached, Position, StatusRecord,

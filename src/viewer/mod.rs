@@ -15,6 +15,7 @@ mod blueprint;
 mod camera;
 mod colour;
 mod connection;
+mod curve_styles;
 mod damage_map;
 mod destination;
 mod error;
