@@ -9,7 +9,7 @@ use column_twin::messages::column_twin::Measurement;
 use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
-use column_twin::senses::{EstimateRecord, Readings, Sensing, StandingColumn, Work};
+use column_twin::senses::{EstimateRecord, EventEvidence, Readings, Sensing, StandingColumn, Work};
 use column_twin::twin::{Command, Nanos};
 
 use super::copies::{messages, written};
@@ -198,6 +198,17 @@ fn estimates_are_computed_again_bit_for_bit_and_forged_records_are_found() {
     assert_eq!(field, "recorded estimate: origin");
     let field = forged(2, |it| it.detection.contact.deviation *= 2.0);
     assert_eq!(field, "recorded estimate: detection.contact.deviation");
+    // An event that nobody has sent.
+    let field = forged(2, |it| {
+        it.events.push(EventEvidence {
+            event_id: "camera".into(),
+            mass: 1500.0,
+            mass_deviation: 0.3,
+            velocity: 10.0,
+            velocity_deviation: 0.15,
+        });
+    });
+    assert!(field.starts_with("recorded estimate: "), "{field}");
     // The last checkpoint tells of ten times as many batches, and more.
     let last = places.next_back().expect("a checkpoint");
     let mut changed = all.clone();
