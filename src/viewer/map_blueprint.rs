@@ -33,7 +33,7 @@ const MARGINS: [f64; 4] = [0.16, 0.05, 0.06, 0.14];
 /// The stream rejects the data.
 pub(super) fn send(
     recording: &RecordingStream,
-    application: &str,
+    application: &'static str,
     labels: &[&str],
     size: [f64; 2],
 ) -> RecordingStreamResult<()> {
@@ -43,7 +43,7 @@ pub(super) fn send(
 }
 
 fn messages(
-    application: &str,
+    application: &'static str,
     labels: &[&str],
     size: [f64; 2],
 ) -> RecordingStreamResult<Vec<LogMsg>> {
