@@ -6,6 +6,8 @@
 //! `std_msgs/msg/String`). [`verify`](fn@verify) starts a twin from the journal, and compares its outputs with the
 //! recorded messages.
 //!
+//! The recording of a fleet has one journal, whose lines name the columns; each column is verified by itself.
+//!
 //! [`NodeRecording`] records a running node; [`record_impact`] writes the same form of recording without ROS.
 
 mod about;

@@ -450,7 +450,7 @@ fn a_changed_fleet_status_is_found() {
     let message = forged.iter_mut().find(is_of).expect("the status of c0");
     changed::<FleetStatus>(message, |status| {
         for column in status.columns.iter_mut().filter(|it| it.column_id == "c0") {
-            column.residual_v1 = 0.0;
+            column.residual_v1 += 1.0;
         }
     });
     let found = verified(&forged);
