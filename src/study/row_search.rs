@@ -155,16 +155,15 @@ impl Row<'_> {
         let (rows, columns) = (self.map.rows(), self.map.columns());
         let values = [rows.value(self.row), AxisValue::Number(value)];
         self.responses.fetch_add(1, Ordering::Relaxed);
-        let screened = self
+        let severity = self
             .map
-            .screen(self.variant, [Some(self.row), None], values);
-        let severity = screened.map_err(|fault| RefineError::Impact {
-            label: self.map.variants()[self.variant].label.clone(),
-            row: format!("{} {}", rows.quantity().name(), values[0]),
-            column: format!("{} {}", columns.quantity().name(), values[1]),
-            fault,
-        })?;
-        let severity = severity.severity;
+            .severity(self.variant, [Some(self.row), None], values)
+            .map_err(|fault| RefineError::Impact {
+                label: self.map.variants()[self.variant].label.clone(),
+                row: format!("{} {}", rows.quantity().name(), values[0]),
+                column: format!("{} {}", columns.quantity().name(), values[1]),
+                fault,
+            })?;
         self.known.insert(place, (at, severity));
         Ok(severity)
     }
