@@ -66,8 +66,7 @@ impl PreparedAssessment {
         let resistances = buckling_resistances(parameters);
         let unknown = Capacity::none(CapacityEnd::NoEquilibrium);
         let carried = carried_load(model, &state);
-        let remaining =
-            RemainingCapacity::with_resistances(resistances, unknown, unknown, carried);
+        let remaining = RemainingCapacity::with_resistances(resistances, unknown, unknown, carried);
         let input = AssessmentInput::of_state(parameters, model, &state, remaining);
         let chosen = &input.deciding;
         let indices = 0..DEFINITIONS.len();

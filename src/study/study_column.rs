@@ -189,7 +189,9 @@ impl StudyColumn {
             Outcome::Elastic => quick.utilisation_sum > NEAR_YIELD,
             Outcome::Plastic => largest(&quick.plastic_rotation) < BARELY_PLASTIC,
         };
-        let Some(rest) = quick.rest.filter(|_| !at_limit && quick.end != End::DurationReached)
+        let Some(rest) = quick
+            .rest
+            .filter(|_| !at_limit && quick.end != End::DurationReached)
         else {
             return Ok(None);
         };
