@@ -34,6 +34,8 @@ pub enum RowBoundary {
     Always,
     /// The severity is not reached in the row, as far as it was looked at.
     Never,
+    /// An impact of the row cannot be computed, such as one of a vehicle with less than its front masses.
+    Infeasible,
 }
 
 impl RowBoundary {
@@ -42,7 +44,7 @@ impl RowBoundary {
     pub fn value(&self) -> Option<f64> {
         match self {
             Self::Between { below, at, .. } => Some(0.5 * (below + at)),
-            Self::Always | Self::Never => None,
+            Self::Always | Self::Never | Self::Infeasible => None,
         }
     }
 }
@@ -154,7 +156,6 @@ impl Row<'_> {
         let value = self.value(at);
         let (rows, columns) = (self.map.rows(), self.map.columns());
         let values = [rows.value(self.row), AxisValue::Number(value)];
-        self.responses.fetch_add(1, Ordering::Relaxed);
         let severity = self
             .map
             .severity(self.variant, [Some(self.row), None], values)
@@ -164,6 +165,7 @@ impl Row<'_> {
                 column: format!("{} {}", columns.quantity().name(), values[1]),
                 fault,
             })?;
+        self.responses.fetch_add(1, Ordering::Relaxed);
         self.known.insert(place, (at, severity));
         Ok(severity)
     }

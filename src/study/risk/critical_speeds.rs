@@ -89,6 +89,8 @@ struct Design {
     place: [f64; COORDINATES],
     /// Logarithm of the least speed \[m/s\] with each severity; infinite: outside the range.
     critical: [f64; LEVELS - 1],
+    /// What the trend of the class leaves of it, both kept within the bounds of [`clamped`].
+    left: [f64; LEVELS - 1],
     /// Whether the severity grew with the speed, as far as it was computed.
     monotonic: bool,
     responses: u64,
@@ -306,6 +308,7 @@ impl Design {
         Self {
             place: place_of(departure),
             critical,
+            left: [0.0; LEVELS - 1],
             monotonic: determined && known.is_sorted_by_key(|(_, severity)| *severity),
             responses,
         }
@@ -315,8 +318,15 @@ impl Design {
 impl ClassSurface {
     /// Fits the trends, and scales the deviations so that of the designs, each predicted from the others, as many are within
     /// one as of a normal law.
-    fn calibrated(designs: Vec<Design>, range: [f64; 2], active: &[bool; COORDINATES]) -> Self {
+    fn calibrated(mut designs: Vec<Design>, range: [f64; 2], active: &[bool; COORDINATES]) -> Self {
         let trends = std::array::from_fn(|severity| trend(&designs, severity, active));
+        for design in &mut designs {
+            let terms = terms(&design.place, active);
+            design.left = std::array::from_fn(|severity| {
+                clamped(design.critical[severity], range)
+                    - trend_at(&trends[severity], &terms, range)
+            });
+        }
         let mut surface = Self {
             designs,
             range,
@@ -343,28 +353,6 @@ impl ClassSurface {
             }
         }
         surface
-    }
-
-    /// What the trend leaves of a critical speed of a design: nothing where both lie outside the range.
-    fn left(&self, design: &Design, severity: usize, active: &[bool; COORDINATES]) -> f64 {
-        let trend = self.trend_at(severity, &design.place, active);
-        clamped(design.critical[severity], self.range) - trend
-    }
-
-    /// The trend at a place, 0 without one; within the bounds of a critical speed.
-    fn trend_at(
-        &self,
-        severity: usize,
-        place: &[f64; COORDINATES],
-        active: &[bool; COORDINATES],
-    ) -> f64 {
-        self.trends[severity].map_or(0.0, |trend| {
-            let terms = terms(place, active);
-            clamped(
-                terms.iter().zip(trend).map(|(a, b)| a * b).sum(),
-                self.range,
-            )
-        })
     }
 
     /// The critical speeds at a place: the trend plus a linear regression of what it leaves over the nearest designs, weighted
@@ -414,6 +402,7 @@ impl ClassSurface {
                 ((1.0 - ratio).powi(2), row, design)
             })
             .collect();
+        let terms = terms(place, active);
         let factor = NormalEquations::new(rows.iter().map(|(weight, row, _)| (*weight, *row)));
         let mut critical = [Interpolated::default(); LEVELS - 1];
         for (severity, it) in critical.iter_mut().enumerate() {
@@ -426,8 +415,7 @@ impl ClassSurface {
                 };
                 continue;
             }
-            let values: [f64; NEIGHBOURS] =
-                std::array::from_fn(|row| self.left(rows[row].2, severity, active));
+            let values: [f64; NEIGHBOURS] = std::array::from_fn(|row| rows[row].2.left[severity]);
             let observed = || {
                 let rows = rows.iter().map(|(weight, row, _)| (*weight, *row));
                 rows.zip(values)
@@ -443,7 +431,7 @@ impl ClassSurface {
             let freedom = (NEIGHBOURS - UNKNOWNS) as f64 / NEIGHBOURS as f64;
             let deviation = (squares / (factor.weight * freedom)).sqrt();
             *it = Interpolated {
-                value: self.trend_at(severity, place, active) + solution[0],
+                value: trend_at(&self.trends[severity], &terms, self.range) + solution[0],
                 deviation: deviation.max(LEAST_DEVIATION),
             };
         }
@@ -468,6 +456,13 @@ fn trend(designs: &[Design], severity: usize, active: &[bool; COORDINATES]) -> O
         .collect();
     (known.len() >= DESIGNS_PER_TERM * TERMS)
         .then(|| NormalEquations::new(known.iter().map(|(row, _)| *row)).solve(known.into_iter()))
+}
+
+/// The trend where the function has these terms, 0 without one.
+fn trend_at(trend: &Option<Trend>, terms: &Trend, range: [f64; 2]) -> f64 {
+    trend.as_ref().map_or(0.0, |trend| {
+        clamped(terms.iter().zip(trend).map(|(a, b)| a * b).sum(), range)
+    })
 }
 
 /// The terms of the quadratic function at a place; 0 for what contains a coordinate that does not scatter.
