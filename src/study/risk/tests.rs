@@ -186,7 +186,8 @@ fn predictions_agree_with_every_single_response() {
         // The samples are the same, so that only the predictions can be wrong.
         let [truth, found] = [all.given_impact, few.given_impact];
         assert!(found.contains(truth.value), "{found:?} {truth:?}");
-        assert!(found.high - found.low < 0.1, "{found:?}");
+        // As narrow as about forty controls of the predictions that are in no doubt allow.
+        assert!(found.high - found.low < 0.25, "{found:?}");
         often += u32::from((0.05..0.95).contains(&truth.value));
     }
     assert!(often >= 2, "{:?}", all.severities);
