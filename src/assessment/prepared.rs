@@ -150,13 +150,8 @@ impl PreparedAssessment {
         // The least favourable verdict with this capacity, whatever that of the virgin column is.
         let worst = |now: f64| known(if is_virgin { now } else { highest }, now);
         let best = worst(highest);
-        let mut rest = state;
-        let virgin_state;
-        if is_virgin {
-            virgin_state = State::at_rest(model);
-            rest = &virgin_state;
-        }
-        if best.least_margin > margin && !(is_virgin && self.virgin.get().is_some()) {
+        // Whether the capacity of the virgin column is known already must not decide how, or threads would.
+        if best.least_margin > margin {
             let (mut too_low, mut enough) = (0.0, highest);
             for _ in 0..CAPACITY_HALVINGS {
                 let middle = 0.5 * (too_low + enough);
@@ -167,7 +162,7 @@ impl PreparedAssessment {
                 }
             }
             let enough = (1.0 + 2.0 * margin) * enough;
-            match capacity_up_to(model, rest, self.imperfection, enough)? {
+            match capacity_up_to(model, state, self.imperfection, enough)? {
                 KnownCapacity::Enough => return Ok(Some(best.severity)),
                 KnownCapacity::Found(now) => {
                     let virgin = match is_virgin {
