@@ -417,8 +417,71 @@ fn a_boundary_along_a_parameter_of_the_column() {
                 }
                 RowBoundary::Always => assert!(holds(0) && holds(29)),
                 RowBoundary::Never => assert!(!holds(0) && !holds(29)),
+                RowBoundary::Infeasible => panic!("{:?}", refined.faults),
             }
         }
+    }
+}
+
+/// Below its front masses there is no lorry: the boundaries leave out the rows whose cells the map leaves out, for the same
+/// reason, and the program ends alike.
+#[test]
+fn rows_that_cannot_be_computed_are_infeasible() {
+    let axes = [
+        MapAxis::parse("mass=4000:12000:9").expect("an axis"),
+        MapAxis::parse("velocity=5:15:3").expect("an axis"),
+    ];
+    let map = DamageMap::new(&Parameters::default(), Some("lorry_8t"), axes).expect("a map");
+    let table = map.table(&Batch::default()).expect("a table");
+    let refined = map.refine(&Batch::default()).expect("boundaries");
+    assert!(refined.complete);
+    let mut infeasible = 0;
+    for boundary in &refined.boundaries {
+        for point in &boundary.points {
+            let cell = &table.result[(point.row * 3) as usize];
+            let is_infeasible = point.place == RowBoundary::Infeasible;
+            assert_eq!(cell.is_err(), is_infeasible, "row {}", point.row);
+            let fault = refined.faults.iter().find(|it| it.row == point.row);
+            assert_eq!(fault.is_some(), is_infeasible);
+            if let (Some(fault), Err(reason)) = (fault, cell) {
+                assert!(fault.reason.ends_with(reason), "{}", fault.reason);
+                infeasible += 1;
+            }
+        }
+    }
+    assert!(infeasible > 0);
+    // The rows on both sides of the least mass are known.
+    let rows = |points: &[column_twin::study::BoundaryPoint]| {
+        points.iter().map(|it| it.row).collect::<Vec<_>>()
+    };
+    let known = rows(&refined.boundaries[0].points);
+    assert!(known.contains(&1) && known.contains(&2), "{known:?}");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = [
+        "map",
+        "--vehicle",
+        "lorry_8t",
+        "--mass",
+        "4000:12000:3",
+        "--velocity",
+        "5:15:3",
+    ];
+    let plain = run(folder.path(), &arguments);
+    let refines = run(
+        folder.path(),
+        &with(&arguments, &["--refine", "--csv", "rows.csv"]),
+    );
+    for ended in [&plain, &refines] {
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(3), "{errors}");
+        assert!(errors.contains("could not be computed"), "{errors}");
+        assert!(errors.contains("front masses"), "{errors}");
+    }
+    for row in of_csv(&folder.path().join("rows.csv")) {
+        let is_light = row["mass_kg"].parse::<f64>().expect("a mass") < 5500.0;
+        assert_eq!(row["boundary"] == "infeasible", is_light, "{row:?}");
+        assert_eq!(row["fault"].is_empty(), !is_light, "{row:?}");
     }
 }
 

@@ -84,7 +84,8 @@ fn compare(parameters: &Parameters, vehicle: &str, points: u64) -> [u64; 4] {
     let compute = |index: u64| {
         let impact = cell(&column, vehicle, points, index)?;
         let screening = column.screen(&impact).expect("a screening");
-        Some((impact, screening, plain(parameters, &impact)))
+        let alone = column.severity(&impact).expect("a severity");
+        Some((impact, (screening, alone), plain(parameters, &impact)))
     };
     let mut outcomes = [0; 4];
     let mut wrong = Vec::new();
@@ -92,7 +93,7 @@ fn compare(parameters: &Parameters, vehicle: &str, points: u64) -> [u64; 4] {
         points * points,
         compute,
         |cells| {
-            for (impact, found, expected) in cells.into_iter().flatten() {
+            for (impact, (found, alone), expected) in cells.into_iter().flatten() {
                 outcomes[expected.outcome as usize] += 1;
                 let Impact { mass, velocity, .. } = impact;
                 let mut check = |name: &str, found: f64, expected: f64, tolerance: f64| {
@@ -105,6 +106,7 @@ fn compare(parameters: &Parameters, vehicle: &str, points: u64) -> [u64; 4] {
                 };
                 let severity = |screening: &Screening| f64::from(screening.severity as u8);
                 check("severity", severity(&found), severity(&expected), 0.0);
+                check("severity alone", f64::from(alone as u8), severity(&expected), 0.0);
                 check("max_v1", found.max_v1, expected.max_v1, TOLERANCE);
                 check(
                     "peak contact force",

@@ -1,24 +1,34 @@
 //! The assessment of many impacts on one column: what does not depend on the impact is computed once, and only the
 //! criteria that decide are evaluated, without their texts.
 
+use std::sync::OnceLock;
+
 use super::criteria::{DEFINITIONS, Definition};
 use super::remaining::{RemainingCapacity, buckling_resistances, imperfection};
 use super::{AssessedImpact, AssessmentInput, Choice, Severity, decides, measured};
 use crate::column::{
-    BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact, Model, Outcome,
-    State, capacity, carried_load, plastic_plateau,
+    BucklingResistance, Capacity, CapacityEnd, CapacityError, HINGES, Impact, KnownCapacity, Model,
+    Outcome, PerBar, PushDown, State, capacity, capacity_up_to, carried_load, plastic_plateau,
 };
 use crate::parameters::Parameters;
+
+/// Bound of the capacity of any column, relative to its squash load, which the normal force in no hinge can exceed.
+const MAX_CAPACITY: f64 = 1.01;
+
+/// Steps of the search for the capacity that decides a severity, each of which halves its bracket.
+const CAPACITY_HALVINGS: u32 = 10;
 
 /// The assessment of one column, prepared for many impacts.
 #[derive(Debug, Clone)]
 pub struct PreparedAssessment {
-    /// Of the virgin column, without an impact and without names of criteria.
-    virgin: AssessmentInput,
+    /// Of the virgin column, without an impact, without names of criteria and without its capacities.
+    input: AssessmentInput,
     resistances: [Option<BucklingResistance>; 2],
     imperfection: f64,
     /// The criteria that decide, by their index.
     deciding: Vec<usize>,
+    /// The capacity of the virgin column, once an impact has needed it.
+    virgin: OnceLock<Capacity>,
 }
 
 /// The part of an [`Assessment`](super::Assessment) that a study needs.
@@ -50,21 +60,37 @@ impl PreparedAssessment {
     /// An imperfection out of its range, which validation of the parameters excludes.
     pub fn new(parameters: &Parameters, model: &Model) -> Result<Self, CapacityError> {
         let state = State::at_rest(model);
-        let remaining = RemainingCapacity::compute(parameters, model, Some(&state))?;
-        let virgin = AssessmentInput::of_state(parameters, model, &state, remaining);
-        let chosen = &virgin.deciding;
+        let imperfection = imperfection(parameters);
+        // Finds an imperfection that is out of range before the first impact does.
+        PushDown::new(model, &state, imperfection)?;
+        let resistances = buckling_resistances(parameters);
+        let unknown = Capacity::none(CapacityEnd::NoEquilibrium);
+        let carried = carried_load(model, &state);
+        let remaining = RemainingCapacity::with_resistances(resistances, unknown, unknown, carried);
+        let input = AssessmentInput::of_state(parameters, model, &state, remaining);
+        let chosen = &input.deciding;
         let indices = 0..DEFINITIONS.len();
         Ok(Self {
             deciding: indices
                 .filter(|&index| decides(&DEFINITIONS[index], chosen))
                 .collect(),
-            virgin: AssessmentInput {
+            input: AssessmentInput {
                 deciding: Vec::new(),
-                ..virgin
+                ..input
             },
-            resistances: buckling_resistances(parameters),
-            imperfection: imperfection(parameters),
+            resistances,
+            imperfection,
+            virgin: OnceLock::new(),
         })
+    }
+
+    /// The capacity of the virgin column, computed when it is needed for the first time.
+    fn virgin(&self, model: &Model) -> Result<Capacity, CapacityError> {
+        if let Some(virgin) = self.virgin.get() {
+            return Ok(*virgin);
+        }
+        let virgin = capacity(model, &State::at_rest(model), self.imperfection)?;
+        Ok(*self.virgin.get_or_init(|| virgin))
     }
 
     /// As [`RemainingCapacity::compute`]. A column without plastic deformation has the capacity of the virgin one.
@@ -76,13 +102,10 @@ impl PreparedAssessment {
         model: &Model,
         state: Option<&State>,
     ) -> Result<RemainingCapacity, CapacityError> {
-        let RemainingCapacity {
-            virgin,
-            carried_load: virgin_load,
-            ..
-        } = self.virgin.remaining;
+        let virgin = self.virgin(model)?;
+        let virgin_load = self.input.remaining.carried_load;
         let (now, carried) = match state {
-            Some(state) if state.plastic == Default::default() => (virgin, virgin_load),
+            Some(state) if state.plastic == PerBar::default() => (virgin, virgin_load),
             Some(state) => (
                 capacity(model, state, self.imperfection)?,
                 carried_load(model, state),
@@ -95,6 +118,65 @@ impl PreparedAssessment {
             now,
             carried,
         ))
+    }
+
+    /// The severity of the verdict after a response that leaves the column at rest in `state`, without more of the push-downs
+    /// than it takes: the capacities enter all criteria such that less of them is not less severe, so that a lower bound
+    /// decides where the greatest capacity that a column can have leads to the same severity. `None` where a criterion that
+    /// may decide is closer to its limit than `margin`, relative to it.
+    ///
+    /// # Errors
+    /// As [`RemainingCapacity::compute`].
+    pub fn severity(
+        &self,
+        model: &Model,
+        impact: &Impact,
+        response: &AssessedResponse,
+        state: &State,
+        margin: f64,
+    ) -> Result<Option<Severity>, CapacityError> {
+        let is_virgin = state.plastic == PerBar::default();
+        let highest = MAX_CAPACITY * model.properties.resistance_axial;
+        let carried = carried_load(model, state);
+        let known = |virgin: f64, now: f64| {
+            let [virgin, now] = [virgin, now].map(|force| Capacity {
+                force,
+                ..Capacity::none(CapacityEnd::NoEquilibrium)
+            });
+            let remaining =
+                RemainingCapacity::with_resistances(self.resistances, virgin, now, carried);
+            self.verdict(model, impact, response, remaining)
+        };
+        // The least favourable verdict with this capacity, whatever that of the virgin column is.
+        let worst = |now: f64| known(if is_virgin { now } else { highest }, now);
+        let best = worst(highest);
+        // Whether the capacity of the virgin column is known already must not decide how, or threads would.
+        if best.least_margin > margin {
+            let (mut too_low, mut enough) = (0.0, highest);
+            for _ in 0..CAPACITY_HALVINGS {
+                let middle = 0.5 * (too_low + enough);
+                if worst(middle).severity == best.severity {
+                    enough = middle;
+                } else {
+                    too_low = middle;
+                }
+            }
+            let enough = (1.0 + 2.0 * margin) * enough;
+            match capacity_up_to(model, state, self.imperfection, enough)? {
+                KnownCapacity::Enough => return Ok(Some(best.severity)),
+                KnownCapacity::Found(now) => {
+                    let virgin = match is_virgin {
+                        true => *self.virgin.get_or_init(|| now),
+                        false => self.virgin(model)?,
+                    };
+                    let verdict = known(virgin.force, now.force);
+                    return Ok((verdict.least_margin > margin).then_some(verdict.severity));
+                }
+            }
+        }
+        let remaining = self.remaining(model, Some(state))?;
+        let verdict = self.verdict(model, impact, response, remaining);
+        Ok((verdict.least_margin > margin).then_some(verdict.severity))
     }
 
     /// The verdict of [`assess`](super::assess) after a response.
@@ -115,7 +197,7 @@ impl PreparedAssessment {
             plateau: plastic_plateau(model, remaining.carried_load),
             remaining,
             // Empty: nothing is allocated.
-            ..self.virgin.clone()
+            ..self.input.clone()
         };
         let mut choice = Choice::default();
         let mut least_margin = f64::INFINITY;

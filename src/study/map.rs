@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::axis::{self, AxisError, AxisValue, MAX_CELLS, MapAxis, MapQuantity};
 use super::batch::{Batch, BatchEnd};
 use super::study_column::{Screening, StudyColumn, StudyError};
+use crate::assessment::Severity;
 use crate::column::Impact;
 use crate::parameters::{ParameterFaults, Parameters, RIGID};
 
@@ -293,11 +294,31 @@ impl DamageMap {
         places: [Option<u64>; 2],
         values: [AxisValue<'_>; 2],
     ) -> Result<Screening, String> {
+        self.judged(variant, places, values, StudyColumn::screen)
+    }
+
+    /// As [`screen`](Self::screen), of the severity alone.
+    pub(super) fn severity(
+        &self,
+        variant: usize,
+        places: [Option<u64>; 2],
+        values: [AxisValue<'_>; 2],
+    ) -> Result<Severity, String> {
+        self.judged(variant, places, values, StudyColumn::severity)
+    }
+
+    fn judged<T>(
+        &self,
+        variant: usize,
+        places: [Option<u64>; 2],
+        values: [AxisValue<'_>; 2],
+        judge: fn(&StudyColumn, &Impact) -> Result<T, StudyError>,
+    ) -> Result<T, String> {
         let screened = |column: &StudyColumn| {
             let impact = self
                 .impact(column, values)
                 .map_err(|fault| fault.to_string())?;
-            column.screen(&impact).map_err(|fault| fault.to_string())
+            judge(column, &impact).map_err(|fault| fault.to_string())
         };
         let key = |axis: &MapAxis, place: Option<u64>| match axis.quantity().is_of_the_column() {
             // A value between those of the axis has a column of its own, which is not kept.

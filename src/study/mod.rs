@@ -58,7 +58,7 @@ pub use map_columns::{ColumnKind, TableColumn, TableValue};
 #[cfg(feature = "study")]
 pub use map_grid::{GridCell, MapGrid};
 #[cfg(feature = "study")]
-pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap};
+pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap, RowFault};
 #[cfg(feature = "study")]
 pub use row_search::{RefineError, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};

@@ -24,10 +24,23 @@ const CLASSES: usize = SEVERITIES.len();
 pub struct RefinedMap {
     /// One for each variant and each of [`SEVERITIES`], variant by variant.
     pub boundaries: Vec<ClassBoundary>,
+    /// The rows that cannot be computed, in the order in which they were found.
+    pub faults: Vec<RowFault>,
     /// Number of responses.
     pub responses: u64,
     /// Whether the boundaries are known to 1 % everywhere; not after an interruption.
     pub complete: bool,
+}
+
+/// A row that cannot be computed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RowFault {
+    /// Number of the variant.
+    pub variant: usize,
+    /// Place of the row on its axis, from 0.
+    pub row: u64,
+    /// The first of its impacts that cannot be computed, and why.
+    pub reason: String,
 }
 
 /// The boundary of one class: along it, the severity changes between less than `severity` and at least `severity`.
@@ -153,7 +166,7 @@ impl DamageMap {
     /// An interrupted batch leaves the boundaries that are known, and `complete` is false.
     ///
     /// # Errors
-    /// An axis of columns that is not a range, or an impact that cannot be computed.
+    /// An axis of columns that is not a range. Rows with an impact that cannot be computed are in [`RefinedMap::faults`].
     ///
     /// ```
     /// use column_twin::assessment::Severity;
@@ -188,6 +201,7 @@ impl DamageMap {
             .flat_map(|variant| scanned.iter().map(move |row| Job::scan(variant, *row)))
             .collect();
         let mut complete = true;
+        let mut faults = Vec::new();
         let always_halved = last.div_ceil(LEAST_INTERVALS);
         while !jobs.is_empty() && complete {
             let mut found: Vec<Result<Found, RefineError>> = Vec::with_capacity(jobs.len());
@@ -209,7 +223,18 @@ impl DamageMap {
             })?;
             complete = end == BatchEnd::Complete;
             for (job, found) in jobs.iter().zip(found) {
-                traces[job.variant].take(job, found?, always_halved);
+                let found = match found {
+                    Err(fault @ RefineError::Impact { .. }) => {
+                        faults.push(RowFault {
+                            variant: job.variant,
+                            row: job.row,
+                            reason: fault.to_string(),
+                        });
+                        job.infeasible()
+                    }
+                    found => found?,
+                };
+                traces[job.variant].take(job, found, always_halved);
             }
             if rows.scale.is_none() {
                 break;
@@ -236,6 +261,7 @@ impl DamageMap {
         });
         Ok(RefinedMap {
             boundaries: boundaries.collect(),
+            faults,
             responses: responses.into_inner(),
             complete,
         })
@@ -278,6 +304,13 @@ impl Job {
             expected: [None; CLASSES],
             scan: true,
         }
+    }
+
+    /// What a row is that cannot be computed.
+    fn infeasible(&self) -> Found {
+        self.expected.map(|expected| {
+            (expected.is_some() || self.scan).then_some((RowBoundary::Infeasible, false))
+        })
     }
 
     fn run(&self, row: &mut Row<'_>) -> Result<Found, RefineError> {
@@ -359,6 +392,9 @@ impl Trace {
                 let (Some(first), Some(second)) = (boundary(before), boundary(after)) else {
                     continue;
                 };
+                if [first, second] == [RowBoundary::Infeasible; 2] {
+                    continue;
+                }
                 let part = rows.part(row, (before, after));
                 let job = match jobs.iter().position(|job| job.row == row) {
                     Some(index) => index,
@@ -385,7 +421,12 @@ fn expectation(first: RowBoundary, second: RowBoundary, part: f64, scale: &Scale
         RowBoundary::Between { below, at, rising } => {
             Some((0.5 * (scale.at(below) + scale.at(at)), rising))
         }
-        RowBoundary::Always | RowBoundary::Never => None,
+        RowBoundary::Always | RowBoundary::Never | RowBoundary::Infeasible => None,
+    };
+    // Beside a row that cannot be computed, the other one says what to expect.
+    let (first, second) = match (first, second) {
+        (RowBoundary::Infeasible, known) | (known, RowBoundary::Infeasible) => (known, known),
+        both => both,
     };
     match (place(first), place(second)) {
         (Some((one, rising)), Some((other, also))) if rising == also => Expected::At {

@@ -34,6 +34,8 @@ pub enum RowBoundary {
     Always,
     /// The severity is not reached in the row, as far as it was looked at.
     Never,
+    /// An impact of the row cannot be computed, such as one of a vehicle with less than its front masses.
+    Infeasible,
 }
 
 impl RowBoundary {
@@ -42,7 +44,7 @@ impl RowBoundary {
     pub fn value(&self) -> Option<f64> {
         match self {
             Self::Between { below, at, .. } => Some(0.5 * (below + at)),
-            Self::Always | Self::Never => None,
+            Self::Always | Self::Never | Self::Infeasible => None,
         }
     }
 }
@@ -154,17 +156,16 @@ impl Row<'_> {
         let value = self.value(at);
         let (rows, columns) = (self.map.rows(), self.map.columns());
         let values = [rows.value(self.row), AxisValue::Number(value)];
-        self.responses.fetch_add(1, Ordering::Relaxed);
-        let screened = self
+        let severity = self
             .map
-            .screen(self.variant, [Some(self.row), None], values);
-        let severity = screened.map_err(|fault| RefineError::Impact {
-            label: self.map.variants()[self.variant].label.clone(),
-            row: format!("{} {}", rows.quantity().name(), values[0]),
-            column: format!("{} {}", columns.quantity().name(), values[1]),
-            fault,
-        })?;
-        let severity = severity.severity;
+            .severity(self.variant, [Some(self.row), None], values)
+            .map_err(|fault| RefineError::Impact {
+                label: self.map.variants()[self.variant].label.clone(),
+                row: format!("{} {}", rows.quantity().name(), values[0]),
+                column: format!("{} {}", columns.quantity().name(), values[1]),
+                fault,
+            })?;
+        self.responses.fetch_add(1, Ordering::Relaxed);
         self.known.insert(place, (at, severity));
         Ok(severity)
     }

@@ -98,7 +98,7 @@ impl StudyColumn {
     /// # Errors
     /// An imperfection out of its range.
     pub fn at_rest(parameters: &Parameters, model: Model, rest: State) -> Result<Self, StudyError> {
-        let study_model = StudyModel::new(&model.properties, 1.0).map_err(SimulationError::from)?;
+        let study_model = StudyModel::of_model(model, 1.0);
         let assessment = PreparedAssessment::new(parameters, &model)?;
         Ok(Self {
             parameters: parameters.clone(),
@@ -160,6 +160,48 @@ impl StudyColumn {
         }
         let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
         Ok(screening)
+    }
+
+    /// The severity of this impact, without the other numbers of [`screen`](Self::screen): neither does a collapse need its
+    /// largest displacement, nor a push-down its end.
+    ///
+    /// # Errors
+    /// As [`screen`](Self::screen).
+    pub fn severity(&self, impact: &Impact) -> Result<Severity, StudyError> {
+        if self.rest.plastic == PerBar::default()
+            && let Ok(quick) = self.respond_quickly(impact)
+            && let Some(severity) = self.certain_severity(impact, &quick)?
+        {
+            return Ok(severity);
+        }
+        let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
+        Ok(screening.severity)
+    }
+
+    /// The severity after a quick response; `None` if the plain one might have another.
+    fn certain_severity(
+        &self,
+        impact: &Impact,
+        quick: &StudyResponse,
+    ) -> Result<Option<Severity>, StudyError> {
+        let at_limit = match quick.outcome {
+            Outcome::Collapsed | Outcome::Severed => return Ok(Some(Severity::Evacuate)),
+            Outcome::Elastic => quick.utilisation_sum > NEAR_YIELD,
+            Outcome::Plastic => largest(&quick.plastic_rotation) < BARELY_PLASTIC,
+        };
+        let Some(rest) = quick
+            .rest
+            .filter(|_| !at_limit && quick.end != End::DurationReached)
+        else {
+            return Ok(None);
+        };
+        let response = AssessedResponse {
+            outcome: quick.outcome,
+            plastic_rotation: quick.plastic_rotation,
+            max_v1: quick.max_v1,
+        };
+        let assessment = &self.assessment;
+        Ok(assessment.severity(&self.model, impact, &response, &rest, NEAR_LIMIT)?)
     }
 
     /// The response in long steps, which ends as soon as nothing can change any more.

@@ -491,6 +491,40 @@ pub fn capacity(
     }
 }
 
+/// What a push-down that may end early knows of the capacity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KnownCapacity {
+    /// `N_u` is at least the force that was asked for.
+    Enough,
+    /// `N_u` is less, and this is the capacity.
+    Found(Capacity),
+}
+
+/// Whether the [`capacity`] of a column at rest is at least `enough` \[N\]: the push-down ends as soon as its force has reached
+/// that, which is a proof, because `N_u` is the largest force of the same push-down.
+///
+/// # Errors
+/// An imperfection out of its range.
+pub fn capacity_up_to(
+    model: &Model,
+    state: &State,
+    imperfection: f64,
+    enough: f64,
+) -> Result<KnownCapacity, CapacityError> {
+    let mut push_down = PushDown::new(model, state, imperfection)?;
+    loop {
+        if push_down.capacity.force >= enough {
+            return Ok(KnownCapacity::Enough);
+        }
+        if let Some(capacity) = push_down.advance(1) {
+            return Ok(match capacity.force >= enough {
+                true => KnownCapacity::Enough,
+                false => KnownCapacity::Found(capacity),
+            });
+        }
+    }
+}
+
 /// The capacity of a column at rest, with every point of its push-down curve, the unloaded column first. The curve goes on
 /// until the force has fallen well below its largest value.
 ///

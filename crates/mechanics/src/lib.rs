@@ -59,9 +59,9 @@ pub use buckling::{
     BendingAxis, BucklingCurve, BucklingResistance, buckling_resistance, effective_length_factor,
 };
 pub use capacity::{
-    Capacity, CapacityEnd, CapacityError, MAX_IMPERFECTION, MAX_PUSH_DOWN_EVALUATIONS,
-    MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity, carried_load, plastic_plateau,
-    push_down,
+    Capacity, CapacityEnd, CapacityError, KnownCapacity, MAX_IMPERFECTION,
+    MAX_PUSH_DOWN_EVALUATIONS, MAX_PUSH_DOWN_INCREMENTS, PushDown, PushDownPoint, capacity,
+    capacity_up_to, carried_load, plastic_plateau, push_down,
 };
 pub use chain::Chain;
 pub use conserving_midpoint::MAX_EVENTS_PER_STEP;

@@ -65,6 +65,7 @@ impl NonlinearSystem for Frozen<'_> {
 }
 
 /// A column with its massless unknowns in equilibrium.
+#[derive(Clone, Copy)]
 pub(crate) struct Settled {
     pub displacement: Displacement,
     pub chords: PerBar<Chord>,

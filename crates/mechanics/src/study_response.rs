@@ -80,7 +80,12 @@ impl StudyModel {
     /// # Errors
     /// Properties that make no column.
     pub fn new(properties: &ColumnProperties, fineness: f64) -> Result<Self, ModelError> {
-        let mut model = Model::new(properties)?;
+        Ok(Self::of_model(Model::new(properties)?, fineness))
+    }
+
+    /// As [`new`](Self::new), of a column whose model is known.
+    #[must_use]
+    pub fn of_model(mut model: Model, fineness: f64) -> Self {
         let plain = Self {
             polygons: elastic_reach::polygons(&model.frame),
             model,
@@ -89,18 +94,18 @@ impl StudyModel {
         };
         if model.scheme() == Scheme::Midpoint {
             // The penetration that a step of the paper's scheme leaves behind is part of its result.
-            return Ok(plain);
+            return plain;
         }
         model.tolerance = TOLERANCE;
         let longest = model.slowest_period / (STRIDES_PER_PERIOD * fineness);
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
         let stride = (longest / model.step_secs).clamp(1.0, 1e6) as u32;
-        Ok(Self {
+        Self {
             model,
             stride,
             motion: ElasticMotion::new(&model, stiffness, fineness),
             ..plain
-        })
+        }
     }
 
     /// The model.

@@ -39,7 +39,7 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
             "boundary".into(),
             text,
             "",
-            "rising, falling, always or never",
+            "rising, falling, always, never or infeasible",
         ),
         column(
             format!("below_{along}"),
@@ -52,6 +52,12 @@ pub(super) fn boundary_columns(map: &DamageMap) -> Vec<TableColumn> {
             number,
             columns.unit(),
             "upper value of the bracket",
+        ),
+        column(
+            "fault".into(),
+            text,
+            "",
+            "why an impact of the row could not be computed",
         ),
     ]
 }
@@ -77,7 +83,10 @@ pub(super) fn boundary_rows<E>(
                 } => ("falling", Some(below), Some(at)),
                 RowBoundary::Always => ("always", None, None),
                 RowBoundary::Never => ("never", None, None),
+                RowBoundary::Infeasible => ("infeasible", None, None),
             };
+            let fault = (refined.faults.iter())
+                .find(|it| (it.variant, it.row) == (boundary.variant, point.row));
             write(&[
                 TableValue::Text(Some(&map.variants()[boundary.variant].label)),
                 TableValue::Text(Some(boundary.severity.name())),
@@ -88,6 +97,7 @@ pub(super) fn boundary_rows<E>(
                 TableValue::Text(Some(kind)),
                 TableValue::Number(below),
                 TableValue::Number(at),
+                TableValue::Text(fault.map(|it| it.reason.as_str())),
             ])?;
         }
     }
@@ -156,6 +166,7 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
                     }
                     Some(RowBoundary::Always) => format!("<= {}", short(ends[0])),
                     Some(RowBoundary::Never) => format!("> {}", short(ends[1])),
+                    Some(RowBoundary::Infeasible) => "infeasible".to_owned(),
                     None => String::new(),
                 };
                 let _ = write!(text, "{shown:>14}");

@@ -294,9 +294,20 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
     if arguments.wants_figures() {
         text.push_str(&draw(arguments, map, None, Some(&refined))?);
     }
-    let missing = (!refined.complete).then(|| {
-        "interrupted: the boundaries are known in the rows that were done, and not to 1 % between them".to_owned()
-    });
+    let mut missing = Vec::new();
+    if !refined.complete {
+        missing.push(
+            "interrupted: the boundaries are known in the rows that were done, and not to 1 % between them".to_owned(),
+        );
+    }
+    if let Some(fault) = refined.faults.first() {
+        missing.push(format!(
+            "{} of the rows could not be computed; the first one: {}",
+            refined.faults.len(),
+            fault.reason
+        ));
+    }
+    let missing = (!missing.is_empty()).then(|| missing.join("\n"));
     Ended { text, missing }.print(to_error, output)
 }
 

@@ -1,7 +1,11 @@
 //! Critical speeds of a class of vehicles as a function of the other inputs, to predict the severity of most samples.
 //!
 //! The predictions decide only how often a response has to be computed. They do not bias the result: a random share of them
-//! is computed, too, and corrects the estimate and widens its interval (`src/study/risk/estimate.rs`).
+//! is computed, too, the larger the closer a sample is to a critical speed, and corrects the estimate and widens its interval
+//! (`src/study/risk/estimate.rs`).
+//!
+//! The logarithm of a critical speed is a quadratic function of the inputs as standard normal variables, fitted to designs of a
+//! class for which it was searched, plus a linear regression of what this leaves over the designs near the place.
 
 use crate::study::cholesky::cholesky;
 use rayon::ThreadPoolBuildError;
@@ -11,8 +15,8 @@ use super::evaluation::LimitState;
 use super::normal;
 use super::random::Purpose;
 use super::scenario::Scenario;
-use super::study::batch;
-use super::tally::LEVELS;
+use super::study::{CONTROL_SHARES, batch};
+use super::tally::{LEVELS, Prediction};
 use crate::assessment::Severity;
 use crate::study::{Batch, BatchEnd, SEVERITIES};
 
@@ -22,8 +26,12 @@ const COORDINATES: usize = 4;
 const FIRST_COORDINATE: usize = 5;
 /// Unknowns of a local regression: a constant and the slopes.
 const UNKNOWNS: usize = COORDINATES + 1;
+/// Terms of the quadratic function: a constant, the slopes, squares and products.
+const TERMS: usize = UNKNOWNS + COORDINATES * (COORDINATES + 1) / 2;
 /// Designs of a class.
-const DESIGNS: u64 = 300;
+const DESIGNS: u64 = 160;
+/// Least designs per term from which the quadratic function is fitted.
+const DESIGNS_PER_TERM: usize = 3;
 /// Designs from which a critical speed is interpolated.
 const NEIGHBOURS: usize = 24;
 /// Standard deviation of the designs, in standard deviations of the inputs: they cover the tails, too.
@@ -32,14 +40,24 @@ const SPREAD: f64 = 1.4;
 const FARTHEST: f64 = 4.0;
 /// Logarithm of the ratio of the speeds between which a critical speed is known.
 const BRACKET: f64 = 0.008;
-/// Least standard deviation of the logarithm of an interpolated speed.
-const LEAST_DEVIATION: f64 = 0.002;
-/// Share of the designs that the predictions from the others have to meet within their doubt.
-const TRUSTED_SHARE: f64 = 0.998;
+/// Least standard deviation of the logarithm of an interpolated speed: that of the brackets.
+const LEAST_DEVIATION: f64 = 0.0023;
+/// Share of the designs whose errors, each predicted from the others, a standard deviation covers.
+const WITHIN_ONE_DEVIATION: f64 = 0.683;
+/// Fewest errors from which the scale of the deviations is found.
+const ENOUGH_ERRORS: usize = 20;
+/// Scale of the deviations where fewer errors are known.
+const UNKNOWN_SCALE: f64 = 4.0;
+/// Bounds of the classes of doubt of a prediction, in standard deviations between the speed and the nearest critical speed.
+const DOUBTS: [f64; CONTROL_SHARES.len() - 1] = [0.5, 1.0, 2.0, 4.0];
+/// The least certain class of a prediction near a design whose severity falls somewhere with growing speed.
+const DOUBT_WITHOUT_ORDER: usize = 3;
 /// How far beyond the speeds that were looked at a critical speed is taken to be, in logarithms.
 const BEYOND: f64 = 0.5;
 /// Responses that the critical speeds of a class cost, about.
 const RESPONSES_PER_CLASS: u64 = DESIGNS * 24;
+/// Samples of a class that repay its designs, over the responses that these cost.
+const REPAID: f64 = 1.5;
 
 /// Critical speeds of every class that has enough samples to repay their cost.
 #[derive(Debug, Clone)]
@@ -56,9 +74,14 @@ struct ClassSurface {
     designs: Vec<Design>,
     /// Logarithms of the speeds \[m/s\] between which critical speeds were looked for.
     range: [f64; 2],
-    /// Doubt about a prediction, by severity, as a multiple of the deviation of its regression.
-    doubt: [f64; LEVELS - 1],
+    /// By severity.
+    trends: [Option<Trend>; LEVELS - 1],
+    /// Errors of the predictions, by severity, over the deviations of their regressions.
+    scale: [f64; LEVELS - 1],
 }
+
+/// A quadratic function of a place.
+type Trend = [f64; TERMS];
 
 /// The critical speeds of one set of inputs.
 #[derive(Debug, Clone)]
@@ -66,16 +89,25 @@ struct Design {
     place: [f64; COORDINATES],
     /// Logarithm of the least speed \[m/s\] with each severity; infinite: outside the range.
     critical: [f64; LEVELS - 1],
+    /// What the trend of the class leaves of it, both kept within the bounds of [`clamped`].
+    left: [f64; LEVELS - 1],
     /// Whether the severity grew with the speed, as far as it was computed.
     monotonic: bool,
     responses: u64,
 }
 
 /// A critical speed from the designs near a place.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Interpolated {
     value: f64,
     deviation: f64,
+}
+
+/// The critical speeds at a place.
+struct Interpolation {
+    critical: [Interpolated; LEVELS - 1],
+    /// Whether the severity grows with the speed at every design that entered.
+    monotonic: bool,
 }
 
 impl CriticalSpeedSurface {
@@ -93,9 +125,8 @@ impl CriticalSpeedSurface {
     ) -> Result<Option<Self>, ThreadPoolBuildError> {
         let scenario = sampler.scenario();
         let designs_of = sampler.for_purpose(seed, Purpose::Design);
-        let repays = |share: f64| share * samples as f64 > 2.0 * RESPONSES_PER_CLASS as f64;
         let chosen: Vec<usize> = (0..scenario.classes.len())
-            .filter(|class| repays(scenario.classes[*class].share))
+            .filter(|class| repays(scenario.classes[*class].share, samples))
             .collect();
         // Faster ones are computed.
         let top = (1.1 * sampler.greatest_speed()).max(2.0 * LEAST_SPEED);
@@ -146,13 +177,8 @@ impl CriticalSpeedSurface {
     /// Number of the designs of a study of this size, for a progress bar.
     #[must_use]
     pub fn designs(scenario: &Scenario, samples: u64) -> u64 {
-        let repays = |share: f64| share * samples as f64 > 2.0 * RESPONSES_PER_CLASS as f64;
-        DESIGNS
-            * scenario
-                .classes
-                .iter()
-                .filter(|class| repays(class.share))
-                .count() as u64
+        let classes = scenario.classes.iter();
+        DESIGNS * classes.filter(|class| repays(class.share, samples)).count() as u64
     }
 
     /// Responses that were computed for it.
@@ -172,9 +198,9 @@ impl CriticalSpeedSurface {
         designs.filter(|design| !design.monotonic).count() as u64
     }
 
-    /// The severity of an impact, where it is far from every critical speed; `None` where it is in doubt.
+    /// The severity of an impact, and how far it is in doubt; `None` where nothing is known.
     #[must_use]
-    pub(super) fn predict(&self, departure: &Departure) -> Option<Severity> {
+    pub(super) fn predict(&self, departure: &Departure) -> Option<Prediction> {
         let class = self.classes[departure.class].as_ref()?;
         let place = place_of(departure);
         let mut coordinates = place.iter().zip(self.active);
@@ -185,22 +211,37 @@ impl CriticalSpeedSurface {
         if !(class.range[0]..=class.range[1]).contains(&speed) {
             return None;
         }
-        let critical = class.interpolate(&place, &self.active, None)?;
+        let Interpolation {
+            critical,
+            monotonic,
+        } = class.interpolate(&place, &self.active, None)?;
         let mut severity = Severity::None;
+        let mut nearest = f64::INFINITY;
         for (index, it) in critical.iter().enumerate() {
-            if (speed - it.value).abs() <= class.doubt[index] * it.deviation + 0.5 * BRACKET {
-                return None;
-            }
+            let distance = (speed - it.value).abs() / (class.scale[index] * it.deviation);
+            nearest = nearest.min(distance);
             if speed > it.value {
                 // A higher severity without a lower one is a sign that the interpolation fails here.
                 if severity as usize != index {
-                    return None;
+                    nearest = 0.0;
                 }
                 severity = SEVERITIES[index];
             }
         }
-        Some(severity)
+        let doubt = DOUBTS.iter().filter(|bound| nearest >= **bound).count();
+        Some(Prediction {
+            severity,
+            doubt: match monotonic {
+                true => doubt,
+                false => doubt.min(DOUBT_WITHOUT_ORDER),
+            },
+        })
     }
+}
+
+/// Whether a class of this share has enough of the samples.
+fn repays(share: f64, samples: u64) -> bool {
+    share * samples as f64 > REPAID * RESPONSES_PER_CLASS as f64
 }
 
 fn active_coordinates(scenario: &Scenario) -> [bool; COORDINATES] {
@@ -267,6 +308,7 @@ impl Design {
         Self {
             place: place_of(departure),
             critical,
+            left: [0.0; LEVELS - 1],
             monotonic: determined && known.is_sorted_by_key(|(_, severity)| *severity),
             responses,
         }
@@ -274,52 +316,54 @@ impl Design {
 }
 
 impl ClassSurface {
-    /// Sets the doubt so that the designs, each predicted from the others, lie within it.
-    fn calibrated(designs: Vec<Design>, range: [f64; 2], active: &[bool; COORDINATES]) -> Self {
+    /// Fits the trends, and scales the deviations so that of the designs, each predicted from the others, as many are within
+    /// one as of a normal law.
+    fn calibrated(mut designs: Vec<Design>, range: [f64; 2], active: &[bool; COORDINATES]) -> Self {
+        let trends = std::array::from_fn(|severity| trend(&designs, severity, active));
+        for design in &mut designs {
+            let terms = terms(&design.place, active);
+            design.left = std::array::from_fn(|severity| {
+                clamped(design.critical[severity], range)
+                    - trend_at(&trends[severity], &terms, range)
+            });
+        }
         let mut surface = Self {
             designs,
             range,
-            doubt: [f64::INFINITY; LEVELS - 1],
+            trends,
+            scale: [UNKNOWN_SCALE; LEVELS - 1],
         };
         let mut errors: [Vec<f64>; LEVELS - 1] = Default::default();
         for (index, design) in surface.designs.iter().enumerate() {
-            if !design.monotonic {
-                continue;
-            }
-            let Some(critical) = surface.interpolate(&design.place, active, Some(index)) else {
+            let Some(found) = surface.interpolate(&design.place, active, Some(index)) else {
                 continue;
             };
-            for (errors, (truth, found)) in
-                errors.iter_mut().zip(design.critical.iter().zip(critical))
-            {
+            let pairs = design.critical.iter().zip(found.critical);
+            for (errors, (truth, found)) in errors.iter_mut().zip(pairs) {
                 if truth.is_finite() || found.value.is_finite() {
-                    let truth = clamped(*truth, range);
-                    let found_value = clamped(found.value, range);
-                    errors.push((truth - found_value).abs() / found.deviation.max(LEAST_DEVIATION));
+                    let [truth, value] = [*truth, found.value].map(|it| clamped(it, range));
+                    errors.push((truth - value).abs() / found.deviation.max(LEAST_DEVIATION));
                 }
             }
         }
-        for (doubt, errors) in surface.doubt.iter_mut().zip(&mut errors) {
-            errors.sort_by(f64::total_cmp);
-            let rank = (errors.len() as f64 * TRUSTED_SHARE) as usize;
-            *doubt = errors
-                .get(rank.min(errors.len().saturating_sub(1)))
-                .copied()
-                .unwrap_or(4.0)
-                .max(2.0);
+        for (scale, errors) in surface.scale.iter_mut().zip(&mut errors) {
+            if errors.len() >= ENOUGH_ERRORS {
+                errors.sort_by(f64::total_cmp);
+                *scale = errors[(errors.len() as f64 * WITHIN_ONE_DEVIATION) as usize].max(1.0);
+            }
         }
         surface
     }
 
-    /// The critical speeds at a place, by a linear regression over the nearest designs, weighted with their distance; `None`
-    /// where one of them is not to be trusted. A critical speed that all of them have outside the range is infinite, and
-    /// certain. `without` leaves one design out.
+    /// The critical speeds at a place: the trend plus a linear regression of what it leaves over the nearest designs, weighted
+    /// with their distance; `None` where there are too few. A critical speed that all of them have outside the range is
+    /// infinite, and certain. `without` leaves one design out of the regression.
     fn interpolate(
         &self,
         place: &[f64; COORDINATES],
         active: &[bool; COORDINATES],
         without: Option<usize>,
-    ) -> Option<[Interpolated; LEVELS - 1]> {
+    ) -> Option<Interpolation> {
         let mut nearest: Vec<(f64, usize)> = self
             .designs
             .iter()
@@ -358,33 +402,83 @@ impl ClassSurface {
                 ((1.0 - ratio).powi(2), row, design)
             })
             .collect();
-        if rows.iter().any(|(_, _, design)| !design.monotonic) {
-            return None;
-        }
-        let factor = NormalEquations::new(&rows);
-        let mut critical = [Interpolated {
-            value: 0.0,
-            deviation: 0.0,
-        }; LEVELS - 1];
+        let terms = terms(place, active);
+        let factor = NormalEquations::new(rows.iter().map(|(weight, row, _)| (*weight, *row)));
+        let mut critical = [Interpolated::default(); LEVELS - 1];
         for (severity, it) in critical.iter_mut().enumerate() {
             let first = rows[0].2.critical[severity];
             if first.is_infinite() && rows.iter().all(|row| row.2.critical[severity] == first) {
                 *it = Interpolated {
                     value: first,
-                    deviation: 0.0,
+                    // Any: the distance from it is infinite.
+                    deviation: 1.0,
                 };
                 continue;
             }
-            let values: [f64; NEIGHBOURS] =
-                std::array::from_fn(|row| clamped(rows[row].2.critical[severity], self.range));
-            let (value, deviation) = factor.regress(&rows, &values);
+            let values: [f64; NEIGHBOURS] = std::array::from_fn(|row| rows[row].2.left[severity]);
+            let observed = || {
+                let rows = rows.iter().map(|(weight, row, _)| (*weight, *row));
+                rows.zip(values)
+            };
+            let solution = factor.solve(observed());
+            let squares: f64 = observed()
+                .map(|((weight, row), value)| {
+                    let fitted: f64 = row.iter().zip(solution).map(|(a, b)| a * b).sum();
+                    weight * (value - fitted).powi(2)
+                })
+                .sum();
+            // Per degree of freedom.
+            let freedom = (NEIGHBOURS - UNKNOWNS) as f64 / NEIGHBOURS as f64;
+            let deviation = (squares / (factor.weight * freedom)).sqrt();
             *it = Interpolated {
-                value,
+                value: trend_at(&self.trends[severity], &terms, self.range) + solution[0],
                 deviation: deviation.max(LEAST_DEVIATION),
             };
         }
-        Some(critical)
+        Some(Interpolation {
+            critical,
+            monotonic: rows.iter().all(|(_, _, design)| design.monotonic),
+        })
     }
+}
+
+/// The quadratic function through the critical speeds that lie in the range; `None` where they are too few.
+fn trend(designs: &[Design], severity: usize, active: &[bool; COORDINATES]) -> Option<Trend> {
+    let known: Vec<((f64, Trend), f64)> = designs
+        .iter()
+        .filter(|design| design.critical[severity].is_finite())
+        .map(|design| {
+            (
+                (1.0, terms(&design.place, active)),
+                design.critical[severity],
+            )
+        })
+        .collect();
+    (known.len() >= DESIGNS_PER_TERM * TERMS)
+        .then(|| NormalEquations::new(known.iter().map(|(row, _)| *row)).solve(known.into_iter()))
+}
+
+/// The trend where the function has these terms, 0 without one.
+fn trend_at(trend: &Option<Trend>, terms: &Trend, range: [f64; 2]) -> f64 {
+    trend.as_ref().map_or(0.0, |trend| {
+        clamped(terms.iter().zip(trend).map(|(a, b)| a * b).sum(), range)
+    })
+}
+
+/// The terms of the quadratic function at a place; 0 for what contains a coordinate that does not scatter.
+fn terms(place: &[f64; COORDINATES], active: &[bool; COORDINATES]) -> Trend {
+    let z: [f64; COORDINATES] = std::array::from_fn(|it| if active[it] { place[it] } else { 0.0 });
+    let mut terms = [1.0; TERMS];
+    let mut next = 1;
+    for first in 0..COORDINATES {
+        terms[next] = z[first];
+        next += 1;
+        for second in first..COORDINATES {
+            terms[next] = z[first] * z[second];
+            next += 1;
+        }
+    }
+    terms
 }
 
 /// A critical speed outside the range as a number beyond it.
@@ -393,18 +487,20 @@ fn clamped(logarithm: f64, range: [f64; 2]) -> f64 {
 }
 
 /// The Cholesky factor of a weighted linear regression.
-struct NormalEquations {
-    factor: [[f64; UNKNOWNS]; UNKNOWNS],
+struct NormalEquations<const SIZE: usize> {
+    factor: [[f64; SIZE]; SIZE],
+    /// Sum of the weights.
     weight: f64,
 }
 
-impl NormalEquations {
-    fn new(rows: &[(f64, [f64; UNKNOWNS], &Design)]) -> Self {
-        let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
+impl<const SIZE: usize> NormalEquations<SIZE> {
+    /// Of rows with their weights.
+    fn new(rows: impl Iterator<Item = (f64, [f64; SIZE])>) -> Self {
+        let mut matrix = [[0.0; SIZE]; SIZE];
         let mut weight = 0.0;
-        for (w, row, _) in rows {
+        for (w, row) in rows {
             weight += w;
-            for i in 0..UNKNOWNS {
+            for i in 0..SIZE {
                 for j in 0..=i {
                     matrix[i][j] += w * row[i] * row[j];
                 }
@@ -418,36 +514,27 @@ impl NormalEquations {
         Self { factor, weight }
     }
 
-    /// The value at the place itself, and the weighted root mean square of the residuals, per degree of freedom.
-    fn regress(&self, rows: &[(f64, [f64; UNKNOWNS], &Design)], values: &[f64]) -> (f64, f64) {
-        let mut solution = [0.0; UNKNOWNS];
-        for ((w, row, _), value) in rows.iter().zip(values) {
-            for i in 0..UNKNOWNS {
+    /// The unknowns for the values that belong to the same rows.
+    fn solve(&self, rows: impl Iterator<Item = ((f64, [f64; SIZE]), f64)>) -> [f64; SIZE] {
+        let mut solution = [0.0; SIZE];
+        for ((w, row), value) in rows {
+            for i in 0..SIZE {
                 solution[i] += w * row[i] * value;
             }
         }
         let factor = &self.factor;
-        for i in 0..UNKNOWNS {
+        for i in 0..SIZE {
             for k in 0..i {
                 solution[i] -= factor[i][k] * solution[k];
             }
             solution[i] /= factor[i][i];
         }
-        for i in (0..UNKNOWNS).rev() {
-            for k in i + 1..UNKNOWNS {
+        for i in (0..SIZE).rev() {
+            for k in i + 1..SIZE {
                 solution[i] -= factor[k][i] * solution[k];
             }
             solution[i] /= factor[i][i];
         }
-        let squares: f64 = rows
-            .iter()
-            .zip(values)
-            .map(|((w, row, _), value)| {
-                let fitted: f64 = row.iter().zip(solution).map(|(a, b)| a * b).sum();
-                w * (value - fitted).powi(2)
-            })
-            .sum();
-        let freedom = (rows.len() - UNKNOWNS) as f64 / rows.len() as f64;
-        (solution[0], (squares / (self.weight * freedom)).sqrt())
+        solution
     }
 }

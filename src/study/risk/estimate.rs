@@ -58,9 +58,9 @@ impl Cell {
     /// Probability of this severity or a higher one.
     ///
     /// The share of samples that reach it, a prediction taken for the truth, plus the share of predictions that are too low,
-    /// minus the share of those that are too high; the control samples measure both. Each of the three has a Wilson interval.
-    /// Their sum has the interval of Zou and Donner (2008, "MOVER"): its distances from the estimate are the root of the sum
-    /// of squares of the three distances.
+    /// minus the share of those that are too high; the control samples of each class of doubt measure both. Each of these
+    /// shares has a Wilson interval. Their sum has the interval of Zou and Donner (2008, "MOVER"): its distances from the
+    /// estimate are the root of the sum of squares of theirs.
     pub(super) fn at_least(&self, severity: Severity, z: f64) -> Estimate {
         self.at_least_of(self.impacts(), severity, z)
     }
@@ -76,35 +76,29 @@ impl Cell {
             };
         }
         let reached = |levels: &[u64; LEVELS]| levels[from..].iter().sum::<u64>();
-        let plain = wilson(reached(&self.computed) + reached(&self.predicted), all, z);
-        // Predictions on one side of the severity, of which the controls on the other side are wrong.
-        let correction = |own: std::ops::Range<usize>, other: std::ops::Range<usize>| {
-            let predicted: u64 = self.predicted[own.clone()].iter().sum();
-            let controls = &self.control[own];
-            let checked: u64 = controls.iter().flatten().sum();
-            let wrong: u64 = controls.iter().flat_map(|row| &row[other.clone()]).sum();
-            let weight = predicted as f64 / all as f64;
-            let share = wilson(wrong, checked, z);
-            Estimate {
-                value: weight * share.value,
-                low: weight * share.low,
-                high: weight * share.high,
-            }
-        };
-        let missed = correction(0..from, from..LEVELS);
-        let excess = correction(from..LEVELS, 0..from);
-        let value = plain.value + missed.value - excess.value;
-        let root = |distances: [f64; 3]| distances.iter().map(|it| it * it).sum::<f64>().sqrt();
-        let below = root([
-            plain.value - plain.low,
-            missed.value - missed.low,
-            excess.high - excess.value,
-        ]);
-        let above = root([
-            plain.high - plain.value,
-            missed.high - missed.value,
-            excess.value - excess.low,
-        ]);
+        let predicted: u64 = self.predicted.iter().map(|it| reached(&it.all)).sum();
+        let plain = wilson(reached(&self.computed) + predicted, all, z);
+        let (mut value, mut below, mut above) = (
+            plain.value,
+            (plain.value - plain.low).powi(2),
+            (plain.high - plain.value).powi(2),
+        );
+        for of_doubt in &self.predicted {
+            // Predictions on one side of the severity, of which the controls on the other side are wrong.
+            let correction = |own: std::ops::Range<usize>, other: std::ops::Range<usize>| {
+                let predicted: u64 = of_doubt.all[own.clone()].iter().sum();
+                let controls = &of_doubt.control[own];
+                let checked: u64 = controls.iter().flatten().sum();
+                let wrong: u64 = controls.iter().flat_map(|row| &row[other.clone()]).sum();
+                wilson(wrong, checked, z).times(predicted as f64 / all as f64)
+            };
+            let missed = correction(0..from, from..LEVELS);
+            let excess = correction(from..LEVELS, 0..from);
+            value += missed.value - excess.value;
+            below += (missed.value - missed.low).powi(2) + (excess.high - excess.value).powi(2);
+            above += (missed.high - missed.value).powi(2) + (excess.value - excess.low).powi(2);
+        }
+        let [below, above] = [below, above].map(f64::sqrt);
         Estimate {
             value: value.clamp(0.0, 1.0),
             low: (value - below).clamp(0.0, 1.0),
@@ -197,24 +191,22 @@ mod tests {
     /// of them.
     #[test]
     fn controls_correct_predictions() {
-        let mut cell = Cell {
-            predicted: [9000, 0, 0, 0, 1000],
-            ..Cell::default()
-        };
+        let mut cell = Cell::default();
+        cell.predicted[2].all = [9000, 0, 0, 0, 1000];
         let z = deviations(0.95);
         let unchecked = cell.at_least(Severity::Evacuate, z);
         assert_eq!((unchecked.value, unchecked.high), (0.1, 1.0));
         assert_eq!(unchecked.low, 0.0);
-        cell.control[0][0] = 450;
-        cell.control[0][4] = 0;
-        cell.control[4][4] = 50;
+        cell.predicted[2].control[0][0] = 450;
+        cell.predicted[2].control[0][4] = 0;
+        cell.predicted[2].control[4][4] = 50;
         let right = cell.at_least(Severity::Evacuate, z);
         assert!(
             right.value == 0.1 && right.low > 0.08 && right.high < 0.11,
             "{right:?}"
         );
-        cell.control[0][0] = 441;
-        cell.control[0][4] = 9;
+        cell.predicted[2].control[0][0] = 441;
+        cell.predicted[2].control[0][4] = 9;
         let corrected = cell.at_least(Severity::Evacuate, z);
         assert!((corrected.value - (0.1 + 0.9 * 9.0 / 450.0)).abs() < 1e-12);
         assert!(corrected.high > right.high);

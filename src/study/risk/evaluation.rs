@@ -161,8 +161,8 @@ impl RiskColumn {
 
 impl LimitState for RiskColumn {
     fn severity(&self, departure: &Departure) -> Option<Severity> {
-        let screening = self.screen(departure).ok()?;
-        Some(screening.severity)
+        let (column, impact) = self.sample(departure).ok()?;
+        column.severity(&impact).ok()
     }
 
     /// With one column for all speeds.
@@ -177,7 +177,7 @@ impl LimitState for RiskColumn {
                 velocity: speed,
                 ..*impact
             };
-            Some(column.screen(&impact).ok()?.severity)
+            column.severity(&impact).ok()
         })
     }
 }

@@ -61,6 +61,6 @@ pub use scenario::{
     MAX_SCENARIO_FILE_BYTES, Scenario, ScenarioFault, TrafficClass, scenario_names,
 };
 pub use sensitivity::{Effect, SeveritySensitivity, VarianceShare};
-pub use study::{CONTROL_SHARE, RiskStudy, StudyRunError};
-pub use tally::{Basis, RiskSample, Tally};
+pub use study::{CONTROL_SHARES, RiskStudy, StudyRunError};
+pub use tally::{Basis, Prediction, RiskSample, Tally};
 pub use traffic::Exposure;

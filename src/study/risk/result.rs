@@ -182,7 +182,7 @@ impl RiskResult {
                 samples: total.samples(),
                 impacts: total.impacts(),
                 responses: total.computed.iter().sum::<u64>() + total.controls(),
-                predicted: total.predicted.iter().sum(),
+                predicted: total.predictions(),
                 controls: total.controls(),
                 wrong_predictions: total.wrong_predictions(),
                 undetermined: tally.undetermined,

@@ -1,6 +1,7 @@
 //! Counts of a study. They are whole numbers, so that they do not depend on the order of the samples.
 
 use super::departure::{Departure, DepartureSampler, INPUTS};
+use super::study::CONTROL_SHARES;
 use crate::assessment::Severity;
 
 /// Number of severities.
@@ -19,15 +20,24 @@ pub enum Basis {
     Computed(Severity),
     /// The response could not be computed; it counts as the most severe one.
     Undetermined,
-    /// Predicted by the critical velocities of its class, far from each of them.
-    Predicted(Severity),
+    /// Predicted by the critical velocities of its class.
+    Predicted(Prediction),
     /// Predicted, and computed as a control of the predictions.
     Control {
         /// By the critical velocities.
-        predicted: Severity,
+        prediction: Prediction,
         /// By the response.
         computed: Severity,
     },
+}
+
+/// A predicted severity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Prediction {
+    /// The severity.
+    pub severity: Severity,
+    /// Its class of doubt: an index of [`CONTROL_SHARES`].
+    pub doubt: usize,
 }
 
 /// A sample with its severity.
@@ -45,7 +55,9 @@ impl Basis {
     pub fn severity(self) -> Option<Severity> {
         match self {
             Self::Stopped => None,
-            Self::Computed(severity) | Self::Predicted(severity) => Some(severity),
+            Self::Computed(severity) | Self::Predicted(Prediction { severity, .. }) => {
+                Some(severity)
+            }
             Self::Undetermined => Some(Severity::Evacuate),
             Self::Control { computed, .. } => Some(computed),
         }
@@ -58,9 +70,16 @@ pub(super) struct Cell {
     pub stopped: u64,
     /// Computed because they are no predictions, by severity.
     pub computed: [u64; LEVELS],
-    /// Predicted, by severity as predicted; those computed as a control included.
-    pub predicted: [u64; LEVELS],
-    /// Of the predicted ones those computed as a control, by severity as predicted and as computed.
+    /// Predicted, by class of doubt.
+    pub predicted: [Predicted; CONTROL_SHARES.len()],
+}
+
+/// Counts of predicted samples of one class of doubt.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Predicted {
+    /// By severity as predicted; those computed as a control included.
+    pub all: [u64; LEVELS],
+    /// Those computed as a control, by severity as predicted and as computed.
     pub control: [[u64; LEVELS]; LEVELS],
 }
 
@@ -70,13 +89,16 @@ impl Cell {
             Basis::Stopped => self.stopped += 1,
             Basis::Computed(severity) => self.computed[severity as usize] += 1,
             Basis::Undetermined => self.computed[Severity::Evacuate as usize] += 1,
-            Basis::Predicted(severity) => self.predicted[severity as usize] += 1,
+            Basis::Predicted(Prediction { severity, doubt }) => {
+                self.predicted[doubt].all[severity as usize] += 1;
+            }
             Basis::Control {
-                predicted,
+                prediction: Prediction { severity, doubt },
                 computed,
             } => {
-                self.predicted[predicted as usize] += 1;
-                self.control[predicted as usize][computed as usize] += 1;
+                let of_doubt = &mut self.predicted[doubt];
+                of_doubt.all[severity as usize] += 1;
+                of_doubt.control[severity as usize][computed as usize] += 1;
             }
         }
     }
@@ -85,16 +107,23 @@ impl Cell {
         self.stopped += other.stopped;
         for level in 0..LEVELS {
             self.computed[level] += other.computed[level];
-            self.predicted[level] += other.predicted[level];
-            for computed in 0..LEVELS {
-                self.control[level][computed] += other.control[level][computed];
+            for (own, others) in self.predicted.iter_mut().zip(&other.predicted) {
+                own.all[level] += others.all[level];
+                for computed in 0..LEVELS {
+                    own.control[level][computed] += others.control[level][computed];
+                }
             }
         }
     }
 
     /// Samples with an impact.
     pub fn impacts(&self) -> u64 {
-        self.computed.iter().sum::<u64>() + self.predicted.iter().sum::<u64>()
+        self.computed.iter().sum::<u64>() + self.predictions()
+    }
+
+    /// Samples that were predicted, the controls included.
+    pub fn predictions(&self) -> u64 {
+        self.predicted.iter().flat_map(|it| it.all).sum()
     }
 
     /// Samples, with and without an impact.
@@ -104,13 +133,18 @@ impl Cell {
 
     /// Samples computed as a control.
     pub fn controls(&self) -> u64 {
-        self.control.iter().flatten().sum()
+        let controls = self.predicted.iter().flat_map(|it| it.control);
+        controls.flatten().sum()
     }
 
     /// Controls whose prediction is wrong.
     pub fn wrong_predictions(&self) -> u64 {
-        let right: u64 = (0..LEVELS).map(|level| self.control[level][level]).sum();
-        self.controls() - right
+        let right = |it: &Predicted| {
+            (0..LEVELS)
+                .map(|level| it.control[level][level])
+                .sum::<u64>()
+        };
+        self.controls() - self.predicted.iter().map(right).sum::<u64>()
     }
 }
 

@@ -153,6 +153,46 @@ fn wrong_predictions_do_not_bias_the_result() {
     assert!(held >= 12, "{held} of {seeds}");
 }
 
+/// The real column beside a road, with predictions against every single response: of each severity that is often reached, the
+/// estimate with few responses has the share of all of them in its interval, and costs a fraction of the responses.
+#[test]
+fn predictions_agree_with_every_single_response() {
+    let mut scenario = scenario("urban", &["distance_m=fixed:0"]);
+    // Two classes of which one damages the column now and then, and one nearly always.
+    for class in &mut scenario.classes {
+        class.share = match class.vehicle {
+            "mid_car" => 0.5,
+            "lorry_8t" => 0.5,
+            _ => 0.0,
+        };
+    }
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/heb220_s355.yaml");
+    let parameters = Parameters::load(&[file], &[]).unwrap();
+    let column = RiskColumn::new(&parameters, &scenario).unwrap();
+    let sampler = DepartureSampler::new(&scenario, 21);
+    let samples = 0..4000;
+    let all = run(&RiskStudy::new(&sampler, &column), 2, samples.clone());
+    // As many designs as for a long study.
+    let surface = CriticalSpeedSurface::new(&sampler, 21, &column, 10_000_000, &batch(None))
+        .unwrap()
+        .unwrap();
+    let study = RiskStudy::new(&sampler, &column).with_predictions(&surface);
+    let few = run(&study, 2, samples);
+    let [all, few] = [&all, &few].map(|tally| result(&scenario, tally, 0.99));
+    assert_eq!(all.counts.responses, 4000);
+    assert!(few.counts.responses < 800, "{:?}", few.counts);
+    let mut often = 0;
+    for (all, few) in all.severities.iter().zip(&few.severities) {
+        // The samples are the same, so that only the predictions can be wrong.
+        let [truth, found] = [all.given_impact, few.given_impact];
+        assert!(found.contains(truth.value), "{found:?} {truth:?}");
+        // As narrow as about forty controls of the predictions that are in no doubt allow.
+        assert!(found.high - found.low < 0.25, "{found:?}");
+        often += u32::from((0.05..0.95).contains(&truth.value));
+    }
+    assert!(often >= 2, "{:?}", all.severities);
+}
+
 /// A column that stays elastic, hit by a rigid mass: `max v1 = v+ sqrt((m + m_e) / k)` with `v+ = m V / (m + m_e)`,
 /// `m_e = m_l (L_a + L_b) / 3` and `k = 3 E I (L_a + L_b)^3 / (L_a L_b)^3` of the beam that is built in at both ends. A
 /// limit on the displacement is a limit on the speed, whose exceedance is that of the lognormal law.
