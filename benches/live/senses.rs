@@ -75,9 +75,9 @@ fn write_sensors(path: &Path) -> std::io::Result<()> {
         names.join(", ")
     );
     for (name, quantity, height, noise) in SENSORS {
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "      {name}: {{quantity: {quantity}, height: {height:?}, noise: {noise:?}, rate: 10000.0}}\n"
+            "      {name}: {{quantity: {quantity}, height: {height:?}, noise: {noise:?}, rate: 10000.0}}"
         ); // a String takes everything
     }
     std::fs::write(path, text)

@@ -30,6 +30,9 @@ use super::task::Task;
 /// Timeout for the status that a twin keeps for late joiners.
 const STATUS_WAIT: Duration = Duration::from_secs(2);
 
+/// The twins are found one after another. Only if no further one was found for this time is the only one the one that is there.
+const SETTLED: Duration = Duration::from_millis(300);
+
 /// An impact to send.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactOptions {
@@ -385,32 +388,38 @@ fn converse<T>(
         // The counter distinguishes a rejection of this event from one of an earlier event with the same identifier.
         let mut refused_before = None;
         let mut columns = BTreeSet::new();
-        let all_are_known = |columns: &BTreeSet<String>| {
-            let twins = status.map_or(0, |status| matches.count(status));
-            let wanted = options.column_id.as_ref();
-            // One node of a fleet has many columns, which its own status names.
-            let has_fleet = fleet.is_some_and(|fleet| matches.count(fleet) > 0);
-            match wanted {
-                Some(it) if columns.contains(it) => true,
-                _ => !has_fleet && columns.len() >= twins,
-            }
-        };
-        wait_until(signals, STATUS_WAIT, |until| match next(&seen, until) {
-            Some(Seen::Fleet(status)) => {
-                let is_of_all = status.columns.len() as u64 >= u64::from(status.columns_total);
-                columns.extend(status.columns.into_iter().map(|it| it.column_id));
-                (options.column_id.is_none() && (is_of_all || columns.len() > 1)).then_some(())
-            }
-            Some(Seen::Status(status)) => {
-                if options.column_id.as_ref() == Some(&status.column_id) {
-                    refused_before = Some(status.events_refused);
-                } else {
-                    refused_before.get_or_insert(status.events_refused);
+        let (mut twins, mut changed) = (0, Instant::now());
+        wait_until(signals, STATUS_WAIT, |until| {
+            match next(&seen, until) {
+                Some(Seen::Fleet(status)) => {
+                    let is_of_all = status.columns.len() as u64 >= u64::from(status.columns_total);
+                    columns.extend(status.columns.into_iter().map(|it| it.column_id));
+                    return (options.column_id.is_none() && (is_of_all || columns.len() > 1))
+                        .then_some(());
                 }
-                columns.insert(status.column_id);
-                all_are_known(&columns).then_some(())
+                Some(Seen::Status(status)) => {
+                    if options.column_id.as_ref() == Some(&status.column_id) {
+                        refused_before = Some(status.events_refused);
+                    } else {
+                        refused_before.get_or_insert(status.events_refused);
+                    }
+                    columns.insert(status.column_id);
+                }
+                _ => {}
             }
-            _ => None,
+            let found = status.map_or(0, |status| matches.count(status));
+            if std::mem::replace(&mut twins, found) != found {
+                changed = Instant::now();
+            }
+            let is_known = match &options.column_id {
+                Some(wanted) => columns.contains(wanted),
+                // One node of a fleet has many columns, which its own status names.
+                None => {
+                    let has_fleet = fleet.is_some_and(|fleet| matches.count(fleet) > 0);
+                    !has_fleet && columns.len() >= twins && changed.elapsed() >= SETTLED
+                }
+            };
+            is_known.then_some(())
         })?;
         let column_id = match &options.column_id {
             Some(column_id) => column_id.clone(),

@@ -145,6 +145,29 @@ fn an_impact_without_a_column_goes_to_the_only_twin() {
     second.stop();
 }
 
+/// The client once took the rejection by a twin of another column for the answer, because it sent the event before it had found
+/// the one that it was for.
+#[test]
+fn an_impact_reaches_its_column_among_ten() {
+    let domain = Domain::fresh();
+    let columns: Vec<_> = (0..10).map(|number| format!("c{number}")).collect();
+    let twins: Vec<_> = columns
+        .iter()
+        .map(|id| RunningTwin::start(&domain, &[("column_id", Value::from(id.as_str()))]))
+        .collect();
+    for column in &columns {
+        match impact_on(&domain, Some(column), 10.0, PATIENCE) {
+            Ok(ImpactOutcome::Forecast(report)) => assert_eq!(&report.column_id, column),
+            other => panic!("{column}: {other:?}"),
+        }
+    }
+    match impact_on(&domain, Some("c10"), 10.0, PATIENCE) {
+        Ok(ImpactOutcome::Refused(reason)) => assert!(reason.contains("c10"), "{reason}"),
+        other => panic!("{other:?}"),
+    }
+    twins.into_iter().for_each(RunningTwin::stop);
+}
+
 /// Sends an impact of 1 m/s as `column-twin impact` does.
 pub fn impact(
     domain: &Domain,
