@@ -179,9 +179,11 @@ mod tests {
         };
         let of_one = left_out(Topics::of_default_node());
         assert_eq!(of_one, ["row_impact_event", "/clock", "fleet_status"]);
-        // The others show one column, or come from sensors, which the columns of a fleet do not have.
+        // A row is recorded as the impacts that it is for its columns. The others show one column, or come from sensors, which
+        // the columns of a fleet do not have.
         let of_fleet = left_out(Topics::of_default_fleet());
         let absent = [
+            "row_impact_event",
             "measurements",
             "impact_estimate",
             "joint_states",
