@@ -35,6 +35,7 @@ mod node_name;
 mod overrides;
 mod parameter;
 mod processors;
+mod ranges;
 mod reference;
 mod senders;
 mod sensors;

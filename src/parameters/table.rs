@@ -2,68 +2,11 @@
 
 use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
+use super::ranges::{
+    CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
+    LENGTH, OPTIONAL_PATH, SENSOR_NAMES, SUPPORT, SUPPORT_STIFFNESS, UNLOADING_STIFFNESS,
+};
 use crate::column::MAX_MASSES;
-use crate::senses::MAX_SENSORS;
-
-const LENGTH: Admissible = Admissible::Real {
-    min: 0.02,
-    max: 100.0,
-};
-const EXPONENT: Admissible = Admissible::Real {
-    min: 1.0,
-    max: 50.0,
-};
-const FROM_SECTION: &str = "from `section.name`";
-const FROM_SUPPORTS: &str = "from the supports";
-const SUPPORT: Admissible = Admissible::Choice(&["built_in", "pinned", "semi_rigid"]);
-const SUPPORT_STIFFNESS: Admissible = Admissible::RealOrZero {
-    min: 1.0,
-    max: 1e13,
-    zero: "not semi-rigid",
-};
-const HINGE_STIFFNESS: Admissible = Admissible::RealOrZero {
-    min: 1.0,
-    max: 1e13,
-    zero: FROM_SUPPORTS,
-};
-const DIRECTORY: Admissible = Admissible::Text {
-    min_chars: 1,
-    max_chars: 4096,
-};
-const OPTIONAL_PATH: Admissible = Admissible::Text {
-    min_chars: 0,
-    max_chars: 4096,
-};
-const IDENTIFIER: Admissible = Admissible::Text {
-    min_chars: 1,
-    max_chars: 255,
-};
-
-/// Most points of a force-crush curve that parameters give: a narrow object adds some to them.
-const MAX_POINTS: usize = 16;
-const CURVE_CRUSH: Admissible = Admissible::List {
-    of: &Admissible::Real {
-        min: 1e-6,
-        max: 20.0,
-    },
-    min_len: 0,
-    max_len: MAX_POINTS,
-};
-const CURVE_FORCE: Admissible = Admissible::List {
-    of: &Admissible::Real { min: 0.0, max: 1e9 },
-    min_len: 0,
-    max_len: MAX_POINTS,
-};
-const SENSOR_NAMES: Admissible = Admissible::List {
-    of: &Admissible::SensorName,
-    min_len: 0,
-    max_len: MAX_SENSORS,
-};
-const UNLOADING_STIFFNESS: Admissible = Admissible::RealOrZero {
-    min: 1.0,
-    max: 1e12,
-    zero: "not given",
-};
 
 /// Largest dynamic increase factor that may be asked for, and the limit of a law that has none of its own.
 pub(super) const MAX_RATE_FACTOR: f64 = 100.0;

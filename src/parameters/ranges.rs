@@ -1,0 +1,64 @@
+//! Ranges and texts that several rows of the parameter table share.
+
+use super::parameter::Admissible;
+use crate::senses::MAX_SENSORS;
+
+pub(super) const LENGTH: Admissible = Admissible::Real {
+    min: 0.02,
+    max: 100.0,
+};
+pub(super) const EXPONENT: Admissible = Admissible::Real {
+    min: 1.0,
+    max: 50.0,
+};
+pub(super) const FROM_SECTION: &str = "from `section.name`";
+const FROM_SUPPORTS: &str = "from the supports";
+pub(super) const SUPPORT: Admissible = Admissible::Choice(&["built_in", "pinned", "semi_rigid"]);
+pub(super) const SUPPORT_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e13,
+    zero: "not semi-rigid",
+};
+pub(super) const HINGE_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e13,
+    zero: FROM_SUPPORTS,
+};
+pub(super) const DIRECTORY: Admissible = Admissible::Text {
+    min_chars: 1,
+    max_chars: 4096,
+};
+pub(super) const OPTIONAL_PATH: Admissible = Admissible::Text {
+    min_chars: 0,
+    max_chars: 4096,
+};
+pub(super) const IDENTIFIER: Admissible = Admissible::Text {
+    min_chars: 1,
+    max_chars: 255,
+};
+
+/// Most points of a force-crush curve that parameters give: a narrow object adds some to them.
+const MAX_POINTS: usize = 16;
+pub(super) const CURVE_CRUSH: Admissible = Admissible::List {
+    of: &Admissible::Real {
+        min: 1e-6,
+        max: 20.0,
+    },
+    min_len: 0,
+    max_len: MAX_POINTS,
+};
+pub(super) const CURVE_FORCE: Admissible = Admissible::List {
+    of: &Admissible::Real { min: 0.0, max: 1e9 },
+    min_len: 0,
+    max_len: MAX_POINTS,
+};
+pub(super) const SENSOR_NAMES: Admissible = Admissible::List {
+    of: &Admissible::SensorName,
+    min_len: 0,
+    max_len: MAX_SENSORS,
+};
+pub(super) const UNLOADING_STIFFNESS: Admissible = Admissible::RealOrZero {
+    min: 1.0,
+    max: 1e12,
+    zero: "not given",
+};
