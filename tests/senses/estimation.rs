@@ -63,6 +63,21 @@ fn the_last_estimate_with_all_sensors_is_close_to_the_truth() {
         let last = impact.estimates.last().expect("an estimate");
         let number = |name| signal.number(name);
         let (mass, speed) = (number("mass"), number("speed"));
+        println!(
+            "{name}: errors of mass, speed, momentum, peak, residual [%] by data after contact [ms]"
+        );
+        for estimate in &impact.estimates {
+            let since = 1e3 * (estimate.data_until - number("contact_instant"));
+            let error = |of: &CredibleInterval, truth: f64| 100.0 * (of.mean / truth - 1.0);
+            println!(
+                "{since:>8.1} {:>7.1} {:>7.1} {:>7.1} {:>7.1} {:>7.1}",
+                error(&estimate.mass, mass),
+                error(&estimate.velocity, speed),
+                error(&estimate.momentum, mass * speed),
+                error(&estimate.peak_v1, number("peak_v1")),
+                error(&estimate.residual_v1, number("residual_v1"))
+            );
+        }
         let relative =
             |interval: &CredibleInterval, truth: f64| (interval.mean / truth - 1.0).abs();
         let report = format!("{name}: {last:#?}");
