@@ -181,7 +181,7 @@ fn a_signal_to_the_demonstration_alone_is_not_ignored() {
     }
 }
 
-/// Nobody tells the node what happens: it feels the signal, and its recording holds what it has made of it.
+/// The node receives no event: it detects the impact in the signal, and its recording holds what it has made of it.
 #[cfg(all(feature = "ros", feature = "record"))]
 #[test]
 fn the_demonstration_with_sensors_feels_estimates_and_verifies() {

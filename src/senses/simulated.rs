@@ -66,7 +66,7 @@ pub fn simulate_sensors(
     }
 }
 
-/// What the sensors read where `exact` is what there is to be read, row by row, in the order of the sensors: with gain errors and
+/// What the sensors read where `exact` holds the readings without errors, row by row, in the order of the sensors: with gain errors and
 /// biases that are drawn once for each sensor, noise for each sample, and clipping. The same seed gives the same readings.
 #[must_use]
 pub fn with_sensor_errors(exact: &Readings, sensors: &[Sensor], seed: u64) -> Readings {

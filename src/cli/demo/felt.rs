@@ -1,4 +1,4 @@
-//! `column-twin demo --sensors`: nobody tells the node what happens, its sensors feel it.
+//! `column-twin demo --sensors`: the node receives no event and detects the impact with its sensors.
 
 use std::cell::RefCell;
 use std::fs::File;

@@ -47,7 +47,7 @@ Starts the node on 127.0.0.1 in an unused DDS domain, sends it an impact, shows 
 arrives, records it, draws the figures, verifies the recording by recomputation, and exits. Nothing
 leaves this machine.
 
-With --sensors nobody tells the node what happens: the readings of three sensors are played to it, with
+With --sensors the node receives no impact event: the readings of three sensors are played to it, with
 noise, from a signal of a fibre-beam model of other authorship (1.5 t at 36 km/h). The node feels the
 impact, estimates vehicle and outcome with 90 % intervals while the data arrive, and makes an impact of
 it once it is sure enough.
