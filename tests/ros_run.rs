@@ -14,7 +14,8 @@ use std::thread;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::ros::{
-    ImpactOptions, ImpactOutcome, RosArguments, RunOptions, Shown, run, send_impact, watch,
+    ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RunOptions, Shown, run, send_impact,
+    watch,
 };
 use signal_hook::consts::SIGTERM;
 
@@ -47,17 +48,19 @@ fn run_impact_and_watch_meet_under_other_names_and_end_with_sigterm() {
     });
     let impact = ImpactOptions {
         column_id: Some("a3".to_owned()),
-        event_id: Some("e1".to_owned()),
-        vehicle: String::new(),
-        impact: ImpactSpecification {
-            mass: 1500.0,
-            velocity: 1.0,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            event_id: Some("e1".to_owned()),
+            vehicle: String::new(),
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity: 1.0,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout: PATIENCE,
+            answer_timeout: PATIENCE,
         },
-        match_timeout: PATIENCE,
-        answer_timeout: PATIENCE,
     };
     let mut printed = Vec::new();
     let outcome = send_impact(&environment, &rules, &impact, &mut |line| {

@@ -10,8 +10,8 @@ use super::impact_args::ImpactSpecificationArgs;
 use super::run::client_environment;
 use column_twin::messages::column_twin::ImpactReport;
 use column_twin::ros::{
-    ClientError, ImpactOptions, ImpactOutcome, RosArguments, RowImpactOptions, report_line,
-    send_impact, send_row_impact,
+    ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, RosArguments, RowImpactOptions,
+    report_line, send_impact, send_row_impact,
 };
 
 /// Arguments of `column-twin impact`.
@@ -74,14 +74,9 @@ pub fn run(
     if !arguments.row.is_empty() {
         return run_row(arguments, ros, out);
     }
-    let timeout = Duration::from_secs(u64::from(arguments.timeout));
     let options = ImpactOptions {
         column_id: arguments.column.clone(),
-        event_id: arguments.event.clone(),
-        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
-        impact: arguments.impact.specification(),
-        match_timeout: timeout,
-        answer_timeout: timeout,
+        request: request(arguments),
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);
@@ -108,6 +103,17 @@ pub fn run(
     }
 }
 
+fn request(arguments: &ImpactArgs) -> ImpactRequest {
+    let timeout = Duration::from_secs(u64::from(arguments.timeout));
+    ImpactRequest {
+        event_id: arguments.event.clone(),
+        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
+        impact: arguments.impact.specification(),
+        match_timeout: timeout,
+        answer_timeout: timeout,
+    }
+}
+
 fn failure(error: ClientError) -> Failure {
     let exit = match error {
         ClientError::Name(_) | ClientError::SeveralColumns(_) => Exit::BadInput,
@@ -122,16 +128,11 @@ fn run_row(
     ros: &RosArguments,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let timeout = Duration::from_secs(u64::from(arguments.timeout));
     let options = RowImpactOptions {
         column_ids: arguments.row.clone(),
         offsets: arguments.offsets.clone(),
         distances: distances(arguments)?,
-        event_id: arguments.event.clone(),
-        vehicle: arguments.impact.vehicle().unwrap_or_default().to_owned(),
-        impact: arguments.impact.specification(),
-        match_timeout: timeout,
-        answer_timeout: timeout,
+        request: request(arguments),
     };
     let lines = LinePrinter::new(out);
     let mut say = |line: &str| lines.print(line);

@@ -24,7 +24,7 @@ use super::names::{NameError, Names, RemapRule};
 use super::node::{Node, NodeError};
 use super::qos;
 use super::signals::StopSignals;
-use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Subscribed, later, next, wait_until};
+use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Search, Subscribed, later, next, wait_until};
 use super::task::Task;
 
 /// Timeout for the status that a twin keeps for late joiners.
@@ -33,11 +33,18 @@ const STATUS_WAIT: Duration = Duration::from_secs(2);
 /// The twins are found one after another. Only if no further one was found for this time is the only one the one that is there.
 const SETTLED: Duration = Duration::from_millis(300);
 
-/// An impact to send.
+/// An impact to send to one column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactOptions {
     /// The column; `None`: that of the only twin.
     pub column_id: Option<String>,
+    /// The impact.
+    pub request: ImpactRequest,
+}
+
+/// What a client says of an impact, whichever columns are hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactRequest {
     /// Identifier of the event; `None`: a new one.
     pub event_id: Option<String>,
     /// Name of the vehicle; empty: that of the twin's parameters.
@@ -46,8 +53,29 @@ pub struct ImpactOptions {
     pub impact: ImpactSpecification,
     /// Timeout for finding a twin.
     pub match_timeout: Duration,
-    /// Timeout for its forecast.
+    /// Timeout for its forecast, and for that of each column if there are several, after the time of the impact.
     pub answer_timeout: Duration,
+}
+
+impl ImpactRequest {
+    /// The event that is sent now.
+    pub(super) fn event(&self, column_id: String) -> ImpactEvent {
+        let since = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let stamp = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
+        let event_id = self.event_id.clone();
+        ImpactEvent {
+            header: Header {
+                stamp: Time::from_nanos(stamp).unwrap_or_default(),
+                frame_id: String::new(),
+            },
+            column_id,
+            event_id: event_id.unwrap_or_else(|| format!("impact-{stamp}")),
+            vehicle: self.vehicle.clone(),
+            ..ImpactEvent::from(&self.impact)
+        }
+    }
 }
 
 /// The twin's reply to an impact.
@@ -281,7 +309,7 @@ pub fn watch(
 /// with the time since the event was sent; `say` receives progress messages.
 ///
 /// # Errors
-/// No twin is found, it rejects the event or is faulted, only its status arrives within `options.answer_timeout`, or the
+/// No twin is found, it rejects the event or is faulted, only its status arrives within `answer_timeout`, or the
 /// program is asked to stop by `signals`.
 pub fn follow_impact(
     environment: &Environment,
@@ -357,7 +385,6 @@ fn converse<T>(
     hear: &mut dyn FnMut(&Seen, &Sent<'_>) -> Relation<T>,
 ) -> Result<T, ClientError> {
     let publisher = node.publisher(&qos::IMPACT_EVENT)?;
-    // The twin's first messages do not reach a reader that is not matched yet.
     let mut endpoints = subscribed.guids();
     endpoints.push(publisher.guid());
     let status = subscribed.status.as_ref().map(Subscription::guid);
@@ -368,23 +395,14 @@ fn converse<T>(
         join!(events, subscribed.show(sender));
     })?;
     let outcome = (|| {
-        let topic = node
-            .names()
-            .resolve(qos::IMPACT_EVENT.kind(), qos::IMPACT_EVENT.name)?;
-        say(&format!(
-            "waiting for a twin on {topic} in domain {}",
-            environment.domain_id
-        ));
-        wait_until(signals, options.match_timeout, |until| {
-            let found = |guid: &_| matches.wait_for(*guid, 1, until);
-            endpoints.iter().all(found).then_some(())
-        })?
-        .ok_or_else(|| ClientError::NoTwin {
-            others: node.other_topics(&qos::IMPACT_EVENT, &topic),
-            topic,
-            domain_id: environment.domain_id,
-            waited: options.match_timeout,
-        })?;
+        let search = Search {
+            node: &node,
+            environment,
+            signals,
+            endpoint: &qos::IMPACT_EVENT,
+            timeout: options.request.match_timeout,
+        };
+        search.wait_for("a twin", &endpoints, say)?;
         // The counter distinguishes a rejection of this event from one of an earlier event with the same identifier.
         let mut refused_before = None;
         let mut columns = BTreeSet::new();
@@ -426,7 +444,7 @@ fn converse<T>(
             None => only(&columns)?,
         };
         let is_known = columns.contains(&column_id);
-        let event = event(options, column_id.clone());
+        let event = options.request.event(column_id.clone());
         let event_id = event.event_id.clone();
         say(&format!(
             "sending impact {event_id:?} to column {:?}: {} kg at {} m/s",
@@ -438,14 +456,14 @@ fn converse<T>(
         publisher
             .publish(event)
             .map_err(|error| ClientError::NotSent(error.to_string()))?;
-        let mut deadline = begun + options.answer_timeout;
+        let mut deadline = begun + options.request.answer_timeout;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let word = wait_until(signals, left, |until| next(&seen, until))?;
             let Some(word) = word else {
                 return Err(ClientError::NoAnswer {
                     event_id,
-                    waited: options.answer_timeout,
+                    waited: options.request.answer_timeout,
                 });
             };
             let sent = Sent {
@@ -456,7 +474,7 @@ fn converse<T>(
             };
             match hear(&word, &sent) {
                 Relation::None => {}
-                Relation::OfEvent => deadline = Instant::now() + options.answer_timeout,
+                Relation::OfEvent => deadline = Instant::now() + options.request.answer_timeout,
                 Relation::Last(outcome) => return Ok(outcome),
             }
         }
@@ -474,26 +492,6 @@ fn only(columns: &BTreeSet<String>) -> Result<String, ClientError> {
         _ => Err(ClientError::SeveralColumns(
             columns.iter().cloned().collect(),
         )),
-    }
-}
-
-fn event(options: &ImpactOptions, column_id: String) -> ImpactEvent {
-    let since = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    let stamp = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
-    ImpactEvent {
-        header: Header {
-            stamp: Time::from_nanos(stamp).unwrap_or_default(),
-            frame_id: String::new(),
-        },
-        column_id,
-        event_id: options
-            .event_id
-            .clone()
-            .unwrap_or_else(|| format!("impact-{stamp}")),
-        vehicle: options.vehicle.clone(),
-        ..ImpactEvent::from(&options.impact)
     }
 }
 
@@ -594,19 +592,21 @@ mod tests {
     fn omitted_values_are_nan_and_identifiers_differ() {
         let options = ImpactOptions {
             column_id: None,
-            event_id: None,
-            vehicle: "mid_car".to_owned(),
-            impact: ImpactSpecification {
-                mass: 1500.0,
-                velocity: 10.0,
-                gap: None,
-                restitution: Some(0.0),
-                height: None,
+            request: ImpactRequest {
+                event_id: None,
+                vehicle: "mid_car".to_owned(),
+                impact: ImpactSpecification {
+                    mass: 1500.0,
+                    velocity: 10.0,
+                    gap: None,
+                    restitution: Some(0.0),
+                    height: None,
+                },
+                match_timeout: CHECK_INTERVAL,
+                answer_timeout: CHECK_INTERVAL,
             },
-            match_timeout: CHECK_INTERVAL,
-            answer_timeout: CHECK_INTERVAL,
         };
-        let event = event(&options, "column".to_owned());
+        let event = options.request.event("column".to_owned());
         assert!(event.gap.is_nan() && event.height.is_nan() && event.restitution == 0.0);
         assert!(event.event_id.starts_with("impact-1"));
         assert_eq!(event.vehicle, "mid_car");

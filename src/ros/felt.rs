@@ -13,7 +13,7 @@ use super::names::Names;
 use super::node::Node;
 use super::qos;
 use super::signals::StopSignals;
-use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Subscribed, next, wait_until};
+use super::subscribed::{CHECK_INTERVAL, SHOWN_QUEUE, Search, Subscribed, next};
 use super::task::Task;
 
 /// Waits at most `timeout` for a twin, calls `ready`, and passes on its estimates, reports and statuses until `hear` returns
@@ -36,26 +36,21 @@ pub fn follow_sensors(
         estimate: Some(node.subscription(&qos::IMPACT_ESTIMATE)?),
         ..Subscribed::default()
     };
-    // The twin's first messages do not reach a reader that is not matched yet.
     let endpoints = subscribed.guids();
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
-    let (events, matches) = (node.participant_events(), node.matches());
+    let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {
         join!(events, subscribed.show(sender));
     })?;
     let outcome = (|| {
-        let name = qos::IMPACT_ESTIMATE.name;
-        let topic = node.names().resolve(qos::IMPACT_ESTIMATE.kind(), name)?;
-        wait_until(signals, timeout, |until| {
-            let found = |guid: &_| matches.wait_for(*guid, 1, until);
-            endpoints.iter().all(found).then_some(())
-        })?
-        .ok_or_else(|| ClientError::NoTwin {
-            others: node.other_topics(&qos::IMPACT_ESTIMATE, &topic),
-            topic,
-            domain_id: environment.domain_id,
-            waited: timeout,
-        })?;
+        let search = Search {
+            node: &node,
+            environment,
+            signals,
+            endpoint: &qos::IMPACT_ESTIMATE,
+            timeout,
+        };
+        search.wait_for("a twin with sensors", &endpoints, &mut |_| {})?;
         ready();
         loop {
             if signals.asked() {

@@ -14,7 +14,7 @@ use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
 use super::signals::StopSignals;
-use super::subscribed::wait_until;
+use super::subscribed::Search;
 use super::task::Task;
 
 /// Time at the end in which the last batch leaves.
@@ -77,25 +77,17 @@ pub fn send_measurements(
     let names = Names::new(&environment.namespace, "column_twin_measure", rules)?;
     let mut node = Node::new(environment, names)?;
     let publisher = node.publisher::<Measurement>(&qos::MEASUREMENTS)?;
-    let (events, matches) = (node.participant_events(), node.matches());
+    let events = node.participant_events();
     let task = Task::start("column_twin/see", move || events)?;
     let outcome = (|| {
-        let name = qos::MEASUREMENTS.name;
-        let topic = node.names().resolve(qos::MEASUREMENTS.kind(), name)?;
-        say(&format!(
-            "waiting for a twin with sensors on {topic} in domain {}",
-            environment.domain_id
-        ));
-        let guid = publisher.guid();
-        wait_until(&signals, options.match_timeout, |until| {
-            matches.wait_for(guid, 1, until).then_some(())
-        })?
-        .ok_or_else(|| ClientError::NoTwin {
-            others: node.other_topics(&qos::MEASUREMENTS, &topic),
-            topic,
-            domain_id: environment.domain_id,
-            waited: options.match_timeout,
-        })?;
+        let search = Search {
+            node: &node,
+            environment,
+            signals: &signals,
+            endpoint: &qos::MEASUREMENTS,
+            timeout: options.match_timeout,
+        };
+        search.wait_for("a twin with sensors", &[publisher.guid()], say)?;
         let due = batches(options);
         let duration = due.last().map_or(0.0, |last| last.at);
         if duration.is_nan() || duration > MAX_DURATION {

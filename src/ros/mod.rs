@@ -53,7 +53,8 @@ mod utc;
 
 pub use arguments::{ArgumentError, LogLevel, RosArguments};
 pub use client::{
-    ClientError, ImpactOptions, ImpactOutcome, Shown, follow_impact, send_impact, watch,
+    ClientError, ImpactOptions, ImpactOutcome, ImpactRequest, Shown, follow_impact, send_impact,
+    watch,
 };
 pub use environment::{DiscoveryRange, Environment, EnvironmentError, MAX_DOMAIN_ID};
 pub use felt::follow_sensors;

@@ -2,24 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::sync_channel;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use futures::join;
 
-use crate::column::ImpactSpecification;
 use crate::fleet::MAX_ROW_OFFSET;
-use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{ImpactEvent, ImpactReport, RowImpactEvent};
-use crate::messages::std_msgs::Header;
 
-use super::client::ClientError;
+use super::client::{ClientError, ImpactRequest};
 use super::environment::Environment;
 use super::lines::Seen;
 use super::names::{Names, RemapRule};
 use super::node::Node;
 use super::qos;
 use super::signals::StopSignals;
-use super::subscribed::{SHOWN_QUEUE, next, pass, wait_until};
+use super::subscribed::{SHOWN_QUEUE, Search, next, pass, wait_until};
 use super::task::Task;
 
 /// A vehicle that hits several columns.
@@ -32,16 +29,8 @@ pub struct RowImpactOptions {
     pub offsets: Vec<f64>,
     /// Distance of each column from the one before \[m\], where no offset is given.
     pub distances: Vec<f64>,
-    /// Identifier of the event; `None`: a new one.
-    pub event_id: Option<String>,
-    /// Name of the vehicle; empty: that of the parameters of the columns.
-    pub vehicle: String,
-    /// With which mass and how fast it hits the first column; the parameters of the columns give what is left open.
-    pub impact: ImpactSpecification,
-    /// Timeout for finding a fleet.
-    pub match_timeout: Duration,
-    /// Timeout for each of its answers, after the time of the impact.
-    pub answer_timeout: Duration,
+    /// The impact on the first column.
+    pub request: ImpactRequest,
 }
 
 /// Publishes an event for several columns and waits for the answer of each: a forecast, or a report without results that says why
@@ -63,28 +52,19 @@ pub fn send_row_impact(
     let mut endpoints = vec![publisher.guid()];
     endpoints.extend(forecasts.as_ref().map(ros2_client::Subscription::guid));
     let (sender, seen) = sync_channel(SHOWN_QUEUE);
-    let (events, matches) = (node.participant_events(), node.matches());
+    let events = node.participant_events();
     let task = Task::start("column_twin/see", move || async move {
         join!(events, pass(&forecasts, &sender, Seen::Forecast));
     })?;
     let outcome = (|| {
-        let topic = node
-            .names()
-            .resolve(qos::ROW_IMPACT_EVENT.kind(), qos::ROW_IMPACT_EVENT.name)?;
-        say(&format!(
-            "waiting for a fleet on {topic} in domain {}",
-            environment.domain_id
-        ));
-        wait_until(&signals, options.match_timeout, |until| {
-            let found = |guid: &_| matches.wait_for(*guid, 1, until);
-            endpoints.iter().all(found).then_some(())
-        })?
-        .ok_or_else(|| ClientError::NoTwin {
-            others: node.other_topics(&qos::ROW_IMPACT_EVENT, &topic),
-            topic,
-            domain_id: environment.domain_id,
-            waited: options.match_timeout,
-        })?;
+        let search = Search {
+            node: &node,
+            environment,
+            signals: &signals,
+            endpoint: &qos::ROW_IMPACT_EVENT,
+            timeout: options.request.match_timeout,
+        };
+        search.wait_for("a fleet", &endpoints, say)?;
         let event = event(options);
         let event_id = event.event_id.clone();
         let sent = event.header.stamp.to_nanos();
@@ -96,7 +76,8 @@ pub fn send_row_impact(
             .publish(event)
             .map_err(|error| ClientError::NotSent(error.to_string()))?;
         let latest = options.offsets.iter().copied().fold(0.0, f64::max);
-        let waited = options.answer_timeout + Duration::from_secs_f64(latest.min(MAX_ROW_OFFSET));
+        let waited =
+            options.request.answer_timeout + Duration::from_secs_f64(latest.min(MAX_ROW_OFFSET));
         let mut deadline = Instant::now() + waited;
         let mut answers = BTreeMap::new();
         let is_answered = |answers: &BTreeMap<String, ImpactReport>, column: &String| {
@@ -141,28 +122,21 @@ pub fn send_row_impact(
 }
 
 fn event(options: &RowImpactOptions) -> RowImpactEvent {
-    let since = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    let stamp = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
     let ImpactEvent {
+        header,
+        event_id,
+        vehicle,
         mass,
         velocity,
         gap,
         restitution,
         height,
-        ..
-    } = ImpactEvent::from(&options.impact);
+        column_id: _,
+    } = options.request.event(String::new());
     RowImpactEvent {
-        header: Header {
-            stamp: Time::from_nanos(stamp).unwrap_or_default(),
-            frame_id: String::new(),
-        },
-        event_id: options
-            .event_id
-            .clone()
-            .unwrap_or_else(|| format!("impact-{stamp}")),
-        vehicle: options.vehicle.clone(),
+        header,
+        event_id,
+        vehicle,
         mass,
         velocity,
         gap,

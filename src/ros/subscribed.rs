@@ -12,6 +12,7 @@ use crate::messages::column_twin::{
 };
 
 use super::client::ClientError;
+use super::environment::Environment;
 use super::lines::Seen;
 use super::node::{Node, NodeError};
 use super::qos::Endpoint;
@@ -98,6 +99,47 @@ pub(super) fn later<M: serde::de::DeserializeOwned + Send + 'static>(
     match node.subscription(endpoint) {
         Err(_) if node.protection().has_enclave() => Ok(None),
         subscription => subscription.map(Some),
+    }
+}
+
+/// A client's wait for the twins that its endpoints are for. A twin's first messages do not reach a reader that is not matched yet.
+pub(super) struct Search<'a> {
+    pub node: &'a Node,
+    pub environment: &'a Environment,
+    pub signals: &'a StopSignals,
+    /// The endpoint whose topic is named to the user.
+    pub endpoint: &'a Endpoint,
+    pub timeout: Duration,
+}
+
+impl Search<'_> {
+    /// Waits until each of these endpoints of the client has a peer. `whom` says in the progress message what is searched for.
+    ///
+    /// # Errors
+    /// None is found within the timeout, or the program is asked to stop.
+    pub fn wait_for(
+        &self,
+        whom: &str,
+        guids: &[GUID],
+        say: &mut dyn FnMut(&str),
+    ) -> Result<(), ClientError> {
+        let Self { node, endpoint, .. } = self;
+        let topic = node.names().resolve(endpoint.kind(), endpoint.name)?;
+        let domain_id = self.environment.domain_id;
+        say(&format!(
+            "waiting for {whom} on {topic} in domain {domain_id}"
+        ));
+        let matches = node.matches();
+        wait_until(self.signals, self.timeout, |until| {
+            let found = |guid: &_| matches.wait_for(*guid, 1, until);
+            guids.iter().all(found).then_some(())
+        })?
+        .ok_or_else(|| ClientError::NoTwin {
+            others: node.other_topics(endpoint, &topic),
+            topic,
+            domain_id,
+            waited: self.timeout,
+        })
     }
 }
 

@@ -14,7 +14,9 @@ use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};
 use column_twin::recording::Reader;
 use column_twin::ros::qos;
-use column_twin::ros::{ImpactOptions, ImpactOutcome, LiveTwin, Names, Raw, TwinNode, send_impact};
+use column_twin::ros::{
+    ImpactOptions, ImpactOutcome, ImpactRequest, LiveTwin, Names, Raw, TwinNode, send_impact,
+};
 use column_twin::twin::{Command as TwinCommand, Journal};
 use tempfile::TempDir;
 
@@ -42,17 +44,19 @@ pub fn slow_impact(domain: &Domain, id: &str) {
 fn impact_of(domain: &Domain, id: &str, mass: f64, velocity: f64) -> Result<ImpactOutcome, String> {
     let options = ImpactOptions {
         column_id: Some("column".to_owned()),
-        vehicle: String::new(),
-        event_id: Some(id.to_owned()),
-        impact: ImpactSpecification {
-            mass,
-            velocity,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            vehicle: String::new(),
+            event_id: Some(id.to_owned()),
+            impact: ImpactSpecification {
+                mass,
+                velocity,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout: PATIENCE,
+            answer_timeout: PATIENCE,
         },
-        match_timeout: PATIENCE,
-        answer_timeout: PATIENCE,
     };
     send_impact(&domain.environment, &[], &options, &mut |_| {}).map_err(|error| error.to_string())
 }

@@ -15,8 +15,8 @@ use column_twin::messages::column_twin::{
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::{FleetColumns, FleetSources, NodeName};
 use column_twin::ros::{
-    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, Names, RowImpactOptions, qos, send_impact,
-    send_row_impact,
+    FleetNode, FleetTwin, ImpactOptions, ImpactOutcome, ImpactRequest, Names, RowImpactOptions,
+    qos, send_impact, send_row_impact,
 };
 
 use super::domain::{Domain, PATIENCE};
@@ -242,17 +242,19 @@ fn send_row(domain: &Domain, id: &str, columns: &[&str], velocity: f64) -> Vec<I
         column_ids: columns.iter().map(|it| (*it).to_owned()).collect(),
         offsets: Vec::new(),
         distances: vec![5.0; columns.len()],
-        event_id: Some(id.to_owned()),
-        vehicle: "lorry_16t".to_owned(),
-        impact: ImpactSpecification {
-            mass: f64::NAN,
-            velocity,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            event_id: Some(id.to_owned()),
+            vehicle: "lorry_16t".to_owned(),
+            impact: ImpactSpecification {
+                mass: f64::NAN,
+                velocity,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout: PATIENCE,
+            answer_timeout: PATIENCE,
         },
-        match_timeout: PATIENCE,
-        answer_timeout: PATIENCE,
     };
     send_row_impact(&domain.environment, &[], &options, &mut |_| {}).expect("answers")
 }
@@ -324,17 +326,19 @@ fn the_command_impact_finds_a_column_and_asks_for_its_name() {
     let send = |column: Option<&str>| {
         let options = ImpactOptions {
             column_id: column.map(str::to_owned),
-            event_id: None,
-            vehicle: String::new(),
-            impact: ImpactSpecification {
-                mass: 1500.0,
-                velocity: 2.0,
-                gap: None,
-                restitution: None,
-                height: None,
+            request: ImpactRequest {
+                event_id: None,
+                vehicle: String::new(),
+                impact: ImpactSpecification {
+                    mass: 1500.0,
+                    velocity: 2.0,
+                    gap: None,
+                    restitution: None,
+                    height: None,
+                },
+                match_timeout: PATIENCE,
+                answer_timeout: PATIENCE,
             },
-            match_timeout: PATIENCE,
-            answer_timeout: PATIENCE,
         };
         send_impact(&domain.environment, &[], &options, &mut |_| {})
     };

@@ -9,7 +9,7 @@ use column_twin::messages::column_twin::{ColumnState, ImpactEvent, TwinStatus};
 use column_twin::messages::std_msgs::Header;
 use column_twin::parameters::Value;
 use column_twin::ros::qos::{self, Endpoint};
-use column_twin::ros::{ImpactOptions, ImpactOutcome, Node, send_impact};
+use column_twin::ros::{ImpactOptions, ImpactOutcome, ImpactRequest, Node, send_impact};
 use futures::future::{AbortHandle, Abortable};
 use ros2_client::Publisher;
 use serde::Serialize;
@@ -185,17 +185,19 @@ fn impact_on(
 ) -> Result<ImpactOutcome, String> {
     let options = ImpactOptions {
         column_id: column_id.map(str::to_owned),
-        event_id: None,
-        vehicle: String::new(),
-        impact: ImpactSpecification {
-            mass,
-            velocity: 1.0,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            event_id: None,
+            vehicle: String::new(),
+            impact: ImpactSpecification {
+                mass,
+                velocity: 1.0,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout,
+            answer_timeout: PATIENCE,
         },
-        match_timeout,
-        answer_timeout: PATIENCE,
     };
     send_impact(&domain.environment, &[], &options, &mut |_| {}).map_err(|error| error.to_string())
 }

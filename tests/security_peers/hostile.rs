@@ -8,7 +8,8 @@ use column_twin::column::ImpactSpecification;
 use column_twin::messages::column_twin::TwinStatus;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::ros::{
-    ClientError, Environment, ImpactOptions, ImpactOutcome, Names, Node, qos, send_impact,
+    ClientError, Environment, ImpactOptions, ImpactOutcome, ImpactRequest, Names, Node, qos,
+    send_impact,
 };
 
 use super::domain::{Domain, PATIENCE};
@@ -311,17 +312,19 @@ fn twin(keystore: &Keystore) -> Command {
 fn send(environment: &Environment, event_id: &str) -> Result<ImpactOutcome, ClientError> {
     let options = ImpactOptions {
         column_id: Some("column".to_owned()),
-        event_id: Some(event_id.to_owned()),
-        vehicle: String::new(),
-        impact: ImpactSpecification {
-            mass: 1500.0,
-            velocity: 1.0,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            event_id: Some(event_id.to_owned()),
+            vehicle: String::new(),
+            impact: ImpactSpecification {
+                mass: 1500.0,
+                velocity: 1.0,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout: PATIENCE,
+            answer_timeout: PATIENCE,
         },
-        match_timeout: PATIENCE,
-        answer_timeout: PATIENCE,
     };
     send_impact(environment, &[], &options, &mut |_| {})
 }

@@ -20,7 +20,7 @@ use column_twin::column::{HINGE_NAMES, HINGES, ImpactSpecification};
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactReport};
 use column_twin::parameters::{Parameters, RIGID, Value};
 use column_twin::ros::{
-    Environment, ImpactOptions, Seen, StopSignals, follow_impact, severity_word,
+    Environment, ImpactOptions, ImpactRequest, Seen, StopSignals, follow_impact, severity_word,
 };
 use column_twin::shape::HINGE_PLACES;
 
@@ -138,17 +138,19 @@ fn follow(
 ) -> Result<(ImpactReport, ImpactReport), Failure> {
     let options = ImpactOptions {
         column_id: Some("heb220_paper".to_owned()),
-        event_id: Some("demo-1".to_owned()),
-        vehicle: String::new(),
-        impact: ImpactSpecification {
-            mass: arguments.mass,
-            velocity: arguments.velocity,
-            gap: None,
-            restitution: None,
-            height: None,
+        request: ImpactRequest {
+            event_id: Some("demo-1".to_owned()),
+            vehicle: String::new(),
+            impact: ImpactSpecification {
+                mass: arguments.mass,
+                velocity: arguments.velocity,
+                gap: None,
+                restitution: None,
+                height: None,
+            },
+            match_timeout: TIMEOUT,
+            answer_timeout: TIMEOUT,
         },
-        match_timeout: TIMEOUT,
-        answer_timeout: TIMEOUT,
     };
     let mut narration = Narration::new(out);
     follow_impact(
