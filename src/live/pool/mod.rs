@@ -26,7 +26,7 @@ use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Reply, Request};
 use super::notifier::Notifier;
 use super::queue::{OutputQueue, OutputQueues, QueueStats, Receiver, WhenFull};
-use super::real_time::{self, RealTime, RealTimeGrants};
+use super::real_time::{self, RealTime, RealTimeGrants, Urgency};
 use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
@@ -164,8 +164,10 @@ impl LiveFleet {
                 .name(SOLVER_THREAD.to_owned())
                 .stack_size(STACK)
                 .spawn(move || {
-                    let _ = sender.try_send(real_time::request(&real_time)); // there is room for each
-                    shared.work(number);
+                    let grants = real_time::request(&real_time);
+                    let urgency = Urgency::of(&real_time, &grants);
+                    let _ = sender.try_send(grants); // there is room for each
+                    shared.work(number, urgency);
                 })?;
             handle.solvers.push(solver);
         }
@@ -324,11 +326,7 @@ impl FleetHandle {
     /// Columns that respond to an impact, or have something else to do soon.
     #[must_use]
     pub fn active(&self) -> usize {
-        let agreed = self.shared.agreed.lock();
-        agreed
-            .unwrap_or_else(PoisonError::into_inner)
-            .schedule
-            .active()
+        self.shared.counters.active.load(Ordering::Relaxed)
     }
 
     /// Number of solver threads.
