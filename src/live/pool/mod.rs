@@ -66,12 +66,12 @@ pub struct FleetOptions {
 }
 
 impl FleetOptions {
-    /// Number of solver threads by the parameter `real_time.threads`: with 0, one less than processors, at least one.
+    /// Number of solver threads by the parameter `real_time.threads`: with 0, as many as processors.
     #[must_use]
     pub fn threads_of(parameters: &Parameters) -> usize {
         let processors = || thread::available_parallelism().map_or(1, usize::from);
         let wanted = match parameters.settings().real_time.threads {
-            0 => processors().saturating_sub(1),
+            0 => processors(),
             given => usize::from(given),
         };
         wanted.clamp(1, MAX_THREADS)
@@ -327,6 +327,12 @@ impl FleetHandle {
     #[must_use]
     pub fn active(&self) -> usize {
         self.shared.counters.active.load(Ordering::Relaxed)
+    }
+
+    /// Columns at rest whose critical velocities are not computed yet.
+    #[must_use]
+    pub fn without_critical_velocities(&self) -> usize {
+        self.shared.background.unknown()
     }
 
     /// Number of solver threads.
