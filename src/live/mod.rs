@@ -39,8 +39,8 @@ pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue}
 pub use notifier::Notifier;
 pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THREADS};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
-use real_time::Urgency;
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
+use real_time::{Patience, Urgency};
 pub use recent_batches::RecentBatches;
 #[cfg(feature = "study")]
 pub use sensing::{Deliver, SENSING_THREAD};
@@ -210,7 +210,7 @@ impl Live {
             completing_cycles: 0,
             planned: None,
             urgency: Urgency::default(),
-            awaited_since: None,
+            patience: Patience::default(),
         };
         let (sender, grants) = sync_channel(1);
         let real_time = options.real_time;

@@ -9,6 +9,7 @@ use thread_priority::{
 };
 
 use crate::parameters::{Parameters, processors};
+use crate::twin::Nanos;
 
 /// The stack of each thread of a twin and its node \[B\]: a response needs a few kilobytes, messages and their text some tens. Where
 /// the memory is locked, the whole stack takes room.
@@ -124,6 +125,31 @@ pub fn request_for_publisher(wanted: &RealTime) {
     let _ = set_current_timer_slack(std::num::NonZeroU64::new(1));
     if let Some(priority @ 2..) = wanted.fifo_priority {
         let _ = fifo(priority - 1);
+    }
+}
+
+/// A thread has its priority of real time again this long before a deadline, so that it does not wait for a processor at the
+/// deadline \[ns\].
+pub(super) const URGENT_BEFORE_DEADLINE: Nanos = 300_000;
+
+/// A forecast is computed with normal priority for at most this long \[ns\]: on processors that other programs keep busy, the
+/// rest gets the priority of real time.
+const PATIENCE: u64 = 10_000_000;
+
+/// Since when a forecast is computed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Patience(Option<u64>);
+
+impl Patience {
+    /// Whether what is computed ahead can be computed with normal priority `now`, by the monotonic clock \[ns\]: always, if no
+    /// forecast is awaited.
+    pub fn lasts(&mut self, awaits_forecast: bool, now: u64) -> bool {
+        if !awaits_forecast {
+            self.0 = None;
+            return true;
+        }
+        let since = *self.0.get_or_insert(now);
+        now.saturating_sub(since) < PATIENCE
     }
 }
 
@@ -287,6 +313,16 @@ mod tests {
             .expect("no panic");
         let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
         assert_eq!(lowered, (true, Ok(idle)));
+    }
+
+    #[test]
+    fn patience_is_that_with_one_forecast() {
+        let mut patience = Patience::default();
+        assert!(patience.lasts(true, 5) && patience.lasts(true, 4 + PATIENCE));
+        assert!(!patience.lasts(true, 5 + PATIENCE));
+        // What is not awaited is never urgent, and the next forecast has its own time.
+        assert!(patience.lasts(false, 6 + PATIENCE) && patience.lasts(true, 7 + PATIENCE));
+        assert!(!patience.lasts(true, 7 + 2 * PATIENCE));
     }
 
     /// Where the system denies SCHED_FIFO, the priority is normal all the time.

@@ -10,7 +10,7 @@ use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
 use super::queue::OutputQueues;
-use super::real_time::Urgency;
+use super::real_time::{Patience, URGENT_BEFORE_DEADLINE, Urgency};
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
 use crate::senses::MAX_EVENTS;
@@ -32,14 +32,6 @@ const SLICE: u64 = 16;
 /// forecasts of earlier responses: this thread has a high priority, and on two processors those who publish and receive the
 /// samples need the rest. A response takes 3 % of its own time to compute, and its error twice as much.
 const BACKGROUND_SHARE: u64 = 4;
-
-/// The thread has its priority of real time again this long before a deadline, so that it does not wait for a processor at the
-/// deadline \[ns\].
-const URGENT_BEFORE_DEADLINE: Nanos = 300_000;
-
-/// A forecast is computed with normal priority for at most this long \[ns\]: on processors that other programs keep busy, the
-/// rest gets the priority of real time.
-const PATIENCE: u64 = 10_000_000;
 
 /// Steps of a forecast per cycle while the response catches up, when samples are late anyway.
 const SLICE_WHILE_BEHIND: u64 = 1_000;
@@ -123,8 +115,8 @@ pub(super) struct Solver {
     pub planned: Option<PlannedCycle>,
     /// The priority of the thread.
     pub urgency: Urgency,
-    /// Since when a forecast is awaited, by the monotonic clock \[ns\].
-    pub awaited_since: Option<u64>,
+    /// With the forecast that is awaited.
+    pub patience: Patience,
 }
 
 impl Solver {
@@ -233,7 +225,7 @@ impl Solver {
         }
         let mut slice_nanos = 0;
         let (started, share) = (monotonic_nanos(), self.twin.period() / BACKGROUND_SHARE);
-        let is_patient = self.is_patient(started);
+        let is_patient = self.patience.lasts(self.twin.awaits_forecast(), started);
         while self.twin.is_looking_ahead()
             && (self.twin.awaits_forecast() || monotonic_nanos().saturating_sub(started) < share)
             && before.saturating_add(slice_nanos) < self.twin.next_deadline(before)
@@ -256,16 +248,6 @@ impl Solver {
             }
         }
         self.restore_urgency();
-    }
-
-    /// Whether what is computed ahead can be computed with normal priority.
-    fn is_patient(&mut self, now: u64) -> bool {
-        if !self.twin.awaits_forecast() {
-            self.awaited_since = None;
-            return true;
-        }
-        let since = *self.awaited_since.get_or_insert(now);
-        now.saturating_sub(since) < PATIENCE
     }
 
     fn restore_urgency(&mut self) {
@@ -472,7 +454,7 @@ mod tests {
             completing_cycles: 0,
             planned: None,
             urgency: Urgency::default(),
-            awaited_since: None,
+            patience: Patience::default(),
         };
         solver.run();
         let mut receiver = Receiver::new(queues);

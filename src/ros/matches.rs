@@ -15,6 +15,19 @@ use rustdds::{
 use super::guid_prefix::GuidPrefix;
 use super::security::Peers;
 
+/// What is discovered of the endpoints of others.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Discovered<'a> {
+    /// A writer.
+    Writer(&'a EndpointDescription),
+    /// A reader, whether one of the node's writers matches it or not. It may be told again.
+    Reader(&'a EndpointDescription),
+    /// A reader has gone.
+    ReaderLost(GUID),
+    /// A participant has gone, with all its endpoints.
+    ParticipantLost(GuidPrefix),
+}
+
 /// The peers of the participant's endpoints.
 #[derive(Debug, Default)]
 pub struct Matches {
@@ -28,6 +41,12 @@ impl Matches {
     /// Sets the name of an endpoint for log messages.
     pub(super) fn name(&self, endpoint: GUID, name: &str) {
         locked(&self.names).insert(endpoint, name.to_owned());
+    }
+
+    /// Forgets an endpoint that no longer exists.
+    pub(super) fn forget(&self, endpoint: GUID) {
+        locked(&self.names).remove(&endpoint);
+        locked(&self.peers).remove(&endpoint);
     }
 
     /// Which participants joined with a valid identity, and how many were rejected.
@@ -58,18 +77,34 @@ impl Matches {
         }
     }
 
-    /// Reads the participant's events indefinitely; `on_writer` is called with every writer that is discovered.
+    /// Reads the participant's events indefinitely; `on` is called with everything that is discovered.
     pub(super) async fn follow(
         self: Arc<Self>,
         participant: DomainParticipant,
-        mut on_writer: impl FnMut(&EndpointDescription),
+        mut on: impl FnMut(Discovered<'_>),
     ) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
         while let Some(event) = events.next().await {
             match event {
-                DomainParticipantStatusEvent::WriterDetected { writer } => on_writer(&writer),
-                event => self.take(event),
+                DomainParticipantStatusEvent::WriterDetected { writer } => {
+                    on(Discovered::Writer(&writer));
+                }
+                DomainParticipantStatusEvent::ReaderDetected { reader } => {
+                    on(Discovered::Reader(&reader));
+                }
+                event => {
+                    match &event {
+                        DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
+                            on(Discovered::ReaderLost(*guid));
+                        }
+                        DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
+                            on(Discovered::ParticipantLost(prefix(id)));
+                        }
+                        _ => {}
+                    }
+                    self.take(event);
+                }
             }
         }
     }

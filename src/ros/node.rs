@@ -15,7 +15,7 @@ use serde::de::DeserializeOwned;
 
 use super::duplicates::Duplicates;
 use super::environment::{DiscoveryRange, Environment};
-use super::matches::Matches;
+use super::matches::{Discovered, Matches};
 use super::names::{NameError, NameKind, Names};
 use super::qos::{self, Endpoint, Qos, package_and_type};
 use super::raw::Raw;
@@ -77,29 +77,12 @@ impl Node {
     pub fn new(environment: &Environment, names: Names) -> Result<Self, NodeError> {
         let protection = protection(&environment.security, environment.domain_id)?;
         protection.announce();
-        let context = context(environment, &protection)?;
-        let not_created = |reason: String| NodeError::Endpoint {
-            what: names.fully_qualified(),
-            reason,
-        };
-        let name = NodeName::new(names.namespace(), names.node())
-            .map_err(|error| not_created(error.to_string()))?;
-        // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
-        // nor ranges nor sets that are valid only as a whole. A node has one publisher of `/parameter_events`.
-        let options = NodeOptions::new()
-            .enable_rosout(false)
-            .start_parameter_services(false)
-            .publish_parameter_events(false);
-        let node = context
-            .new_node(name, options)
-            .map_err(|error| not_created(error.to_string()))?;
-        Ok(Self {
-            node,
-            context,
-            names,
+        let siblings = Siblings {
+            context: context(environment, &protection)?,
             matches: Arc::default(),
             protection: Arc::new(protection),
-        })
+        };
+        siblings.named(names)
     }
 
     /// The node's names.
@@ -129,8 +112,25 @@ impl Node {
 
     /// Keeps [`matches`](Self::matches) up to date as long as it runs.
     pub fn participant_events(&self) -> impl Future<Output = ()> + use<> {
+        self.events(|_| {})
+    }
+
+    /// As [`participant_events`](Self::participant_events); `on` is called with everything that is discovered.
+    pub(super) fn events<F: FnMut(Discovered<'_>)>(
+        &self,
+        on: F,
+    ) -> impl Future<Output = ()> + use<F> {
         let participant = self.context.domain_participant();
-        Arc::clone(&self.matches).follow(participant, |_| {})
+        Arc::clone(&self.matches).follow(participant, on)
+    }
+
+    /// For further nodes with the participant of this one.
+    pub(super) fn siblings(&self) -> Siblings {
+        Siblings {
+            context: self.context.clone(),
+            matches: Arc::clone(&self.matches),
+            protection: Arc::clone(&self.protection),
+        }
     }
 
     /// As [`participant_events`](Self::participant_events), for the node of a twin: also warns about other nodes with the
@@ -144,13 +144,17 @@ impl Node {
     ) -> Result<impl Future<Output = ()> + use<>, NodeError> {
         let participant = self.context.domain_participant();
         let duplicates = Duplicates {
-            participant: participant.clone(),
+            participant,
             node: self.names.fully_qualified(),
             status: self.topic(&qos::TWIN_STATUS)?.1,
             column_id: column_id.to_owned(),
         };
-        let (on_writer, compare) = duplicates.watch();
-        let follow = Arc::clone(&self.matches).follow(participant, on_writer);
+        let (mut on_writer, compare) = duplicates.watch();
+        let follow = self.events(move |discovered| {
+            if let Discovered::Writer(writer) = discovered {
+                on_writer(writer);
+            }
+        });
         Ok(async {
             futures::join!(follow, compare);
         })
@@ -329,6 +333,49 @@ impl Node {
         let full = self.names.resolve(endpoint.kind(), endpoint.name)?;
         let name = Name::parse(&full).map_err(|error| not_created(&full, &error))?;
         Ok((full, name))
+    }
+}
+
+/// Makes nodes that share a participant.
+pub(super) struct Siblings {
+    context: Context,
+    matches: Arc<Matches>,
+    protection: Arc<Protection>,
+}
+
+impl Siblings {
+    /// A node with this name in this namespace.
+    ///
+    /// # Errors
+    /// A name is invalid, or the node cannot be created.
+    pub fn node(&self, namespace: &str, name: &str) -> Result<Node, NodeError> {
+        self.named(Names::new(namespace, name, &[])?)
+    }
+
+    fn named(&self, names: Names) -> Result<Node, NodeError> {
+        let not_created = |reason: String| NodeError::Endpoint {
+            what: names.fully_qualified(),
+            reason,
+        };
+        let name = NodeName::new(names.namespace(), names.node())
+            .map_err(|error| not_created(error.to_string()))?;
+        // This crate has its own log messages and parameter services: those of ros2-client support neither descriptions
+        // nor ranges nor sets that are valid only as a whole. A node has one publisher of `/parameter_events`.
+        let options = NodeOptions::new()
+            .enable_rosout(false)
+            .start_parameter_services(false)
+            .publish_parameter_events(false);
+        let node = self
+            .context
+            .new_node(name, options)
+            .map_err(|error| not_created(error.to_string()))?;
+        Ok(Node {
+            node,
+            context: self.context.clone(),
+            names,
+            matches: Arc::clone(&self.matches),
+            protection: Arc::clone(&self.protection),
+        })
     }
 }
 

@@ -92,6 +92,12 @@ impl Twin {
 }
 
 impl CriticalVelocityTask {
+    /// Whether impacts have left damage on the column.
+    #[must_use]
+    pub fn is_damaged(&self) -> bool {
+        self.at_rest.is_damaged()
+    }
+
     /// Whether the result is that of another task: the columns differ by their names only.
     #[must_use]
     pub fn has_the_result_of(&self, other: &Self) -> bool {

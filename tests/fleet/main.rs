@@ -3,6 +3,7 @@
 // A test may start an unnamed thread and listen without a bound: it ends with the test.
 #![allow(clippy::disallowed_methods)]
 
+mod column_topics;
 #[path = "../ros/domain.rs"]
 mod domain;
 #[path = "../ros/incoming.rs"]
@@ -18,4 +19,5 @@ mod pool;
 mod program;
 mod real_peers;
 mod row;
+mod shard;
 mod studies;

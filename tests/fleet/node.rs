@@ -33,12 +33,12 @@ const NODE: &str = "\
 ";
 
 /// The parameter file of a fleet of columns `c0`, `c1` and so on.
-fn yaml(columns: usize) -> String {
+pub fn yaml(columns: usize) -> String {
     let columns = (0..columns).map(|it| format!("/hall/c{it}:\n  ros__parameters:\n"));
     NODE.to_owned() + &columns.collect::<String>()
 }
 
-fn fleet(columns: usize) -> FleetColumns {
+pub fn fleet(columns: usize) -> FleetColumns {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("fleet.yaml");
     fs::write(&path, yaml(columns)).expect("written");
@@ -73,7 +73,7 @@ impl Running {
     }
 }
 
-fn event(column: &str, id: &str, stamp: i64) -> ImpactEvent {
+pub fn event(column: &str, id: &str, stamp: i64) -> ImpactEvent {
     ImpactEvent {
         header: Header {
             stamp: Time::from_nanos(stamp).expect("a time"),
@@ -414,7 +414,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
     }
 }
 
-fn program(domain: &Domain, folder: &Path) -> Program {
+pub fn program(domain: &Domain, folder: &Path) -> Program {
     let mut command = Process::new(env!("CARGO_BIN_EXE_column-twin"));
     command.args(["fleet", "--params-file", "fleet.yaml"]);
     command.args(["--ros-args", "-p", "state.directory:=states"]);

@@ -26,7 +26,7 @@ use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Reply, Request};
 use super::notifier::Notifier;
 use super::queue::{OutputQueue, OutputQueues, QueueStats, Receiver, WhenFull};
-use super::real_time::{self, RealTime, RealTimeGrants};
+use super::real_time::{self, RealTime, RealTimeGrants, Urgency};
 use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
@@ -66,12 +66,12 @@ pub struct FleetOptions {
 }
 
 impl FleetOptions {
-    /// Number of solver threads by the parameter `real_time.threads`: with 0, one less than processors, at least one.
+    /// Number of solver threads by the parameter `real_time.threads`: with 0, as many as processors.
     #[must_use]
     pub fn threads_of(parameters: &Parameters) -> usize {
         let processors = || thread::available_parallelism().map_or(1, usize::from);
         let wanted = match parameters.settings().real_time.threads {
-            0 => processors().saturating_sub(1),
+            0 => processors(),
             given => usize::from(given),
         };
         wanted.clamp(1, MAX_THREADS)
@@ -164,8 +164,10 @@ impl LiveFleet {
                 .name(SOLVER_THREAD.to_owned())
                 .stack_size(STACK)
                 .spawn(move || {
-                    let _ = sender.try_send(real_time::request(&real_time)); // there is room for each
-                    shared.work(number);
+                    let grants = real_time::request(&real_time);
+                    let urgency = Urgency::of(&real_time, &grants);
+                    let _ = sender.try_send(grants); // there is room for each
+                    shared.work(number, urgency);
                 })?;
             handle.solvers.push(solver);
         }
@@ -324,11 +326,13 @@ impl FleetHandle {
     /// Columns that respond to an impact, or have something else to do soon.
     #[must_use]
     pub fn active(&self) -> usize {
-        let agreed = self.shared.agreed.lock();
-        agreed
-            .unwrap_or_else(PoisonError::into_inner)
-            .schedule
-            .active()
+        self.shared.counters.active.load(Ordering::Relaxed)
+    }
+
+    /// Columns at rest whose critical velocities are not computed yet.
+    #[must_use]
+    pub fn without_critical_velocities(&self) -> usize {
+        self.shared.background.unknown()
     }
 
     /// Number of solver threads.

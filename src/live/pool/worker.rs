@@ -1,15 +1,16 @@
 //! A solver thread of a fleet: takes the most urgent job, does it, and says what the column needs next.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 use crossbeam_queue::ArrayQueue;
 
-use super::super::clock::Clock;
+use super::super::clock::{Clock, monotonic_nanos};
 use super::super::inbox::Request;
 use super::super::lateness::lateness;
 use super::super::notifier::Notifier;
 use super::super::queue::OutputQueues;
+use super::super::real_time::{Patience, Urgency};
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
 use super::background::{Background, Known};
 use super::keeper::Keeper;
@@ -40,6 +41,8 @@ pub struct Slot {
     wants_limits: bool,
     /// It has executed a command since the start.
     is_touched: bool,
+    /// With its forecast.
+    patience: Patience,
 }
 
 impl Slot {
@@ -49,11 +52,13 @@ impl Slot {
             jumps: 0,
             wants_limits: false,
             is_touched: false,
+            patience: Patience::default(),
         }
     }
 }
 
-/// What the threads agree about, held only to choose a job.
+/// What the threads agree about, held only to choose a job, and only with the priority of real time: a thread of normal priority
+/// may lose its processor while others wait for the lock.
 pub struct Agreed {
     pub schedule: Schedule<Input>,
     /// The thread that waits for the next deadline; the others wait for it to pass this on.
@@ -87,6 +92,8 @@ impl Agreed {
 
 #[derive(Debug, Default)]
 pub struct Counters {
+    /// See [`Schedule::active`], for threads that must not take the lock.
+    pub active: AtomicUsize,
     pub jobs: AtomicU64,
     pub overruns: AtomicU64,
     pub skipped_periods: AtomicU64,
@@ -139,12 +146,14 @@ impl Shared {
         !self.inbox.is_empty() || self.background.has_results() || self.stop.load(Ordering::SeqCst)
     }
 
-    /// The content of solver thread number `me`.
-    pub fn work(&self, me: usize) {
+    /// The content of solver thread number `me`, with its priority.
+    pub fn work(&self, me: usize, mut urgency: Urgency) {
         while let Some(task) = self.next_task(me) {
             let column = task.column;
-            let plan = self.perform(task);
-            self.agreed().schedule.give_back(column, plan);
+            let plan = self.perform(task, &mut urgency);
+            let mut agreed = self.agreed();
+            agreed.schedule.give_back(column, plan);
+            self.note_active(&agreed);
         }
         // The others may wait for this thread to watch the deadlines.
         self.wake_all();
@@ -162,6 +171,7 @@ impl Shared {
             }
             let now = self.clock.now();
             self.take_news(&mut agreed, now);
+            self.note_active(&agreed);
             if let Some((column, job)) = agreed.schedule.take(now) {
                 let task = Task {
                     column,
@@ -200,6 +210,11 @@ impl Shared {
         }
     }
 
+    fn note_active(&self, agreed: &Agreed) {
+        let active = agreed.schedule.active();
+        self.counters.active.store(active, Ordering::Relaxed);
+    }
+
     fn take_news(&self, agreed: &mut Agreed, now: Nanos) {
         let back = agreed
             .latest
@@ -220,8 +235,9 @@ impl Shared {
         }
     }
 
-    /// Does a job; what the column needs next.
-    fn perform(&self, task: Task) -> Plan {
+    /// Does a job; what the column needs next. What is computed ahead has normal priority, all else that of real time: see
+    /// [`Urgency`].
+    fn perform(&self, task: Task, urgency: &mut Urgency) -> Plan {
         let Task {
             column,
             job,
@@ -242,15 +258,28 @@ impl Shared {
         }
         match job {
             Job::Input(input) => self.take_input(slot, input, &mut sink),
-            Job::Forecast => slot.twin.run_ahead(SLICE, now, &mut sink),
+            Job::Forecast | Job::Spare => self.run_ahead(slot, now, urgency, &mut sink),
             Job::Advance(deadline) => {
                 self.note_lateness(slot, deadline, now);
                 slot.twin.advance_to(now, &mut sink);
             }
-            Job::Spare => slot.twin.run_ahead(SLICE, now, &mut sink),
         }
         sink.notify();
         self.plan_of(column, slot)
+    }
+
+    /// Carries on what is computed ahead, by one slice.
+    fn run_ahead(&self, slot: &mut Slot, now: Nanos, urgency: &mut Urgency, sink: &mut Sink<'_>) {
+        let awaits_forecast = slot.twin.awaits_forecast();
+        if slot.patience.lasts(awaits_forecast, monotonic_nanos()) {
+            urgency.relax();
+        }
+        slot.twin.run_ahead(SLICE, now, sink);
+        // At once, because a reader of the forecast would otherwise wait for the lock.
+        sink.notify();
+        if let Err(reason) = urgency.restore() {
+            sink.notice(NoticeLevel::Warning, now, reason);
+        }
     }
 
     fn take_input(&self, slot: &mut Slot, input: Input, sink: &mut Sink<'_>) {

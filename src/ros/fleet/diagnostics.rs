@@ -2,6 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
+use crate::fleet::MAX_OPEN_COLUMNS;
 use crate::messages::column_twin::{ColumnStatus, TwinStatus};
 use crate::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use crate::messages::std_msgs::Header;
@@ -14,6 +15,7 @@ use super::super::diagnostics::{
 use super::super::lines::severity_word;
 use super::super::live_twin::Health;
 use super::super::security::SecurityHealth;
+use super::column_topics::TopicCounts;
 
 /// Most columns that have a status of their own: the worst.
 const MAX_SHOWN: usize = 20;
@@ -23,6 +25,8 @@ pub(super) struct FleetObserved<'a> {
     pub columns: &'a [ColumnStatus],
     /// Columns that respond or have something to do soon.
     pub active: usize,
+    /// Columns at rest whose critical velocities are not computed yet.
+    pub uncomputed: usize,
     /// Solver threads.
     pub threads: usize,
     pub health: &'a Health,
@@ -31,6 +35,7 @@ pub(super) struct FleetObserved<'a> {
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
     pub counters: &'a NodeCounters,
+    pub topics: &'a TopicCounts,
 }
 
 /// All statuses of the node of a fleet.
@@ -42,11 +47,13 @@ pub(super) fn fleet_diagnostics(
     let FleetObserved {
         columns,
         active,
+        uncomputed,
         threads,
         health,
         recording,
         security,
         counters,
+        topics,
     } = observed;
     let mut worst: Vec<_> = columns
         .iter()
@@ -57,10 +64,11 @@ pub(super) fn fleet_diagnostics(
         std::cmp::Reverse((*level, it.is_out_of_service(), it.severity))
     });
     let mut status = vec![
-        summary(columns, &worst, active, threads, counters),
+        summary(columns, &worst, active, uncomputed, threads, counters),
         solver_status(health),
         queue_status(&health.queues),
         node_status(counters),
+        topics_status(topics),
     ];
     status.extend(recording.map(recording_status));
     status.extend(security.map(security_status));
@@ -77,6 +85,35 @@ pub(super) fn fleet_diagnostics(
     DiagnosticArray { header, status }
 }
 
+/// WARN if somebody listens to a column in its namespace and gets nothing.
+fn topics_status(topics: &TopicCounts) -> DiagnosticStatus {
+    let open = topics.open.load(Ordering::Relaxed);
+    let waiting = topics.waiting.load(Ordering::Relaxed);
+    let failures = topics.failures.load(Ordering::Relaxed);
+    let (level, message) = match (waiting, failures) {
+        (0, 0) => (
+            DiagnosticStatus::OK,
+            "every reader in the namespace of a column is served",
+        ),
+        (0, _) => (
+            DiagnosticStatus::WARN,
+            "topics of columns could not be created; the first error is in the log",
+        ),
+        _ => (
+            DiagnosticStatus::WARN,
+            "readers in the namespaces of columns wait for others to leave; the shared topics have all columns",
+        ),
+    };
+    let values = [
+        ("columns with topics of their own", open.to_string()),
+        ("columns whose readers wait", waiting.to_string()),
+        ("at most", MAX_OPEN_COLUMNS.to_string()),
+        ("failures", failures.to_string()),
+    ];
+    let values = values.map(|(key, value)| (key.to_owned(), value));
+    entry("column topics", level, message.to_owned(), values)
+}
+
 /// ERROR if the column is out of service, has to be propped or evacuated, or could not be assessed; WARN to inspect or restrict.
 fn level(column: &ColumnStatus) -> u8 {
     match column.severity {
@@ -91,6 +128,7 @@ fn summary(
     columns: &[ColumnStatus],
     worst: &[(u8, &ColumnStatus)],
     active: usize,
+    uncomputed: usize,
     threads: usize,
     counters: &NodeCounters,
 ) -> DiagnosticStatus {
@@ -130,6 +168,10 @@ fn summary(
         (
             "columns that are not listed",
             worst.len().saturating_sub(MAX_SHOWN),
+        ),
+        (
+            "columns whose critical velocities are not computed yet",
+            uncomputed,
         ),
         ("solver threads", threads),
     ];
@@ -176,11 +218,13 @@ mod tests {
         let observed = FleetObserved {
             columns,
             active: 0,
+            uncomputed: 0,
             threads: 1,
             health: &Health::default(),
             recording: None,
             security: None,
             counters: &NodeCounters::default(),
+            topics: &TopicCounts::default(),
         };
         fleet_diagnostics(Header::default(), "fleet", observed)
     }

@@ -71,6 +71,8 @@ pub struct FleetTwin {
     /// The identifiers of the columns, by their indices.
     column_ids: Vec<Arc<str>>,
     by_id: HashMap<Arc<str>, u32>,
+    /// Their full names, by their indices.
+    column_names: Vec<Arc<str>>,
     /// The parameters of the columns at the start.
     initial: Vec<Arc<Parameters>>,
     /// The parameters of the node.
@@ -176,6 +178,7 @@ impl FleetTwin {
             simulated,
             by_id: column_ids.iter().map(Arc::clone).zip(0..).collect(),
             column_ids,
+            column_names: columns.iter().map(|it| it.name.as_str().into()).collect(),
             initial: columns
                 .iter()
                 .map(|it| Arc::clone(&it.parameters))
@@ -221,6 +224,12 @@ impl FleetTwin {
     #[must_use]
     pub fn column_ids(&self) -> &[Arc<str>] {
         &self.column_ids
+    }
+
+    /// The full names of the columns, such as `/garage/a3`, by their indices.
+    #[must_use]
+    pub fn column_names(&self) -> &[Arc<str>] {
+        &self.column_names
     }
 
     /// The parameters of the node, which all columns share.
@@ -300,6 +309,13 @@ impl FleetTwin {
     #[must_use]
     pub fn active(&self) -> usize {
         self.ask(|handle| Ok(handle.active())).unwrap_or(0)
+    }
+
+    /// Number of columns at rest whose critical velocities are not computed yet.
+    #[must_use]
+    pub fn without_critical_velocities(&self) -> usize {
+        self.ask(|handle| Ok(handle.without_critical_velocities()))
+            .unwrap_or(0)
     }
 
     /// Number of solver threads.

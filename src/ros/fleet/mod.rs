@@ -3,6 +3,7 @@
 //! The number of endpoints does not depend on the number of columns. Every message has a `column_id`; messages for columns that
 //! are elsewhere are ignored and counted. A column that is at rest publishes nothing but its line in `fleet_status`.
 
+mod column_topics;
 mod diagnostics;
 mod inputs;
 mod live_fleet;

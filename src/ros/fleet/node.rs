@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::live::{OutputSource, RealTime, Receiver, Waker, request_for_publisher};
 use crate::outgoing::RecordingTap;
@@ -18,6 +18,7 @@ use super::super::rosout::{LogEnd, RosoutQueue};
 use super::super::senders::{Identities, Senders};
 use super::super::task::Task;
 use super::super::twin_node::{publish_log, spawn, stop_publishing_threads};
+use super::column_topics::{ColumnTopics, TopicCounts};
 use super::inputs::{FleetServices, FleetSubscriptions};
 use super::live_fleet::FleetTwin;
 use super::publishing::FleetPublishing;
@@ -27,6 +28,7 @@ use super::rows::RowImpacts;
 pub struct FleetNode {
     // In the order in which they are stopped.
     inputs: Vec<Task>,
+    column_topics: ColumnTopics,
     fleet: Arc<FleetTwin>,
     publisher: JoinHandle<()>,
     stop: Arc<AtomicBool>,
@@ -48,6 +50,23 @@ impl FleetNode {
         log: Option<RosoutQueue>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
+        Self::start_with(environment, names, fleet, outputs, log, recording, None)
+    }
+
+    /// As [`start`](Self::start); the topics of a single column stay for `linger` when their last reader has gone, for
+    /// [`LINGER`](crate::fleet::LINGER) if none is given.
+    ///
+    /// # Errors
+    /// See [`start`](Self::start).
+    pub fn start_with(
+        environment: &Environment,
+        names: Names,
+        fleet: Arc<FleetTwin>,
+        outputs: Receiver,
+        log: Option<RosoutQueue>,
+        recording: Option<Arc<dyn RecordingTap>>,
+        linger: Option<Duration>,
+    ) -> Result<Self, NodeError> {
         let mut node = Node::new(environment, names)?;
         let settings = fleet.node_parameters().settings();
         let identities = Identities::new(node.security_peers(), node.protection().has_enclave());
@@ -66,12 +85,21 @@ impl FleetNode {
             .map(|queue| publish_log(&mut node, queue, &counters, recording.clone()))
             .transpose()?;
         let rows = Arc::new(RowImpacts::new(recording.clone()));
+        let topic_counts = Arc::<TopicCounts>::default();
+        let (column_topics, column_changes) = ColumnTopics::start(
+            &node,
+            &fleet,
+            linger,
+            outputs.waker(),
+            Arc::clone(&topic_counts),
+        )?;
         let publishing = FleetPublishing::new(
             &mut node,
             Arc::clone(&fleet),
             Arc::clone(&counters),
             Arc::clone(&rows),
             recording.clone(),
+            (column_changes, topic_counts),
         )?;
         let subscriptions = FleetSubscriptions::new(
             &mut node,
@@ -88,7 +116,7 @@ impl FleetNode {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
-        let events = node.participant_events();
+        let events = node.events(column_topics.watch());
         let received = Arc::clone(&counters);
         let (event_fleet, service_fleet) = (Arc::clone(&fleet), Arc::clone(&fleet));
         let inputs = vec![
@@ -101,6 +129,7 @@ impl FleetNode {
         ];
         Ok(Self {
             inputs,
+            column_topics,
             fleet,
             publisher,
             stop,
@@ -127,6 +156,7 @@ impl FleetNode {
         for task in self.inputs {
             task.stop();
         }
+        self.column_topics.stop();
         self.fleet.stop();
         stop_publishing_threads(&self.stop, &self.waker, self.publisher, self.log);
         // All threads have ended, and with them all endpoints.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use ros2_client::Publisher;
@@ -19,7 +20,7 @@ use crate::messages::rcl_interfaces::ParameterEvent;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::{Message, Outgoing, RecordingHealth, RecordingTap, Topic};
 use crate::parameters::Parameters;
-use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, TwinPhase};
+use crate::twin::{Notice, NoticeLevel, Output, Refused, RefusedInput, Status, TwinPhase};
 
 use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
@@ -30,6 +31,7 @@ use super::super::parameter_services;
 use super::super::qos;
 use super::super::raw::Raw;
 use super::super::security::{Peers, Protection};
+use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
 use super::rows::RowImpacts;
@@ -53,7 +55,7 @@ const KEPT_OF_A_COLUMN: usize = 2;
 /// Most messages that a writer keeps: as many as RustDDS allows to be unacknowledged.
 const MAX_KEPT: usize = 8192;
 
-/// The topics of a fleet among those of a twin. The others show one column: joint states and markers.
+/// The shared topics of a fleet among those of a twin. The others show one column: joint states and markers.
 const TOPICS: [Topic; 5] = [
     Topic::ColumnState,
     Topic::HingeForces,
@@ -61,6 +63,15 @@ const TOPICS: [Topic; 5] = [
     Topic::ImpactReport,
     Topic::TwinStatus,
 ];
+
+/// The last messages of a column that late joiners get.
+#[derive(Default)]
+struct Latest {
+    /// From which the messages that show the column at rest are made.
+    status: Option<Status>,
+    /// Of topics that are kept for late joiners, except what follows from the status.
+    messages: [Option<Raw>; Topic::COUNT],
+}
 
 /// Publishes all outputs of the columns.
 pub(super) struct FleetPublishing {
@@ -82,6 +93,12 @@ pub(super) struct FleetPublishing {
     fully_qualified: String,
     /// The converters of the columns that respond: they know what was published of the response.
     converters: HashMap<u32, Outgoing>,
+    /// The writers of the columns that have topics of their own, because somebody listens there, and what changes of them.
+    columns: HashMap<u32, ColumnWriters>,
+    column_changes: mpsc::Receiver<ColumnChange>,
+    topic_counts: Arc<TopicCounts>,
+    /// For readers that join when a column gets topics of its own.
+    latest: HashMap<u32, Latest>,
     board: StatusBoard,
     started: Instant,
     /// Readers of the status, when they were counted last, and when a new one got a round.
@@ -100,6 +117,7 @@ impl FleetPublishing {
         counters: Arc<NodeCounters>,
         rows: Arc<RowImpacts>,
         recording: Option<Arc<dyn RecordingTap>>,
+        (column_changes, topic_counts): (mpsc::Receiver<ColumnChange>, Arc<TopicCounts>),
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
         // First, so that others know that it is a fleet when they know of its other topics.
@@ -126,6 +144,10 @@ impl FleetPublishing {
             node_name: node.names().node().to_owned(),
             fully_qualified: node.names().fully_qualified(),
             converters: HashMap::new(),
+            columns: HashMap::new(),
+            column_changes,
+            topic_counts,
+            latest: HashMap::new(),
             started: Instant::now(),
             readers: 0,
             last_reader_round: None,
@@ -168,6 +190,7 @@ impl FleetPublishing {
                 }
                 None => outputs.wait(self.wait()),
             }
+            self.change_columns();
             if !is_stopping {
                 self.rows.submit_due(&self.fleet);
             }
@@ -176,6 +199,65 @@ impl FleetPublishing {
                 self.statuses();
                 self.diagnose_now_and_then();
             }
+        }
+    }
+
+    /// Takes the columns that have got topics of their own, or have lost them.
+    fn change_columns(&mut self) {
+        while let Ok(change) = self.column_changes.try_recv() {
+            match change {
+                ColumnChange::Opened(column, writers) => {
+                    self.columns.insert(column, writers);
+                    self.send_latest(column);
+                }
+                ColumnChange::Closed(column) => {
+                    self.columns.remove(&column);
+                }
+            }
+        }
+    }
+
+    /// Gives the readers of a column that has got topics of its own what those of a single twin would get.
+    fn send_latest(&self, column: u32) {
+        let Some(latest) = self.latest.get(&column) else {
+            return;
+        };
+        for (topic, raw) in Topic::ALL.into_iter().zip(&latest.messages) {
+            if let Some(raw) = raw {
+                self.copy(column, topic, raw);
+            }
+        }
+        let Some(mut status) = latest.status.clone() else {
+            return;
+        };
+        if let Some(resting) = &mut status.at_rest {
+            // These readers have not seen it.
+            resting.is_unseen = true;
+        }
+        let mut outgoing = Outgoing::new(&self.fleet.parameters(column));
+        outgoing.convert(&Output::Status(status), |mut message| {
+            if let Message::TwinStatus(status) = &mut message {
+                self.add_health(status);
+            }
+            if let Some(raw) = encoded(&message) {
+                self.copy(column, message.topic(), &raw);
+            }
+        });
+    }
+
+    /// Sends a message in the namespace of a column, if somebody listens there. A copy is not recorded: the shared topics are.
+    fn copy(&self, column: u32, topic: Topic, raw: &Raw) {
+        let writer = self.columns.get(&column).and_then(|it| it.of(topic));
+        if let Some(writer) = writer
+            && !self.is_over
+            && writer.publish(raw.clone()).is_err()
+        {
+            NodeCounters::count(&self.counters.unpublished);
+            let name = &self.fleet.column_names()[column as usize];
+            tracing::debug!(
+                "a message on {name}/{} was not published",
+                topic.endpoint().name
+            );
         }
     }
 
@@ -215,7 +297,7 @@ impl FleetPublishing {
                     velocity,
                     ..
                 } = impact;
-                self.send_without_column(&Message::ImpactForecast(ImpactReport {
+                self.send_not_recorded(&Message::ImpactForecast(ImpactReport {
                     header,
                     column_id,
                     event_id,
@@ -275,7 +357,10 @@ impl FleetPublishing {
                 self.board
                     .update(column as usize, ColumnStatus::from(&*status));
             }
-            self.send(&message);
+            self.send(column, &message);
+        }
+        if let Output::Status(status) = &output {
+            self.latest.entry(column).or_default().status = Some(status.clone());
         }
         // A column at rest needs no converter.
         if let Output::Status(status) = &output
@@ -404,11 +489,13 @@ impl FleetPublishing {
             FleetObserved {
                 columns: self.board.columns(),
                 active: self.fleet.active(),
+                uncomputed: self.fleet.without_critical_velocities(),
                 threads: self.fleet.threads(),
                 health: &health,
                 recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
                 counters: &self.counters,
+                topics: &self.topic_counts,
             },
         );
         self.send_bytes(&self.diagnostics, &qos::DIAGNOSTICS, cdr::encode(&array));
@@ -416,11 +503,14 @@ impl FleetPublishing {
     }
 
     /// Publishes what no column has told. It is not part of what a column does, so that a recording does not contain it.
-    fn send_without_column(&self, message: &Message) {
+    fn send_not_recorded(&self, message: &Message) {
         let topic = message.topic();
         let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
-        let raw = message.encode().ok();
-        let raw = raw.and_then(|bytes| Raw::new(bytes.into()).ok());
+        let raw = encoded(message);
+        let column = message.column_id().and_then(|it| self.fleet.index_of(it));
+        if let (Some(column), Some(raw)) = (column, &raw) {
+            self.copy(column, topic, raw);
+        }
         let is_sent = match (publisher, raw) {
             (Some((_, publisher)), Some(raw)) => !self.is_over && publisher.publish(raw).is_ok(),
             _ => false,
@@ -430,11 +520,28 @@ impl FleetPublishing {
         }
     }
 
-    fn send(&self, message: &Message) {
+    fn send(&mut self, column: u32, message: &Message) {
         let topic = message.topic();
         let publisher = self.of_columns.iter().find(|(it, _)| *it == topic);
+        // Joint states and markers are for readers of one column only.
+        if publisher.is_none() && !self.columns.contains_key(&column) {
+            return;
+        }
+        let raw = encoded(message);
         if let Some((_, publisher)) = publisher {
-            self.send_bytes(publisher, topic.endpoint(), message.encode());
+            self.send_raw(publisher, topic.endpoint(), raw.as_ref());
+        }
+        let Some(raw) = raw else {
+            return;
+        };
+        self.copy(column, topic, &raw);
+        let is_of_status = matches!(
+            topic,
+            Topic::TwinStatus | Topic::JointStates | Topic::Markers
+        );
+        if topic.endpoint().qos.transient_local && !is_of_status {
+            let latest = self.latest.entry(column).or_default();
+            latest.messages[topic.index()] = Some(raw);
         }
     }
 
@@ -447,10 +554,15 @@ impl FleetPublishing {
         bytes: Result<Vec<u8>, CdrError>,
     ) {
         let raw = bytes.ok().and_then(|bytes| Raw::new(bytes.into()).ok());
-        if let (Some(recording), Some(raw)) = (&self.recording, &raw) {
+        self.send_raw(publisher, endpoint, raw.as_ref());
+    }
+
+    fn send_raw(&self, publisher: &Publisher<Raw>, endpoint: &Endpoint, raw: Option<&Raw>) {
+        if let (Some(recording), Some(raw)) = (&self.recording, raw) {
             recording.sent(endpoint, raw.bytes());
         }
-        let is_sent = raw.is_some_and(|raw| !self.is_over && publisher.publish(raw).is_ok());
+        let is_sent =
+            raw.is_some_and(|raw| !self.is_over && publisher.publish(raw.clone()).is_ok());
         if !is_sent {
             NodeCounters::count(&self.counters.unpublished);
             tracing::debug!("a message on {} was not published", endpoint.name);
@@ -482,6 +594,11 @@ impl FleetPublishing {
         let (column_id, text) = (self.column_id(column), &notice.text);
         log(notice.level, &format!("column {column_id:?}: {text}"));
     }
+}
+
+fn encoded(message: &Message) -> Option<Raw> {
+    let bytes = message.encode().ok()?;
+    Raw::new(bytes.into()).ok()
 }
 
 fn log(level: NoticeLevel, text: &str) {
