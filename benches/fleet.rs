@@ -298,6 +298,7 @@ fn hit() {
             threads: FleetOptions::threads_of(&Parameters::default()),
             state_files: Vec::new(),
             journals: false,
+            further_outputs: Vec::new(),
         };
         let (handle, mut receiver) =
             LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

@@ -1,14 +1,16 @@
 //! What a fleet of columns is made of without ROS: its status, gathered for few messages, its table for
-//! people, and vehicles that hit several columns.
+//! people, its plan for pictures, and vehicles that hit several columns.
 //!
 //! The parameters of its columns come from [`FleetColumns`](crate::parameters::FleetColumns), and
 //! [`LiveFleet`](crate::live::LiveFleet) runs them. Here nothing reads a clock: time is passed in.
 
+mod plan;
 mod row;
 mod start;
 mod status;
 mod table;
 
+pub use plan::Plan;
 pub use row::{
     LeftOver, MAX_ROW_COLUMNS, MAX_ROW_DISTANCE, MAX_ROW_OFFSET, MAX_ROWS, NotHit, RowImpact, Rows,
 };

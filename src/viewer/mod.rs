@@ -12,6 +12,7 @@
 //! every interface.
 
 mod blueprint;
+mod branch;
 mod camera;
 mod colour;
 mod connection;

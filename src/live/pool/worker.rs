@@ -9,10 +9,10 @@ use super::super::clock::Clock;
 use super::super::inbox::Request;
 use super::super::lateness::lateness;
 use super::super::notifier::Notifier;
-use super::super::queue::OutputQueues;
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
 use super::background::{Background, Known};
 use super::keeper::Keeper;
+use super::readers::Readers;
 use super::schedule::{Job, Plan, Schedule};
 use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
@@ -107,7 +107,7 @@ pub struct Shared {
     pub waiting: AtomicU64,
     pub clock: Arc<dyn Clock>,
     pub stop: AtomicBool,
-    pub outputs: Arc<OutputQueues>,
+    pub outputs: Arc<Readers>,
     pub keeper: Option<Arc<Keeper>>,
     /// Whether the outputs have the journals of the columns.
     pub journals: bool,

@@ -160,6 +160,7 @@ impl FleetTwin {
             threads: FleetOptions::threads_of(node),
             state_files,
             journals: node.settings().record.mode != RecordMode::Off,
+            further_outputs: Vec::new(),
         };
         let column_ids: Vec<Arc<str>> = twins.iter().map(|it| Arc::clone(it.column_id())).collect();
         let (handle, receiver) = LiveFleet::start(twins, Arc::clone(&clock), options)?;
