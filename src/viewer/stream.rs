@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use rerun::{
     LineStrip2D, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult, Scalars,
-    TextDocument, TextLog, TextLogLevel, TimeColumn,
+    TextDocument, TextLog, TimeColumn,
 };
 
 use super::blueprint::{self, ColumnLayout};
@@ -21,7 +21,7 @@ use super::frames::{self, ShownTop};
 use super::item::{Announcement, ViewerItem};
 use super::panel::{self, PANEL, Told};
 use super::plots::{self, Ranges};
-use super::rerun_types::{color, time_columns};
+use super::rerun_types::{color, log_level, time_columns};
 use super::scene::{Drawing, Scene};
 use super::static_scene;
 use super::timeline::{Moment, Placed, Timeline, nanos};
@@ -734,12 +734,7 @@ impl ViewerStream {
     }
 
     fn line(&self, line: LogLine) -> RecordingStreamResult<()> {
-        let level = match line.level {
-            NoticeLevel::Info => TextLogLevel::INFO,
-            NoticeLevel::Warning => TextLogLevel::WARN,
-            NoticeLevel::Error => TextLogLevel::ERROR,
-        };
-        let text = TextLog::new(line.text).with_level(level);
+        let text = TextLog::new(line.text).with_level(log_level(line.level));
         let data = text.columns_of_unit_batches()?;
         self.branch
             .send_columns("log", time_columns([line.moment]), data)
