@@ -379,6 +379,7 @@ fn hit_with(hit: usize, rounds: usize, threads: usize) -> Hit {
         threads,
         state_files: Vec::new(),
         journals: false,
+        further_outputs: Vec::new(),
     };
     let (handle, mut receiver) =
         LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::run::{end_of_run, environment, failure_of_run};
+use column_twin::parameters::{Source, Value};
 use column_twin::ros::{FleetRunOptions, RosArguments, run_fleet};
 
 /// Arguments of `column-twin fleet`, besides the ROS arguments.
@@ -21,6 +22,11 @@ pub struct FleetArgs {
     /// further row; wins over the parameter files
     #[arg(long, value_name = "FILE")]
     columns: Option<PathBuf>,
+
+    /// Columns that the viewer always shows in full, besides the one that was hit last: values of column_id, or names with the
+    /// wildcards of parameter files (/garage/*); the same as -p viewer.select:=[...]
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',', num_args = 1..)]
+    select: Vec<String>,
 }
 
 const EXAMPLE: &str = "\
@@ -29,13 +35,14 @@ Example: the columns of a table, with what they share in a parameter file, on th
     --columns config/fleet.csv --ros-args -r __ns:=/garage
 
 The arguments after --ros-args are those of every ROS 2 node; -p changes a parameter of every column.
+With -p viewer.mode:=serve (save, connect, spawn) the Rerun viewer shows the plan of all columns.
 A fleet has at most 2000 columns. With -p record.mode:=events one recording has all of them, and
 `column-twin verify` verifies it column by column.
 Exit codes: 0 stopped by SIGINT or SIGTERM, 1 failed, 2 bad input or usage, 3 stopped by SIGINT or
 SIGTERM, but messages are missing in the recordings.";
 
 /// Runs the node until SIGINT or SIGTERM.
-pub fn run(arguments: &FleetArgs, ros: RosArguments) -> Result<(), Failure> {
+pub fn run(arguments: &FleetArgs, mut ros: RosArguments) -> Result<(), Failure> {
     if arguments.params_file.is_empty() && arguments.columns.is_none() && ros.parameters.is_empty()
     {
         return Err(Failure::plain(
@@ -43,8 +50,14 @@ pub fn run(arguments: &FleetArgs, ros: RosArguments) -> Result<(), Failure> {
             "a fleet needs columns: give --params-file FILE, --columns FILE, or both",
         ));
     }
+    let environment = environment(&ros)?;
+    if !arguments.select.is_empty() {
+        let selected = Value::from(arguments.select.clone());
+        let selected = Source::Value("viewer.select".to_owned(), selected);
+        ros.parameters.push(selected);
+    }
     let options = FleetRunOptions {
-        environment: environment(&ros)?,
+        environment,
         ros,
         parameter_files: arguments.params_file.clone(),
         columns: arguments.columns.clone(),

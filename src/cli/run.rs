@@ -47,7 +47,7 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
         RunError::Parameters(faults) => faults.into(),
         error @ (RunError::SealKey(_)
         | RunError::Fleet(
-            FleetTwinError::NotInAFleet { .. }
+            FleetTwinError::Selection(_)
             | FleetTwinError::Sensors { .. }
             | FleetTwinError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),

@@ -126,7 +126,7 @@ impl From<&Criterion> for AssessmentCriterion {
 }
 
 /// The code of a severity in `ImpactReport` and `TwinStatus`.
-fn severity_code(severity: Severity) -> u8 {
+pub(crate) fn severity_code(severity: Severity) -> u8 {
     match severity {
         Severity::None => ImpactReport::SEVERITY_NONE,
         Severity::Inspect => ImpactReport::SEVERITY_INSPECT,

@@ -29,6 +29,8 @@ use crate::twin::{
     Calibration, Journal, Lengths, Output, RefusalCode, ReportOutput, RestingColumn, StateOutput,
     Status, TwinPhase, WithdrawnForecast,
 };
+#[cfg(feature = "viewer")]
+pub(crate) use assessment::severity_code;
 use joint_states::JointStates;
 use markers::markers;
 pub use tap::{RecordingHealth, RecordingTap};

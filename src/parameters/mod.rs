@@ -29,6 +29,7 @@ mod draft;
 mod fault;
 mod file;
 mod fleet;
+mod fleet_selection;
 mod given;
 mod lookup;
 mod node_name;
@@ -61,10 +62,12 @@ pub use fleet::{
     FleetColumn, FleetColumns, FleetSources, MAX_COLUMNS, MAX_TABLE_BYTES, MAX_WILDCARD_SECTIONS,
     is_of_the_fleet,
 };
+pub use fleet_selection::{SelectionError, select_columns};
 pub use node_name::NodeName;
 pub use overrides::{Override, parse_override};
 pub use parameter::{Admissible, Applies, DeclaredParameter, DefaultValue, Parameter};
 pub use processors::{MAX_PROCESSOR, processors};
+pub use ranges::MAX_SELECTED_COLUMNS;
 pub use reference::markdown;
 pub use senders::{AllowedSender, GUID_PREFIX_BYTES, NotASender};
 pub use sensors::{SENSOR_PARAMETERS, SensorSource};
@@ -73,9 +76,9 @@ pub use settings::{
     EstimationSettings, EventSettings, GeometrySettings, HardeningSettings, HingeSettings,
     RateLawKind, RateSettings, RealTimeSettings, RecordMode, RecordSettings, ResistanceSettings,
     ResponseSettings, SectionSettings, SendersSettings, SensorAxis, SensorMessage, SensorSettings,
-    SensorsSettings, Settings, SolverSettings, SpringSettings, StateSettings, SteelSettings,
-    SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode, ViewerSettings,
-    YieldSurfaceSettings,
+    SensorsSettings, Settings, SiteSettings, SolverSettings, SpringSettings, StateSettings,
+    SteelSettings, SupportKind, SupportSettings, TopSettings, VehicleSettings, ViewerMode,
+    ViewerSettings, YieldSurfaceSettings,
 };
 pub use steel::{STEEL_GRADES, SteelGrade};
 pub use table::PARAMETERS;
@@ -248,12 +251,14 @@ impl Parameters {
             .collect()
     }
 
-    /// Whether the parameters of another column are the same but for `column_id` and `frame_id`, so that it responds alike.
+    /// Whether the parameters of another column are the same but for `column_id`, `frame_id` and its position on the site, so that
+    /// it responds alike.
     #[must_use]
     pub fn differs_by_names_only(&self, other: &Self) -> bool {
         let mut renamed = self.settings.clone();
         renamed.column_id.clone_from(&other.settings.column_id);
         renamed.frame_id.clone_from(&other.settings.frame_id);
+        renamed.site = other.settings.site;
         renamed == other.settings
     }
 
@@ -263,6 +268,7 @@ impl Parameters {
         let mut nameless = self.settings.clone();
         nameless.column_id.clear();
         nameless.frame_id.clear();
+        nameless.site = SiteSettings::default();
         serde_json::to_string(&nameless).expect("settings are numbers, words and strings")
     }
 

@@ -3,9 +3,17 @@
 use super::parameter::Admissible;
 use crate::senses::MAX_SENSORS;
 
+/// Most columns of a fleet that the viewer always shows in full: each has some thirty views and curves of its own.
+pub const MAX_SELECTED_COLUMNS: usize = 8;
+
 pub(super) const LENGTH: Admissible = Admissible::Real {
     min: 0.02,
     max: 100.0,
+};
+/// A position in a plan: a site, not a country, so that millimetres remain in the pictures.
+pub(super) const SITE: Admissible = Admissible::Real {
+    min: -100_000.0,
+    max: 100_000.0,
 };
 pub(super) const EXPONENT: Admissible = Admissible::Real {
     min: 1.0,
@@ -61,4 +69,9 @@ pub(super) const UNLOADING_STIFFNESS: Admissible = Admissible::RealOrZero {
     min: 1.0,
     max: 1e12,
     zero: "not given",
+};
+pub(super) const SELECTED_COLUMNS: Admissible = Admissible::List {
+    of: &IDENTIFIER,
+    min_len: 0,
+    max_len: MAX_SELECTED_COLUMNS,
 };

@@ -18,6 +18,9 @@ use crate::column::{ElasticLaw, Scheme};
 pub struct Settings {
     pub column_id: String,
     pub frame_id: String,
+    // Absent in recordings and states of programs that do not show fleets.
+    #[serde(default)]
+    pub site: SiteSettings,
     pub geometry: GeometrySettings,
     pub section: SectionSettings,
     pub steel: SteelSettings,
@@ -73,6 +76,9 @@ macro_rules! groups {
 }
 
 groups! {
+    /// Position in the plan of a fleet.
+    #[derive(Copy, Default)]
+    SiteSettings { x: f64, y: f64 }
     /// Lengths of the two bars.
     GeometrySettings { length_below: f64, length_above: f64 }
     /// The section as given: a name, numbers that override its properties, or numbers alone.
@@ -173,6 +179,9 @@ groups! {
         directory: String,
         memory_limit: u64,
         magnification: f64,
+        // Absent in recordings and states of programs that do not show fleets.
+        #[serde(default)]
+        select: Vec<String>,
     }
     /// One sensor.
     SensorSettings {

@@ -4,7 +4,8 @@ use super::criterion_names::{CRITERION_NAMES, DEFAULT_CRITERIA};
 use super::parameter::{Admissible, Applies, DefaultValue, Parameter};
 use super::ranges::{
     CURVE_CRUSH, CURVE_FORCE, DIRECTORY, EXPONENT, FROM_SECTION, HINGE_STIFFNESS, IDENTIFIER,
-    LENGTH, OPTIONAL_PATH, SENSOR_NAMES, SUPPORT, SUPPORT_STIFFNESS, UNLOADING_STIFFNESS,
+    LENGTH, OPTIONAL_PATH, SELECTED_COLUMNS, SENSOR_NAMES, SITE, SUPPORT, SUPPORT_STIFFNESS,
+    UNLOADING_STIFFNESS,
 };
 use crate::column::MAX_MASSES;
 
@@ -28,6 +29,23 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: IDENTIFIER,
         applies: Applies::Restart,
         meaning: "coordinate frame of the column in messages, with its origin at the base",
+    },
+    Parameter {
+        name: "site.x",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: SITE,
+        applies: Applies::Restart,
+        meaning: "position of the column in the plan of its fleet, to the right; columns of a fleet that share a position with another \
+                  one, or give none, are shown in rows below the plan",
+    },
+    Parameter {
+        name: "site.y",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: SITE,
+        applies: Applies::Restart,
+        meaning: "position of the column in the plan of its fleet, upwards in the picture; see `site.x`",
     },
     Parameter {
         name: "publish_rate",
@@ -992,6 +1010,15 @@ pub const PARAMETERS: &[Parameter] = &[
         },
         applies: Applies::AtOnce,
         meaning: "magnification factor of the displacements in the pictures; 1: true to scale",
+    },
+    Parameter {
+        name: "viewer.select",
+        unit: "",
+        default: DefaultValue::Texts(&[]),
+        admissible: SELECTED_COLUMNS,
+        applies: Applies::Restart,
+        meaning: "columns of a fleet that the viewer always shows in full, besides the one that was hit last: their `column_id`, or their \
+                  names with the wildcards of parameter files (`/garage/*`); a single twin ignores it",
     },
     // The last row: the rows of every sensor, in `sensors.rs`, continue the table.
     Parameter {

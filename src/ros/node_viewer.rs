@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::live::{LiveHandle, LiveOptions, MeasurementQueue};
-use crate::parameters::{Parameters, ViewerMode};
+use crate::live::{FleetHandle, LiveHandle, LiveOptions, MeasurementQueue, OutputQueue};
+use crate::parameters::{FleetColumns, Parameters, ViewerMode};
 
 #[cfg(feature = "viewer")]
-use crate::viewer::{LiveViewer, ViewerError, output_queue};
+use crate::viewer::{LiveViewer, ShownFleet, ViewerError, fleet_output_queue, output_queue};
 
 /// Name of the output queue to the viewer.
 pub(super) const QUEUE: &str = "viewer";
@@ -47,10 +47,67 @@ pub(super) fn add_queue(parameters: &Parameters, options: &mut LiveOptions) {
     #[cfg(not(feature = "viewer"))]
     {
         let _ = options;
-        tracing::warn!(
-            "viewer.mode has no effect, because this program was built without the feature `viewer`"
-        );
+        warn_of_absence();
     }
+}
+
+#[cfg(not(feature = "viewer"))]
+fn warn_of_absence() {
+    tracing::warn!(
+        "viewer.mode has no effect, because this program was built without the feature `viewer`"
+    );
+}
+
+/// The queues to the viewer of a fleet: one, if the parameters of its node enable the viewer.
+pub(super) fn fleet_queues(fleet: &FleetColumns) -> Vec<OutputQueue> {
+    if fleet.node.settings().viewer.mode == ViewerMode::Off {
+        return Vec::new();
+    }
+    #[cfg(feature = "viewer")]
+    return vec![fleet_output_queue(fleet.columns.len())];
+    #[cfg(not(feature = "viewer"))]
+    {
+        warn_of_absence();
+        Vec::new()
+    }
+}
+
+/// Starts the viewer of a fleet, which shows the columns with the indices `selected` in full, if its queue exists.
+///
+/// # Errors
+/// The thread cannot be started.
+#[cfg(feature = "viewer")]
+pub(super) fn start_of_fleet(
+    fleet: &FleetColumns,
+    selected: Vec<u32>,
+    handle: &FleetHandle,
+    now: i64,
+) -> std::io::Result<NodeViewer> {
+    let Some(outputs) = handle.outputs(QUEUE) else {
+        return Ok(NodeViewer::default());
+    };
+    let shown = ShownFleet::new(&fleet.columns, selected);
+    if let Some(text) = shown.plan.about_unplaced() {
+        tracing::info!("viewer: {text}");
+    }
+    started(LiveViewer::start_of_fleet(
+        &fleet.node,
+        shown,
+        outputs,
+        now,
+        Arc::new(log),
+    ))
+}
+
+/// Does nothing without the feature `viewer`.
+#[cfg(not(feature = "viewer"))]
+pub(super) fn start_of_fleet(
+    _fleet: &FleetColumns,
+    _selected: Vec<u32>,
+    _handle: &FleetHandle,
+    _now: i64,
+) -> std::io::Result<NodeViewer> {
+    Ok(NodeViewer::default())
 }
 
 /// Starts the viewer if its queue exists.
@@ -67,7 +124,13 @@ pub(super) fn start(
         return Ok(NodeViewer::default());
     };
     let measured = handle.recent_measurements();
-    match LiveViewer::start(parameters, outputs, measured, now, Arc::new(log)) {
+    let viewer = LiveViewer::start(parameters, outputs, measured, now, Arc::new(log));
+    started(viewer)
+}
+
+#[cfg(feature = "viewer")]
+fn started(viewer: Result<Option<LiveViewer>, ViewerError>) -> std::io::Result<NodeViewer> {
+    match viewer {
         Ok(viewer) => Ok(NodeViewer { viewer }),
         Err(ViewerError::Thread(error)) => Err(error),
         Err(error) => Err(std::io::Error::other(error)),
@@ -101,5 +164,6 @@ mod tests {
     #[test]
     fn the_viewer_reads_the_queue_of_this_name() {
         assert_eq!(output_queue().name, QUEUE);
+        assert_eq!(fleet_output_queue(1).name, QUEUE);
     }
 }

@@ -23,6 +23,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
+use super::branch::entity;
 use super::felt_views::{FeltView, MAX_SENSOR_VIEWS};
 use super::force_crush;
 use super::panel::PANEL;
@@ -40,7 +41,8 @@ pub const APPLICATION: &str = "column_twin";
 const PLAYBACK_SPEED: f64 = 0.01;
 
 /// Numbers that identify the containers and views of the blueprint.
-const ROOT: u8 = 1;
+/// All views of a column.
+pub(super) const COLUMN: u8 = 1;
 const LEFT: u8 = 2;
 const MIDDLE: u8 = 3;
 const RIGHT: u8 = 4;
@@ -58,18 +60,27 @@ const FIRST_FELT: u8 = 60;
 // The numbers of the views of what is felt: forecast, momentum, severity, and sensors.
 const _: () = assert!(FIRST_FELT as usize + 3 + MAX_SENSOR_VIEWS <= u8::MAX as usize);
 
-/// Sends the blueprint and activates it.
+/// What the layout of a column depends on.
+pub(super) struct ColumnLayout<'a> {
+    /// Root of its entities: empty, or with a slash before each part.
+    pub root: &'a str,
+    /// Its name, if the stream shows several columns.
+    pub column_id: Option<&'a str>,
+    pub drawing: &'a Drawing,
+    pub axes: [[f64; 2]; PLOTS],
+    pub felt: Vec<FeltView>,
+}
+
+/// Sends the blueprint of a stream that shows one column, and activates it.
 ///
 /// # Errors
 /// The stream rejects the data.
-pub fn send(
+pub(super) fn send(
     recording: &RecordingStream,
-    drawing: &Drawing,
-    axes: &[[f64; 2]; PLOTS],
-    felt: &[FeltView],
+    layout: &ColumnLayout<'_>,
     follows: bool,
 ) -> RecordingStreamResult<()> {
-    activate(recording, messages(drawing, axes, felt, follows)?);
+    activate(recording, messages(layout, follows)?);
     Ok(())
 }
 
@@ -90,37 +101,15 @@ pub(super) fn activate(recording: &RecordingStream, messages: Vec<LogMsg>) {
 }
 
 /// The data of the blueprint.
-fn messages(
-    drawing: &Drawing,
-    axes: &[[f64; 2]; PLOTS],
-    felt: &[FeltView],
-    follows: bool,
-) -> RecordingStreamResult<Vec<LogMsg>> {
+fn messages(layout: &ColumnLayout<'_>, follows: bool) -> RecordingStreamResult<Vec<LogMsg>> {
     let (stream, storage) = RecordingStreamBuilder::new(APPLICATION)
         .enabled(true)
         .blueprint()
         .memory()?;
     stream.set_time_sequence("blueprint", 0);
-    let blueprint = Blueprint { stream };
-    let crushes = drawing.vehicle.is_real();
-    blueprint.layout(crushes, felt.len())?;
-    blueprint.scene(drawing)?;
-    blueprint.panel()?;
-    blueprint.log()?;
-    for (number, axis) in (0..).zip(axes) {
-        if shown(number, crushes) {
-            blueprint.plot(number, *axis)?;
-        }
-    }
-    for (number, view) in (FIRST_FELT..).zip(felt) {
-        blueprint.felt(number, view)?;
-    }
-    if crushes {
-        blueprint.force_crush(drawing)?;
-    }
-    for hinge in 0..HINGES {
-        blueprint.yield_surface(hinge)?;
-    }
+    let blueprint = Blueprint::new(stream);
+    blueprint.column(layout)?;
+    blueprint.viewport(COLUMN)?;
     blueprint.panels(follows)?;
     Ok(storage.take())
 }
@@ -132,87 +121,168 @@ fn shown(plot: u8, crushes: bool) -> bool {
 
 /// A blueprint that is being written.
 pub(super) struct Blueprint {
-    pub stream: RecordingStream,
+    stream: RecordingStream,
+    /// Number of the column whose views are written; 0 for what is no column of a fleet.
+    slot: u8,
+    /// Root of the column's entities.
+    root: String,
 }
 
-/// The UUID with this number.
-fn uuid(number: u8) -> String {
-    format!("c01c01c0-0000-4000-8000-0000000000{number:02x}")
+/// The UUID of a container or a view with this number of the column in this slot.
+fn uuid(slot: u8, number: u8) -> String {
+    format!("c01c01c0-0000-4000-8000-00000000{slot:02x}{number:02x}")
 }
 
-pub(super) fn uuid_bytes(number: u8) -> [u8; 16] {
+fn uuid_bytes(slot: u8, number: u8) -> [u8; 16] {
     [
-        0xc0, 0x1c, 0x01, 0xc0, 0, 0, 0x40, 0, 0x80, 0, 0, 0, 0, 0, 0, number,
+        0xc0, 0x1c, 0x01, 0xc0, 0, 0, 0x40, 0, 0x80, 0, 0, 0, 0, 0, slot, number,
     ]
 }
 
-pub(super) fn view(number: u8) -> String {
-    format!("view/{}", uuid(number))
-}
-
-pub(super) fn container(number: u8) -> String {
-    format!("container/{}", uuid(number))
-}
-
 impl Blueprint {
+    /// For a stream of blueprints.
+    pub fn new(stream: RecordingStream) -> Self {
+        Self {
+            stream,
+            slot: 0,
+            root: String::new(),
+        }
+    }
+
+    /// The same for the views of the column in a slot, 1 or more, whose entities are below a root.
+    pub fn of_column(&self, slot: u8, root: &str) -> Self {
+        Self {
+            stream: self.stream.clone(),
+            slot,
+            root: root.to_owned(),
+        }
+    }
+
+    pub fn view_path(&self, number: u8) -> String {
+        format!("view/{}", uuid(self.slot, number))
+    }
+
+    pub fn container_path(&self, number: u8) -> String {
+        format!("container/{}", uuid(self.slot, number))
+    }
+
+    /// An expression for an entity of the column, or for all below it.
+    fn content(&self, of: &str) -> String {
+        format!("+ {}", entity(&self.root, of))
+    }
+
+    /// Shows the container with this number, and nothing else.
+    pub fn viewport(&self, root: u8) -> RecordingStreamResult<()> {
+        let viewport = ViewportBlueprint::new()
+            .with_root_container(RootContainer(uuid_bytes(self.slot, root).into()))
+            .with_auto_layout(false)
+            .with_auto_views(false);
+        self.write("viewport", &viewport)
+    }
+
+    /// All views of a column in the container [`COLUMN`].
+    pub fn column(&self, layout: &ColumnLayout<'_>) -> RecordingStreamResult<()> {
+        let drawing = layout.drawing;
+        let crushes = drawing.vehicle.is_real();
+        match layout.column_id {
+            None => self.layout(crushes, layout.felt.len())?,
+            Some(id) => self.layout_in_fleet(id, crushes, layout.felt.len())?,
+        }
+        self.scene(drawing, layout.column_id)?;
+        self.panel()?;
+        self.log()?;
+        for (number, axis) in (0..).zip(layout.axes) {
+            if shown(number, crushes) {
+                self.plot(number, axis)?;
+            }
+        }
+        for (number, view) in (FIRST_FELT..).zip(&layout.felt) {
+            self.felt(number, view)?;
+        }
+        if crushes {
+            self.force_crush(drawing)?;
+        }
+        for hinge in 0..HINGES {
+            self.yield_surface(hinge)?;
+        }
+        Ok(())
+    }
+
     pub fn write(&self, path: &str, what: &dyn AsComponents) -> RecordingStreamResult<()> {
         self.stream.log(path, what)
     }
 
-    fn layout(&self, crushes: bool, felt: usize) -> RecordingStreamResult<()> {
+    /// The views of the curves and of the vehicle's springs.
+    fn plots(&self, crushes: bool) -> Vec<String> {
         let plots = (0..PLOTS as u8).filter(|number| shown(*number, crushes));
-        let plots = plots.map(|number| view(FIRST_PLOT + number));
-        let plots = plots.chain(crushes.then(|| view(FORCE_CRUSH)));
-        let hinges = (0..HINGES as u8).map(|hinge| view(FIRST_HINGE + hinge));
-        let contents = |paths: Vec<String>| {
-            let paths = paths.into_iter();
-            paths
-                .map(|path| IncludedContent(path.as_str().into()))
-                .collect::<Vec<_>>()
-        };
-        let left = ContainerBlueprint::new(ContainerKind::Vertical)
-            .with_contents(contents(vec![view(SCENE), container(BELOW)]))
+        let plots = plots.map(|number| self.view_path(FIRST_PLOT + number));
+        plots
+            .chain(crushes.then(|| self.view_path(FORCE_CRUSH)))
+            .collect()
+    }
+
+    fn hinges(&self) -> Vec<String> {
+        let hinges = 0..HINGES as u8;
+        hinges
+            .map(|hinge| self.view_path(FIRST_HINGE + hinge))
+            .collect()
+    }
+
+    fn felt_views(&self, felt: usize) -> Vec<String> {
+        let felt = (FIRST_FELT..).take(felt);
+        felt.map(|number| self.view_path(number)).collect()
+    }
+
+    fn layout(&self, crushes: bool, felt: usize) -> RecordingStreamResult<()> {
+        let left = vertical([self.view_path(SCENE), self.container_path(BELOW)])
             .with_row_shares([0.62_f32, 0.38]);
-        self.write(&container(LEFT), &left)?;
-        let below = ContainerBlueprint::new(ContainerKind::Horizontal)
-            .with_contents(contents(vec![view(TEXT), view(LOG)]))
-            .with_col_shares([0.6_f32, 0.4]);
-        self.write(&container(BELOW), &below)?;
-        let grid = |paths: Vec<String>| {
-            ContainerBlueprint::new(ContainerKind::Grid)
-                .with_contents(contents(paths))
-                .with_grid_columns(2_u32)
-        };
-        let curves = grid(plots.collect());
+        self.write(&self.container_path(LEFT), &left)?;
+        let below =
+            horizontal([self.view_path(TEXT), self.view_path(LOG)]).with_col_shares([0.6_f32, 0.4]);
+        self.write(&self.container_path(BELOW), &below)?;
+        let curves = grid(self.plots(crushes), 2);
         if felt == 0 {
-            self.write(&container(MIDDLE), &curves)?;
+            self.write(&self.container_path(MIDDLE), &curves)?;
         } else {
-            let felt = (FIRST_FELT..).take(felt).map(view);
-            let felt = grid(felt.collect()).with_display_name("Sensors");
-            self.write(&container(FELT), &felt)?;
+            let felt = grid(self.felt_views(felt), 2).with_display_name("Sensors");
+            self.write(&self.container_path(FELT), &felt)?;
             let curves = curves.with_display_name("Column");
-            self.write(&container(CURVES), &curves)?;
-            let middle = ContainerBlueprint::new(ContainerKind::Tabs)
-                .with_contents(contents(vec![container(FELT), container(CURVES)]))
-                .with_active_tab(container(FELT).as_str());
-            self.write(&container(MIDDLE), &middle)?;
+            self.write(&self.container_path(CURVES), &curves)?;
+            let both = [self.container_path(FELT), self.container_path(CURVES)];
+            self.write(&self.container_path(MIDDLE), &tabs(both))?;
         }
-        let right = ContainerBlueprint::new(ContainerKind::Vertical)
-            .with_contents(contents(hinges.collect()));
-        self.write(&container(RIGHT), &right)?;
-        let root = ContainerBlueprint::new(ContainerKind::Horizontal)
-            .with_contents(contents(vec![
-                container(LEFT),
-                container(MIDDLE),
-                container(RIGHT),
-            ]))
+        self.write(&self.container_path(RIGHT), &vertical(self.hinges()))?;
+        let root = horizontal([LEFT, MIDDLE, RIGHT].map(|it| self.container_path(it)))
             .with_col_shares([0.45_f32, 0.39, 0.16]);
-        self.write(&container(ROOT), &root)?;
-        let viewport = ViewportBlueprint::new()
-            .with_root_container(RootContainer(uuid_bytes(ROOT).into()))
-            .with_auto_layout(false)
-            .with_auto_views(false);
-        self.write("viewport", &viewport)
+        self.write(&self.container_path(COLUMN), &root)
+    }
+
+    /// The same in the narrower place beside the plan of a fleet: the scene above, and below it the rest in tabs.
+    fn layout_in_fleet(
+        &self,
+        column_id: &str,
+        crushes: bool,
+        felt: usize,
+    ) -> RecordingStreamResult<()> {
+        let above = horizontal([self.view_path(SCENE), self.view_path(TEXT)])
+            .with_col_shares([0.6_f32, 0.4]);
+        self.write(&self.container_path(LEFT), &above)?;
+        let curves = grid(self.plots(crushes), 3).with_display_name("Curves");
+        self.write(&self.container_path(CURVES), &curves)?;
+        let hinges = grid(self.hinges(), 4).with_display_name("Hinges");
+        self.write(&self.container_path(RIGHT), &hinges)?;
+        let mut others = vec![self.container_path(CURVES), self.container_path(RIGHT)];
+        if felt > 0 {
+            let felt = grid(self.felt_views(felt), 3).with_display_name("Sensors");
+            self.write(&self.container_path(FELT), &felt)?;
+            others.push(self.container_path(FELT));
+        }
+        others.push(self.view_path(LOG));
+        self.write(&self.container_path(MIDDLE), &tabs(others))?;
+        let root = vertical([LEFT, MIDDLE].map(|it| self.container_path(it)))
+            .with_row_shares([0.55_f32, 0.45])
+            .with_display_name(column_id);
+        self.write(&self.container_path(COLUMN), &root)
     }
 
     pub fn view(
@@ -223,7 +293,7 @@ impl Blueprint {
         origin: &str,
         contents: &[String],
     ) -> RecordingStreamResult<()> {
-        let path = view(number);
+        let path = self.view_path(number);
         let query = ViewContents::new(contents.iter().map(String::as_str));
         self.write(&format!("{path}/ViewContents"), &query)?;
         let it = ViewBlueprint::new(class)
@@ -238,11 +308,11 @@ impl Blueprint {
         name: &str,
         what: &dyn AsComponents,
     ) -> RecordingStreamResult<()> {
-        self.write(&format!("{}/{name}", view(number)), what)
+        self.write(&format!("{}/{name}", self.view_path(number)), what)
     }
 
     /// The column and the vehicle, from where all of it is in the picture.
-    fn scene(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
+    fn scene(&self, drawing: &Drawing, column_id: Option<&str>) -> RecordingStreamResult<()> {
         let title = if drawing.magnification == 1.0 {
             format!("{}, to scale", drawing.section)
         } else {
@@ -251,11 +321,15 @@ impl Blueprint {
                 drawing.section, drawing.magnification
             )
         };
+        let title = match column_id {
+            None => title,
+            Some(id) => format!("{id}: {title}"),
+        };
         let contents = ["column", "top", "supports", "ghost", "vehicle"]
             .iter()
-            .map(|it| format!("+ /{it}/**"))
+            .map(|it| self.content(&format!("{it}/**")))
             .collect::<Vec<_>>();
-        self.view(SCENE, "3D", &title, "/", &contents)?;
+        self.view(SCENE, "3D", &title, &entity(&self.root, ""), &contents)?;
         let camera = drawing.camera();
         let eye = EyeControls3D::new()
             .with_kind(Eye3DKind::Orbital)
@@ -271,7 +345,7 @@ impl Blueprint {
     }
 
     fn panel(&self) -> RecordingStreamResult<()> {
-        let contents = [format!("+ /{PANEL}")];
+        let contents = [self.content(PANEL)];
         self.view(
             TEXT,
             "TextDocument",
@@ -284,8 +358,9 @@ impl Blueprint {
     /// Force over crush of the vehicle's springs: the paths up to the present time.
     fn force_crush(&self, drawing: &Drawing) -> RecordingStreamResult<()> {
         let title = "Force over crush of each spring";
-        let contents = ["+ /force_crush/**".to_owned()];
-        self.view(FORCE_CRUSH, "2D", title, "/force_crush", &contents)?;
+        let contents = [self.content("force_crush/**")];
+        let origin = entity(&self.root, "force_crush");
+        self.view(FORCE_CRUSH, "2D", title, &origin, &contents)?;
         let [crush, force] = force_crush::extent(drawing.springs.as_ref());
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {
             x_range: [-0.3 * crush, 1.15 * crush].into(),
@@ -296,7 +371,7 @@ impl Blueprint {
     }
 
     /// Shows all of an entity up to the present time.
-    fn until_now(&self, id: u8, entity: &str) -> RecordingStreamResult<()> {
+    fn until_now(&self, id: u8, of: &str) -> RecordingStreamResult<()> {
         let until_now = VisibleTimeRange(TimeWindow {
             timeline: Utf8::from(IMPACT_TIME),
             range: TimeRange {
@@ -304,13 +379,21 @@ impl Blueprint {
                 end: TimeRangeBoundary::CursorRelative(TimeInt(0)),
             },
         });
-        let path = format!("{}/ViewContents/overrides/{entity}/visualizers", view(id));
+        let entity = entity(&self.root, of);
+        let entity = entity.trim_start_matches('/');
+        let path = self.view_path(id);
+        let path = format!("{path}/ViewContents/overrides/{entity}/visualizers");
         self.write(&path, &VisibleTimeRanges::new([until_now]))
     }
 
     fn log(&self) -> RecordingStreamResult<()> {
         let title = "Events by time since impact";
-        self.view(LOG, "TextLog", title, "/", &["+ /log".to_owned()])?;
+        self.view(LOG, "TextLog", title, "/", &[self.content("log")])?;
+        self.log_columns(LOG)
+    }
+
+    /// Lets a log show the time since the impact and the text.
+    pub fn log_columns(&self, id: u8) -> RecordingStreamResult<()> {
         let columns = TextLogColumns::new()
             .with_timeline_columns([TimelineColumn {
                 timeline: Utf8::from(IMPACT_TIME),
@@ -320,19 +403,19 @@ impl Blueprint {
                 kind: TextLogColumnKind::Body,
                 visible: true.into(),
             }]);
-        self.property(LOG, "TextLogColumns", &columns)
+        self.property(id, "TextLogColumns", &columns)
     }
 
     fn plot(&self, number: u8, axis: [f64; 2]) -> RecordingStreamResult<()> {
         let plot = &plots::ALL[usize::from(number)];
         let id = FIRST_PLOT + number;
-        let origin = format!("/{}", plot.entity);
-        let mut contents = vec![format!("+ {origin}")];
+        let mut contents = vec![self.content(plot.entity)];
         if usize::from(number) == plots::CONTACT_FORCE {
-            contents.push(format!("+ /{}", plots::PERCUSSIONS));
-            contents.push(format!("+ /{}", plots::SPRING_FORCES));
+            contents.push(self.content(plots::PERCUSSIONS));
+            contents.push(self.content(plots::SPRING_FORCES));
         }
-        self.view(id, "TimeSeries", plot.title, "/plots", &contents)?;
+        let origin = entity(&self.root, "plots");
+        self.view(id, "TimeSeries", plot.title, &origin, &contents)?;
         let axis = ScalarAxis::new()
             .with_range(Range1D::new(axis[0], axis[1]))
             .with_zoom_lock(LockRangeDuringZoom(false.into()));
@@ -343,8 +426,9 @@ impl Blueprint {
 
     /// Curves about an impact that the sensors feel.
     fn felt(&self, id: u8, view: &FeltView) -> RecordingStreamResult<()> {
-        let contents: Vec<_> = view.entities.iter().map(|it| format!("+ /{it}")).collect();
-        self.view(id, "TimeSeries", &view.title, "/felt", &contents)?;
+        let contents: Vec<_> = view.entities.iter().map(|it| self.content(it)).collect();
+        let origin = entity(&self.root, "felt");
+        self.view(id, "TimeSeries", &view.title, &origin, &contents)?;
         if let Some([low, high]) = view.range {
             let axis = ScalarAxis::new()
                 .with_range(Range1D::new(low, high))
@@ -359,7 +443,7 @@ impl Blueprint {
     fn yield_surface(&self, hinge: usize) -> RecordingStreamResult<()> {
         let id = FIRST_HINGE + hinge as u8;
         let title = format!("Hinge {}: M-N [-]", HINGE_NAMES[hinge]);
-        let origin = format!("/yield/{}", HINGE_NAMES[hinge]);
+        let origin = entity(&self.root, &format!("yield/{}", HINGE_NAMES[hinge]));
         self.view(id, "2D", &title, &origin, &["+ $origin/**".to_owned()])?;
         let bounds = VisualBounds::new(VisualBounds2D(Range2D {
             x_range: [-1.6, 1.6].into(),
@@ -369,7 +453,7 @@ impl Blueprint {
         self.until_now(id, &stress_entity(hinge, "path"))
     }
 
-    fn panels(&self, follows: bool) -> RecordingStreamResult<()> {
+    pub fn panels(&self, follows: bool) -> RecordingStreamResult<()> {
         for panel in ["blueprint_panel", "selection_panel"] {
             let hidden = PanelBlueprint::new().with_state(PanelState::Collapsed);
             self.write(panel, &hidden)?;
@@ -392,6 +476,38 @@ impl Blueprint {
     }
 }
 
+fn included(paths: impl IntoIterator<Item = String>) -> Vec<IncludedContent> {
+    let paths = paths.into_iter();
+    paths
+        .map(|path| IncludedContent(path.as_str().into()))
+        .collect()
+}
+
+/// Views and containers above one another.
+pub(super) fn vertical(paths: impl IntoIterator<Item = String>) -> ContainerBlueprint {
+    ContainerBlueprint::new(ContainerKind::Vertical).with_contents(included(paths))
+}
+
+/// Views and containers beside one another.
+pub(super) fn horizontal(paths: impl IntoIterator<Item = String>) -> ContainerBlueprint {
+    ContainerBlueprint::new(ContainerKind::Horizontal).with_contents(included(paths))
+}
+
+fn grid(paths: Vec<String>, columns: u32) -> ContainerBlueprint {
+    ContainerBlueprint::new(ContainerKind::Grid)
+        .with_contents(included(paths))
+        .with_grid_columns(columns)
+}
+
+/// Views and containers behind one another, the first one in front.
+pub(super) fn tabs(paths: impl IntoIterator<Item = String>) -> ContainerBlueprint {
+    let paths: Vec<_> = paths.into_iter().collect();
+    let first = paths.first().cloned().unwrap_or_default();
+    ContainerBlueprint::new(ContainerKind::Tabs)
+        .with_contents(included(paths))
+        .with_active_tab(first.as_str())
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::felt_views::FeltCurves;
@@ -401,10 +517,17 @@ mod tests {
     use rerun::log::Chunk;
 
     /// The entities of the blueprint for a vehicle.
-    fn entities(vehicle: VehicleBody, felt: &[FeltView]) -> Vec<String> {
+    fn entities(vehicle: VehicleBody, felt: Vec<FeltView>) -> Vec<String> {
         let mut drawing = Drawing::new(&Parameters::default());
         drawing.vehicle = vehicle;
-        let messages = messages(&drawing, &[[0.0, 1.0]; PLOTS], felt, true).expect("written");
+        let layout = ColumnLayout {
+            root: "",
+            column_id: None,
+            drawing: &drawing,
+            axes: [[0.0, 1.0]; PLOTS],
+            felt,
+        };
+        let messages = messages(&layout, true).expect("written");
         let chunks = messages.iter().filter_map(|message| match message {
             LogMsg::ArrowMsg(_, data) => Chunk::from_arrow_msg(data).ok(),
             _ => None,
@@ -413,14 +536,14 @@ mod tests {
     }
 
     fn has(entities: &[String], number: u8) -> bool {
-        entities.contains(&format!("/{}", view(number)))
+        entities.contains(&format!("/view/{}", uuid(0, number)))
     }
 
     /// The panel is always shown; crush and force over crush if the vehicle crushes.
     #[test]
     fn a_vehicle_that_crushes_has_views_of_its_own() {
-        let rigid = entities(VehicleBody::rigid_mass(), &[]);
-        let car = entities(VehicleBody::assumed(1_719.0, &[0.0]), &[]);
+        let rigid = entities(VehicleBody::rigid_mass(), Vec::new());
+        let car = entities(VehicleBody::assumed(1_719.0, &[0.0]), Vec::new());
         let of_vehicle = (0..PLOTS).filter(|plot| plots::ALL[*plot].of_vehicle);
         let of_vehicle = of_vehicle.map(|plot| FIRST_PLOT + plot as u8);
         for number in of_vehicle.chain([FORCE_CRUSH]) {
@@ -450,20 +573,20 @@ mod tests {
         for (count, views) in [(0, 0), (3, 6), (40, 3 + MAX_SENSOR_VIEWS)] {
             let found = views_of(count);
             assert_eq!(found.len(), views);
-            let entities = entities(VehicleBody::rigid_mass(), &found);
+            let entities = entities(VehicleBody::rigid_mass(), found);
             let shown = (FIRST_FELT..u8::MAX).filter(|number| has(&entities, *number));
             assert_eq!(shown.count(), views);
-            let has_tabs = entities.contains(&format!("/{}", container(FELT)));
+            let has_tabs = entities.contains(&format!("/container/{}", uuid(0, FELT)));
             assert_eq!(has_tabs, views > 0);
         }
     }
 
     #[test]
     fn a_uuid_is_the_same_as_text_and_as_bytes() {
-        let text: String = uuid_bytes(0x2a)
+        let text: String = uuid_bytes(0x03, 0x2a)
             .iter()
             .map(|it| format!("{it:02x}"))
             .collect();
-        assert_eq!(uuid(0x2a).replace('-', ""), text);
+        assert_eq!(uuid(0x03, 0x2a).replace('-', ""), text);
     }
 }

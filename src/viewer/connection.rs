@@ -12,11 +12,10 @@ use rerun::{RecordingStreamBuilder, log::LogMsg};
 
 use super::blueprint::APPLICATION;
 use super::error::{RERUN_VERSION, ViewerError, ViewerLogger};
-use super::item::ViewerItem;
+use super::picture::Picture;
 use super::rerun_types::batching;
 use super::server::url;
-use super::stream::{StreamOptions, ViewerStream};
-use crate::parameters::Parameters;
+use super::stream::StreamOptions;
 use crate::twin::NoticeLevel;
 
 /// Time between two attempts to connect.
@@ -52,16 +51,16 @@ impl LogSink for SharedSink {
 }
 
 /// A connection to a running viewer, with the history that is sent again after the viewer was gone.
-pub struct Connection {
+pub struct Connection<P: Picture> {
     address: SocketAddr,
-    /// Parameters of the column at the beginning of the history.
-    parameters: Arc<Parameters>,
+    /// What is shown at the beginning of the history.
+    subject: P::Subject,
     options: StreamOptions,
     /// Identifies the recording, so that a viewer that comes back continues the same one.
     recording: String,
-    history: VecDeque<ViewerItem>,
+    history: VecDeque<P::Item>,
     max_history: usize,
-    stream: Option<(ViewerStream, Arc<GrpcSink>)>,
+    stream: Option<(P, Arc<GrpcSink>)>,
     /// Time of the last successful connection.
     connected: Instant,
     /// Whether the peer closed the last connection at once.
@@ -86,20 +85,21 @@ pub fn resolve(address: &str, port: u16) -> Result<SocketAddr, ViewerError> {
     })
 }
 
-impl Connection {
+impl<P: Picture + Send + 'static> Connection<P> {
     /// A connection that is established as soon as a viewer answers.
     #[must_use]
     pub fn new(
         address: SocketAddr,
-        parameters: Arc<Parameters>,
+        subject: P::Subject,
+        memory_limit: u64,
         options: StreamOptions,
         log: ViewerLogger,
     ) -> Self {
-        let limit = parameters.settings().viewer.memory_limit / ITEM_BYTES;
+        let limit = memory_limit / ITEM_BYTES;
         let id = std::process::id();
         Self {
             address,
-            parameters,
+            subject,
             options,
             recording: format!("{APPLICATION}-{id}-{}", crate::live::monotonic_nanos()),
             history: VecDeque::new(),
@@ -122,10 +122,10 @@ impl Connection {
     }
 
     /// Shows some items, now or when the viewer is back. Blocks while the viewer reads nothing.
-    pub fn show(&mut self, items: Vec<ViewerItem>) {
+    pub fn show(&mut self, items: Vec<P::Item>) {
         self.check_connection();
         if let Some((stream, _)) = &mut self.stream
-            && let Err(error) = stream.show(items.iter().cloned())
+            && let Err(error) = stream.show_items(items.clone())
         {
             (self.log)(
                 NoticeLevel::Error,
@@ -197,22 +197,18 @@ impl Connection {
         }
     }
 
-    /// Appends to the history. The oldest items are dropped first; the parameters that apply are kept.
-    fn remember(&mut self, items: Vec<ViewerItem>) {
+    /// Appends to the history. The oldest items are dropped first; what later ones build on is kept.
+    fn remember(&mut self, items: Vec<P::Item>) {
         for item in items {
-            // A twin at rest reports its state every second.
-            let repeated = matches!((self.history.back(), &item),
-                (
-                    Some(ViewerItem::Rest { v1, u2, critical_velocities, .. }),
-                    ViewerItem::Rest { v1: next_v1, u2: next_u2, critical_velocities: next, .. },
-                ) if v1 == next_v1 && u2 == next_u2 && critical_velocities == next);
+            let last = self.history.back();
+            let repeated = last.is_some_and(|last| P::repeats(last, &item));
             if !repeated {
                 self.history.push_back(item);
             }
         }
         while self.history.len() > self.max_history {
-            if let Some(ViewerItem::Parameters(parameters)) = self.history.pop_front() {
-                self.parameters = parameters;
+            if let Some(item) = self.history.pop_front() {
+                P::absorb(&mut self.subject, item);
             }
         }
     }
@@ -244,7 +240,7 @@ impl Connection {
     }
 
     /// Opens a stream and sends the history.
-    fn open(&self) -> Result<(ViewerStream, Arc<GrpcSink>), ViewerError> {
+    fn open(&self) -> Result<(P, Arc<GrpcSink>), ViewerError> {
         let uri = url(self.address)
             .parse()
             .map_err(|error| ViewerError::Stream(format!("{error}")))?;
@@ -255,9 +251,8 @@ impl Connection {
             .batcher_config(batching())
             .buffered()?;
         stream.set_sink(Box::new(SharedSink(Arc::clone(&sink))));
-        let mut stream =
-            ViewerStream::new(stream, Arc::clone(&self.parameters), self.options.clone())?;
-        stream.show(self.history.iter().cloned())?;
+        let mut stream = P::open(stream, &self.subject, self.options.clone())?;
+        stream.show_items(self.history.iter().cloned().collect())?;
         Ok((stream, sink))
     }
 }

@@ -1,10 +1,8 @@
 //! How the curves look.
 
-use rerun::{
-    LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
-    SeriesPoints,
-};
+use rerun::{LineStrips2D, Points2D, Radius, RecordingStreamResult, SeriesLines, SeriesPoints};
 
+use super::branch::Branch;
 use super::colour;
 use super::plots;
 use super::rerun_types::color;
@@ -12,7 +10,7 @@ use super::static_scene;
 use crate::column::HINGES;
 
 /// Writes names, colours and widths of the curves.
-pub(super) fn send(stream: &RecordingStream) -> RecordingStreamResult<()> {
+pub(super) fn send(stream: &Branch) -> RecordingStreamResult<()> {
     for plot in &plots::ALL {
         let last = plot.curves.len() - 1;
         let widths = (0..=last).map(|index| if index == last { plot.last_width } else { 1.5 });

@@ -11,13 +11,13 @@ use super::blueprint::APPLICATION;
 use super::connection::{self, Connection};
 use super::error::{ViewerError, ViewerLogger};
 use super::frame_budget::FrameBudget;
-use super::item::ViewerItem;
+use super::picture::Picture;
 use super::plots::Ranges;
 use super::rerun_types::batching;
 use super::server;
 use super::spawned::Spawned;
-use super::stream::{StreamOptions, ViewerStream};
-use crate::parameters::{Parameters, ViewerMode};
+use super::stream::StreamOptions;
+use crate::parameters::{ViewerMode, ViewerSettings};
 use crate::twin::NoticeLevel;
 
 /// Minimum time between two frames of the scene \[ns\].
@@ -34,65 +34,70 @@ const FRAMES_PER_SECOND: f64 = 60.0;
 const SAVED_FRAMES: f64 = 120.0;
 
 /// Where items are shown.
-pub enum Destination {
+pub enum Destination<P: Picture> {
     /// A file, or a server for viewers.
-    Stream(Box<ViewerStream>),
+    Stream(Box<P>),
     /// A running viewer.
-    Connection(Box<Connection>),
+    Connection(Box<Connection<P>>),
     /// A viewer that this program started.
-    Spawned(Spawned, Box<Connection>),
+    Spawned(Spawned, Box<Connection<P>>),
 }
 
-impl Destination {
-    /// Opens the destination that the parameters select; `None` if the viewer is off.
+/// Options for a running twin or fleet.
+#[must_use]
+pub fn live_options(ranges: Ranges) -> StreamOptions {
+    StreamOptions {
+        frame_period: FRAME_PERIOD,
+        budget: Some(FrameBudget::new(FRAMES_PER_SECOND, SAVED_FRAMES)),
+        curves_period: CURVES_PERIOD,
+        follows: true,
+        ranges,
+    }
+}
+
+impl<P: Picture + Send + 'static> Destination<P> {
+    /// Opens the destination that the parameters select; `None` if the viewer is off. A file is named after `name` and the time.
     ///
     /// # Errors
     /// The file, the server or the viewer is not available.
     pub fn open(
-        parameters: &Arc<Parameters>,
+        viewer: &ViewerSettings,
+        name: &str,
+        subject: P::Subject,
+        options: StreamOptions,
         now: i64,
         log: &ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
-        let viewer = &parameters.settings().viewer;
-        let options = StreamOptions {
-            frame_period: FRAME_PERIOD,
-            budget: Some(FrameBudget::new(FRAMES_PER_SECOND, SAVED_FRAMES)),
-            curves_period: CURVES_PERIOD,
-            follows: true,
-            ranges: Ranges::predicted(parameters, &parameters.impact()),
-        };
-        let shown_on = |stream| ViewerStream::new(stream, Arc::clone(parameters), options.clone());
-        let connection = |address| {
-            let parameters = Arc::clone(parameters);
-            Connection::new(address, parameters, options.clone(), Arc::clone(log))
+        let memory_limit = viewer.memory_limit;
+        let connection = |address, subject, options| {
+            Connection::new(address, subject, memory_limit, options, Arc::clone(log))
         };
         Ok(Some(match viewer.mode {
             ViewerMode::Off => return Ok(None),
             ViewerMode::Save => {
-                let path = new_file(Path::new(&viewer.directory), parameters, now)?;
+                let path = new_file(Path::new(&viewer.directory), name, now)?;
                 let stream = saving(&path)?;
                 log(
                     NoticeLevel::Info,
                     format!("the viewer file is {}", path.display()),
                 );
-                Self::Stream(Box::new(shown_on(stream)?))
+                Self::Stream(Box::new(P::open(stream, &subject, options)?))
             }
             ViewerMode::Serve => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
-                let stream = server::stream(address, viewer.memory_limit)?;
+                let stream = server::stream(address, memory_limit)?;
                 let url = server::url(address);
                 log(NoticeLevel::Info, format!("to watch: rerun {url}"));
-                Self::Stream(Box::new(shown_on(stream)?))
+                Self::Stream(Box::new(P::open(stream, &subject, options)?))
             }
             ViewerMode::Connect => {
                 let address = connection::resolve(&viewer.address, viewer.port)?;
-                Self::Connection(Box::new(connection(address)))
+                Self::Connection(Box::new(connection(address, subject, options)))
             }
             ViewerMode::Spawn => {
                 let address = server::loopback(&viewer.address, viewer.port)?;
-                let log = Arc::clone(log);
-                let spawned = Spawned::start(address, viewer.memory_limit, log)?;
-                let connection = connection(address).awaiting_start();
+                let spawned = Spawned::start(address, memory_limit, Arc::clone(log))?;
+                let connection = connection(address, subject, options).awaiting_start();
                 Self::Spawned(spawned, Box::new(connection))
             }
         }))
@@ -102,9 +107,9 @@ impl Destination {
     ///
     /// # Errors
     /// The destination has failed.
-    pub fn show(&mut self, items: Vec<ViewerItem>) -> Result<(), ViewerError> {
+    pub fn show(&mut self, items: Vec<P::Item>) -> Result<(), ViewerError> {
         match self {
-            Self::Stream(stream) => stream.show(items)?,
+            Self::Stream(stream) => stream.show_items(items)?,
             Self::Connection(connection) => connection.show(items),
             Self::Spawned(spawned, connection) => {
                 spawned.check();
@@ -126,13 +131,13 @@ fn saving(path: &Path) -> Result<rerun::RecordingStream, ViewerError> {
         })
 }
 
-/// A new file, named after the column and the time.
-fn new_file(folder: &Path, parameters: &Parameters, now: i64) -> Result<PathBuf, ViewerError> {
+/// A new file, named after the column or the fleet and the time.
+fn new_file(folder: &Path, name: &str, now: i64) -> Result<PathBuf, ViewerError> {
     fs::create_dir_all(folder).map_err(|error| ViewerError::File {
         path: folder.to_owned(),
         reason: error.to_string(),
     })?;
-    let column = file_name(&parameters.settings().column_id);
+    let name = file_name(name);
     // 64 bits of nanoseconds end before the year 9999.
     let time = Timestamp::from_nanosecond(now.into()).unwrap_or_default();
     let time = time.strftime("%Y%m%dT%H%M%SZ");
@@ -142,7 +147,7 @@ fn new_file(folder: &Path, parameters: &Parameters, now: i64) -> Result<PathBuf,
         } else {
             format!("_{number}")
         };
-        folder.join(format!("{column}_{time}{suffix}.rrd"))
+        folder.join(format!("{name}_{time}{suffix}.rrd"))
     });
     let found = free.take(1000).find(|path| !path.exists());
     found.ok_or_else(|| ViewerError::File {
@@ -164,20 +169,15 @@ mod tests {
     #[test]
     fn no_file_is_overwritten_and_no_name_leaves_its_folder() {
         let folder = tempfile::tempdir().expect("a folder");
-        let parameters = Parameters::from_values([(
-            "column_id",
-            crate::parameters::Value::from("../garage a3"),
-        )])
-        .expect("admissible");
         let new =
-            || new_file(folder.path(), &parameters, 1_800_000_000_000_000_000).expect("a name");
+            || new_file(folder.path(), "../garage a3", 1_800_000_000_000_000_000).expect("a name");
         let first = new();
         assert_eq!(first.parent(), Some(folder.path()));
         let name = first.file_name().and_then(|it| it.to_str());
         assert_eq!(name, Some("___garage_a3_20270115T080000Z.rrd"));
         fs::write(&first, "").expect("written");
         assert_ne!(new(), first);
-        let error = new_file(&first, &parameters, 0).expect_err("a file is not a folder");
+        let error = new_file(&first, "a3", 0).expect_err("a file is not a folder");
         assert!(matches!(error, ViewerError::File { .. }));
     }
 }

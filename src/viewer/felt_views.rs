@@ -1,11 +1,9 @@
 //! The curves about an impact that the sensors feel: forecast, momentum and severity over the time of the data, and each sensor.
 
 use rerun::blueprint::components::Corner2D;
-use rerun::{
-    RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints,
-    components::MarkerShape,
-};
+use rerun::{RecordingStreamResult, Scalars, SeriesLines, SeriesPoints, components::MarkerShape};
 
+use super::branch::Branch;
 use super::colour::{self, Rgb};
 use super::felt::{FeltUpdate, SensorCourse};
 use super::rerun_types::{color, time_columns};
@@ -168,7 +166,7 @@ impl FeltCurves {
     }
 
     /// Writes names and colours of the curves.
-    pub fn send_styles(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    pub fn send_styles(&self, stream: &Branch) -> RecordingStreamResult<()> {
         let lines = |curves: &[(&str, Rgb, f32)]| {
             SeriesLines::new()
                 .with_names(curves.iter().map(|(name, ..)| *name))
@@ -203,7 +201,7 @@ impl FeltCurves {
     /// Writes an estimate and what is new of the readings; `at` is the moment of a time after its `stamp` \[s\].
     pub fn send(
         &mut self,
-        stream: &RecordingStream,
+        stream: &Branch,
         update: &FeltUpdate,
         at: impl Fn(f64) -> Moment,
     ) -> RecordingStreamResult<()> {
@@ -263,7 +261,7 @@ impl FeltCurves {
     /// stamp \[s, ns\]. A later estimate may correct the outcome.
     pub fn send_outcome(
         &mut self,
-        stream: &RecordingStream,
+        stream: &Branch,
         report: &ImpactReport,
         at: impl Fn(f64, i64) -> Moment,
     ) -> RecordingStreamResult<()> {
@@ -296,7 +294,7 @@ fn largest(course: &[(f64, f64)]) -> f64 {
 
 /// Writes the values of some moments, as many for each.
 fn rows(
-    stream: &RecordingStream,
+    stream: &Branch,
     entity: &str,
     moments: &[Moment],
     values: Vec<f64>,

@@ -2,8 +2,9 @@
 //!
 //! One unit of the diagram is 1 m across and 1 MN upwards, so that all vehicles have the same scale.
 
-use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
+use rerun::{LineStrips2D, Points2D, Radius, RecordingStreamResult};
 
+use super::branch::Branch;
 use super::colour;
 use super::rerun_types::color;
 use crate::column::{Vehicle, VehicleSample};
@@ -53,10 +54,7 @@ pub fn extent(vehicle: Option<&Vehicle>) -> [f64; 2] {
 ///
 /// # Errors
 /// The stream rejects the data.
-pub fn send_statics(
-    stream: &RecordingStream,
-    vehicle: Option<&Vehicle>,
-) -> RecordingStreamResult<()> {
+pub fn send_statics(stream: &Branch, vehicle: Option<&Vehicle>) -> RecordingStreamResult<()> {
     let springs = vehicle.map_or(&[][..], |it| it.springs());
     let envelopes = springs.iter().map(|spring| {
         let points = spring.envelope.points().iter();

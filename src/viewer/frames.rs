@@ -3,9 +3,10 @@
 use rerun::components::Translation3D;
 use rerun::{
     Angle, Arrows3D, Boxes3D, Cylinders3D, FillMode, LineStrip3D, LineStrips3D, Mesh3D, Points3D,
-    Radius, RecordingStream, RecordingStreamResult, RotationAxisAngle, TimeColumn, Transform3D,
+    Radius, RecordingStreamResult, RotationAxisAngle, TimeColumn, Transform3D,
 };
 
+use super::branch::Branch;
 use super::colour;
 use super::rerun_types::{color, time_columns};
 use super::scene::{Drawing, HALF_WHEEL, Point3, Scene, VehicleMark};
@@ -42,7 +43,7 @@ impl ShownTop {
 /// # Errors
 /// The stream rejects the data.
 pub(super) fn send(
-    stream: &RecordingStream,
+    stream: &Branch,
     frames: &[(Moment, Scene)],
     shown_top: &mut ShownTop,
 ) -> RecordingStreamResult<()> {
@@ -111,7 +112,7 @@ pub(super) fn send(
 
 /// Sends the vehicle and the contact force, all in one entity.
 fn send_vehicles(
-    stream: &RecordingStream,
+    stream: &Branch,
     frames: &[(Moment, Scene)],
     times: Vec<TimeColumn>,
 ) -> RecordingStreamResult<()> {
@@ -188,10 +189,7 @@ fn send_vehicles(
 ///
 /// # Errors
 /// The stream rejects the data.
-pub(super) fn send_statics(
-    stream: &RecordingStream,
-    drawing: &Drawing,
-) -> RecordingStreamResult<()> {
+pub(super) fn send_statics(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let (_, axis) = drawing.axis(&drawing.at_rest);
     let triangles = Solid::swept(&drawing.outline, &axis).triangles;
     let mesh = Mesh3D::update_fields().with_triangle_indices(triangles);
@@ -219,7 +217,7 @@ pub(super) fn send_statics(
     send_vehicle_statics(stream, drawing)
 }
 
-fn send_vehicle_statics(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+fn send_vehicle_statics(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let radius = |part: f64| Radius::new_scene_units((part * drawing.lengths.total()) as f32);
     let hull = Mesh3D::update_fields()
         .with_triangle_indices(hull_triangles())

@@ -149,7 +149,7 @@ impl ViewerItem {
     }
 }
 
-fn twin_phase(code: u8) -> TwinPhase {
+pub(super) fn twin_phase(code: u8) -> TwinPhase {
     match code {
         ColumnState::IDLE => TwinPhase::Idle,
         ColumnState::APPROACH => TwinPhase::Approach,

@@ -6,16 +6,23 @@ use std::sync::mpsc::{self, RecvTimeoutError, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::destination::Destination;
+use super::destination::{Destination, live_options};
 use super::error::{ViewerError, ViewerLogger};
 use super::felt::FeltImpacts;
+use super::fleet::{Fact, FleetFeed, FleetStream, ShownFleet};
 use super::item::ViewerItem;
+use super::picture::{FleetSubject, Picture};
+use super::plots::Ranges;
+use super::stream::ViewerStream;
 use crate::live::{OutputQueue, OutputSource, Receiver, RecentBatches, Waker, WhenFull};
 use crate::parameters::{Parameters, ViewerMode};
 use crate::twin::{NoticeLevel, Output};
 
 /// Name of the queue of outputs to the viewer.
 pub const VIEWER_QUEUE: &str = "viewer";
+
+/// What files of a fleet are named after.
+const FLEET: &str = "fleet";
 
 /// Name of the viewer's thread.
 pub const VIEWER_THREAD: &str = "viewer";
@@ -53,6 +60,18 @@ pub struct LiveViewer {
     log: ViewerLogger,
 }
 
+/// The queue of the outputs of a fleet that a [`LiveViewer`] reads: several columns may respond at once, and at the start each has a
+/// status.
+#[must_use]
+pub fn fleet_output_queue(columns: usize) -> OutputQueue {
+    OutputQueue {
+        name: VIEWER_QUEUE.to_owned(),
+        states: MAX_ITEMS,
+        others: 64 + 2 * columns,
+        when_full: WhenFull::DropOldest,
+    }
+}
+
 impl LiveViewer {
     /// Starts the thread, unless `viewer.mode` is off. `measured` are the readings of the sensors, which it shows with the estimates.
     /// Later failures are logged; they do not affect the twin.
@@ -69,28 +88,88 @@ impl LiveViewer {
         if parameters.settings().viewer.mode == ViewerMode::Off {
             return Ok(None);
         }
+        let parameters = Arc::clone(parameters);
+        Self::spawn(outputs, log, move |outputs, log, stop| {
+            let settings = parameters.settings();
+            let options = live_options(Ranges::predicted(&parameters, &parameters.impact()));
+            let subject = Arc::clone(&parameters);
+            let destination = Destination::<ViewerStream>::open(
+                &settings.viewer,
+                &settings.column_id,
+                subject,
+                options,
+                now,
+                log,
+            );
+            let mut felt = FeltImpacts::new(Arc::clone(&parameters));
+            run(destination, outputs, log, stop, |outputs| {
+                let outputs = outputs.into_iter();
+                let items = outputs.filter_map(|(_, it)| item(it, &mut felt, measured.as_deref()));
+                items.collect()
+            });
+        })
+        .map(Some)
+    }
+
+    /// The same for a fleet with these parameters of its node.
+    ///
+    /// # Errors
+    /// The thread cannot be started.
+    pub fn start_of_fleet(
+        node: &Parameters,
+        fleet: ShownFleet,
+        outputs: Receiver,
+        now: i64,
+        log: ViewerLogger,
+    ) -> Result<Option<Self>, ViewerError> {
+        let viewer = node.settings().viewer.clone();
+        if viewer.mode == ViewerMode::Off {
+            return Ok(None);
+        }
+        Self::spawn(outputs, log, move |outputs, log, stop| {
+            let fleet = Arc::new(fleet);
+            let subject = FleetSubject::new(Arc::clone(&fleet));
+            // The axes are those of each column.
+            let options = live_options(Ranges::default());
+            let destination =
+                Destination::<FleetStream>::open(&viewer, FLEET, subject, options, now, log);
+            let mut feed = FleetFeed::new(fleet);
+            run(destination, outputs, log, stop, |outputs| {
+                let outputs = outputs.into_iter();
+                let facts = outputs.flat_map(|(column, output)| {
+                    Fact::of_output(output).map(move |fact| (column, fact))
+                });
+                feed.take(facts.collect())
+            });
+        })
+        .map(Some)
+    }
+
+    fn spawn(
+        outputs: Receiver,
+        log: ViewerLogger,
+        content: impl FnOnce(Receiver, &ViewerLogger, &AtomicBool) + Send + 'static,
+    ) -> Result<Self, ViewerError> {
         let stop = Arc::new(AtomicBool::new(false));
         let (end, ended) = sync_channel(1);
         let waker = outputs.waker();
         let thread = {
             let (stop, log) = (Arc::clone(&stop), Arc::clone(&log));
-            let parameters = Arc::clone(parameters);
             thread::Builder::new()
                 .name(VIEWER_THREAD.to_owned())
                 .spawn(move || {
-                    let measured = measured.as_deref();
-                    run(&parameters, outputs, measured, now, &log, &stop);
+                    content(outputs, &log, &stop);
                     let _ = end.try_send(()); // there is no receiver after a drop
                 })
                 .map_err(ViewerError::Thread)?
         };
-        Ok(Some(Self {
+        Ok(Self {
             stop,
             waker,
             ended,
             thread: Some(thread),
             log,
-        }))
+        })
     }
 
     /// Stops within a second whatever the viewer does: what it has not read by then is lost, which is logged.
@@ -130,16 +209,35 @@ impl Drop for LiveViewer {
     }
 }
 
-/// Shows the outputs of the twin until `stop` is set.
-fn run(
-    parameters: &Arc<Parameters>,
-    mut outputs: Receiver,
+/// What an output of a single twin shows.
+fn item(
+    output: Output,
+    felt: &mut FeltImpacts,
     measured: Option<&RecentBatches>,
-    now: i64,
+) -> Option<ViewerItem> {
+    if let Output::ParametersChanged(it) = &output {
+        felt.change(Arc::clone(&it.parameters));
+    }
+    match &output {
+        Output::Estimate(estimate) => {
+            let readings =
+                |from, until| measured.map_or_else(Vec::new, |it| it.between(from, until));
+            let update = felt.of_twin(estimate, readings);
+            Some(ViewerItem::Felt(Box::new(update)))
+        }
+        _ => ViewerItem::of_twin(output),
+    }
+}
+
+/// Shows the outputs, of which `items` makes what can be shown, until `stop` is set.
+fn run<P: Picture + Send + 'static>(
+    destination: Result<Option<Destination<P>>, ViewerError>,
+    mut outputs: Receiver,
     log: &ViewerLogger,
     stop: &AtomicBool,
+    mut items: impl FnMut(Vec<(u32, Output)>) -> Vec<P::Item>,
 ) {
-    let mut destination = match Destination::open(parameters, now, log) {
+    let mut destination = match destination {
         Ok(Some(destination)) => destination,
         Ok(None) => return,
         Err(error) => {
@@ -147,29 +245,17 @@ fn run(
             return;
         }
     };
-    let mut felt = FeltImpacts::new(Arc::clone(parameters));
     loop {
         let next = Instant::now() + PERIOD;
         let last = stop.load(Ordering::SeqCst);
-        let mut items = Vec::new();
-        while items.len() < MAX_ITEMS
-            && let Some(output) = outputs.try_next()
+        let mut taken = Vec::new();
+        while taken.len() < MAX_ITEMS
+            && let Some(output) = outputs.try_next_of()
         {
-            if let Output::ParametersChanged(it) = &output {
-                felt.change(Arc::clone(&it.parameters));
-            }
-            items.extend(match &output {
-                Output::Estimate(estimate) => {
-                    let readings =
-                        |from, until| measured.map_or_else(Vec::new, |it| it.between(from, until));
-                    let update = felt.of_twin(estimate, readings);
-                    Some(ViewerItem::Felt(Box::new(update)))
-                }
-                _ => ViewerItem::of_twin(output),
-            });
+            taken.push(output);
         }
-        let idle = items.is_empty();
-        if let Err(error) = destination.show(items) {
+        let idle = taken.is_empty();
+        if let Err(error) = destination.show(items(taken)) {
             log(NoticeLevel::Error, without_viewer(&error));
             return;
         }

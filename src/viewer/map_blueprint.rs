@@ -2,18 +2,15 @@
 //!
 //! Without a layout the viewer shows the image alone, because an image is the origin of a view of its own.
 
-use rerun::blueprint::components::{
-    ContainerKind, IncludedContent, PanelState, RootContainer, VisualBounds2D,
-};
+use rerun::blueprint::components::{ContainerKind, IncludedContent, PanelState, VisualBounds2D};
 use rerun::datatypes::Range2D;
 use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewportBlueprint,
-    VisualBounds2D as VisualBounds,
+    ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, VisualBounds2D as VisualBounds,
 };
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
-use super::blueprint::{Blueprint, activate, container, uuid_bytes, view};
+use super::blueprint::{Blueprint, activate};
 
 /// Most variants that have views: more do not fit a screen.
 const MAX_VARIANTS: u8 = 24;
@@ -52,7 +49,7 @@ fn messages(
         .blueprint()
         .memory()?;
     stream.set_time_sequence("blueprint", 0);
-    let blueprint = Blueprint { stream };
+    let blueprint = Blueprint::new(stream);
     let included = |path: String| IncludedContent(path.as_str().into());
     let [width, height] = size;
     let [left, right, top, bottom] = MARGINS;
@@ -69,20 +66,19 @@ fn messages(
         let contents = [format!("+ /legend_{variant}")];
         blueprint.view(legend, "TextDocument", "Legend", "/", &contents)?;
         let both = ContainerBlueprint::new(ContainerKind::Horizontal)
-            .with_contents([included(view(map)), included(view(legend))])
+            .with_contents([
+                included(blueprint.view_path(map)),
+                included(blueprint.view_path(legend)),
+            ])
             .with_col_shares([0.75_f32, 0.25]);
-        blueprint.write(&container(FIRST_VARIANT + variant), &both)?;
+        blueprint.write(&blueprint.container_path(FIRST_VARIANT + variant), &both)?;
     }
     let all = numbered
         .iter()
-        .map(|(variant, _)| included(container(FIRST_VARIANT + variant)));
+        .map(|(variant, _)| included(blueprint.container_path(FIRST_VARIANT + variant)));
     let root = ContainerBlueprint::new(ContainerKind::Grid).with_contents(all);
-    blueprint.write(&container(ROOT), &root)?;
-    let viewport = ViewportBlueprint::new()
-        .with_root_container(RootContainer(uuid_bytes(ROOT).into()))
-        .with_auto_layout(false)
-        .with_auto_views(false);
-    blueprint.write("viewport", &viewport)?;
+    blueprint.write(&blueprint.container_path(ROOT), &root)?;
+    blueprint.viewport(ROOT)?;
     for panel in ["blueprint_panel", "selection_panel"] {
         let hidden = PanelBlueprint::new().with_state(PanelState::Collapsed);
         blueprint.write(panel, &hidden)?;
@@ -106,12 +102,16 @@ mod tests {
             _ => None,
         });
         let entities: Vec<_> = chunks.map(|it| it.entity_path().to_string()).collect();
+        let (stream, _storage) = RecordingStreamBuilder::new("test")
+            .enabled(true)
+            .blueprint()
+            .memory()
+            .expect("a stream");
+        let names = Blueprint::new(stream);
+        let has = |number| entities.contains(&format!("/{}", names.view_path(number)));
         for number in [FIRST_MAP, FIRST_MAP + 1, FIRST_LEGEND, FIRST_LEGEND + 1] {
-            assert!(
-                entities.contains(&format!("/{}", view(number))),
-                "{entities:?}"
-            );
+            assert!(has(number), "{entities:?}");
         }
-        assert!(!entities.contains(&format!("/{}", view(FIRST_MAP + 2))));
+        assert!(!has(FIRST_MAP + 2));
     }
 }

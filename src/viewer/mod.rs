@@ -12,6 +12,7 @@
 //! every interface.
 
 mod blueprint;
+mod branch;
 mod camera;
 mod colour;
 mod connection;
@@ -23,6 +24,7 @@ mod events;
 mod felt;
 mod felt_views;
 mod file;
+mod fleet;
 mod force_crush;
 mod frame_budget;
 mod frames;
@@ -32,6 +34,7 @@ mod live_viewer;
 #[cfg(feature = "study")]
 mod map_blueprint;
 mod panel;
+mod picture;
 pub mod plots;
 mod recorded_message;
 mod rerun_types;
@@ -49,10 +52,11 @@ pub use error::{RERUN_VERSION, ViewerError, ViewerLogger};
 pub use events::{Event, EventDetector, summary};
 pub use felt::{FeltImpacts, FeltUpdate, SensorCourse};
 pub use file::{from_samples, write_rrd};
+pub use fleet::{ColumnMark, Fact, FleetFeed, FleetItem, FleetStream, ShownFleet};
 pub use frame_budget::FrameBudget;
 pub use item::{Announcement, ViewerItem};
 pub use labels::Label;
-pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, output_queue};
+pub use live_viewer::{LiveViewer, VIEWER_QUEUE, VIEWER_THREAD, fleet_output_queue, output_queue};
 pub use panel::{PANEL, Told, panel};
 pub use recorded_message::{RecordedMessage, from_messages};
 pub use scene::{BoxMark, Drawing, FULL_ARC, ForceArrow, HingeMark, Scene, VehicleMark};

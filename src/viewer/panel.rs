@@ -228,7 +228,7 @@ fn table([one, other]: [&str; 2], rows: &[[String; 2]]) -> String {
 }
 
 /// Text from outside, which must not become Markdown.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         if character.is_ascii_punctuation() {

@@ -2,9 +2,10 @@
 
 use rerun::{
     Arrows3D, Boxes3D, FillMode, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius,
-    RecordingStream, RecordingStreamResult, ViewCoordinates,
+    RecordingStreamResult, ViewCoordinates,
 };
 
+use super::branch::Branch;
 use super::colour;
 use super::rerun_types::color;
 use super::scene::{Drawing, Point3, in_space};
@@ -41,7 +42,7 @@ pub fn arc_head(arc: &[Point3]) -> (Point3, Point3) {
 /// # Errors
 /// The stream rejects the data.
 pub(super) fn send(
-    stream: &RecordingStream,
+    stream: &Branch,
     drawing: &Drawing,
     exponents: YieldExponents,
 ) -> RecordingStreamResult<()> {
@@ -57,7 +58,7 @@ fn metres(value: f64) -> Radius {
 }
 
 fn lines(
-    stream: &RecordingStream,
+    stream: &Branch,
     entity: &str,
     strips: Vec<Vec<Point3>>,
     rgb: colour::Rgb,
@@ -70,7 +71,7 @@ fn lines(
 }
 
 /// The undeformed column, drawn by the edges of its flanges.
-fn ghost(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+fn ghost(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let section = drawing.outline.section();
     let height = drawing.lengths.total() as f32;
     let (a, b) = (0.5 * section.depth as f32, 0.5 * section.width as f32);
@@ -111,7 +112,7 @@ fn circle(centre: PlanePoint, radius: f64, from: f64, to: f64) -> Vec<Point3> {
 }
 
 /// Draws the base: built in as a block, pinned as a triangle with a pin, semi-rigid as a block with a spiral.
-fn base(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+fn base(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let down = PlanePoint::new(0.0, -0.1);
     let ground = |z: f64| {
         (
@@ -163,7 +164,7 @@ fn spiral(centre: PlanePoint, half_depth: f64) -> Vec<Point3> {
 }
 
 /// Draws the plate that slides along two guides, the support of the spring, and the load.
-fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()> {
+fn top(stream: &Branch, drawing: &Drawing) -> RecordingStreamResult<()> {
     let height = drawing.lengths.total();
     let plate = Boxes3D::from_centers_and_half_sizes(
         [[0.0, 0.0, 0.02]],
@@ -211,7 +212,7 @@ fn top(stream: &RecordingStream, drawing: &Drawing) -> RecordingStreamResult<()>
     stream.log_static("top/load", &label)
 }
 
-fn surfaces(stream: &RecordingStream, exponents: YieldExponents) -> RecordingStreamResult<()> {
+fn surfaces(stream: &Branch, exponents: YieldExponents) -> RecordingStreamResult<()> {
     let surface = LineStrips2D::new([yield_curve(exponents, SURFACE_PIECES)
         .map(|point| point.map(|it| it as f32))
         .collect::<Vec<_>>()])

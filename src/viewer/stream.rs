@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use rerun::{
     LineStrip2D, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult, Scalars,
-    TextDocument, TextLog, TextLogLevel, TimeColumn,
+    TextDocument, TextLog, TimeColumn,
 };
 
-use super::blueprint;
+use super::blueprint::{self, ColumnLayout};
+use super::branch::Branch;
 use super::colour;
 use super::curve_styles;
 use super::events::{Event, EventDetector, summary};
@@ -20,7 +21,7 @@ use super::frames::{self, ShownTop};
 use super::item::{Announcement, ViewerItem};
 use super::panel::{self, PANEL, Told};
 use super::plots::{self, Ranges};
-use super::rerun_types::{color, time_columns};
+use super::rerun_types::{color, log_level, time_columns};
 use super::scene::{Drawing, Scene};
 use super::static_scene;
 use super::timeline::{Moment, Placed, Timeline, nanos};
@@ -79,7 +80,11 @@ struct ImpactProgress {
 
 /// A Rerun stream to which items are written.
 pub struct ViewerStream {
-    stream: RecordingStream,
+    branch: Branch,
+    /// The stream shows no other column, so that its layout is that of this one.
+    is_alone: bool,
+    /// Another layout is wanted, which the caller sends.
+    has_new_layout: bool,
     options: StreamOptions,
     parameters: Arc<Parameters>,
     drawing: Drawing,
@@ -125,11 +130,46 @@ impl ViewerStream {
         options: StreamOptions,
     ) -> RecordingStreamResult<Self> {
         let timeline = Timeline::new(parameters.step_nanos());
-        let shown = Self {
+        let mut shown = Self::unsent(Branch::whole(stream), parameters, options, timeline);
+        shown.send_blueprint()?;
+        shown.send_statics()?;
+        Ok(shown)
+    }
+
+    /// Writes the static data of one of several columns that a stream shows, below its `name`; what it shows begins after
+    /// `shown_until` \[ns\] on the timeline of the impacts. The layout is left to the caller: [`layout`](Self::layout).
+    ///
+    /// # Errors
+    /// The stream rejects the data.
+    pub(super) fn below(
+        stream: RecordingStream,
+        name: &str,
+        parameters: Arc<Parameters>,
+        options: StreamOptions,
+        shown_until: i64,
+    ) -> RecordingStreamResult<Self> {
+        let timeline = Timeline::continued(parameters.step_nanos(), shown_until);
+        let branch = Branch::below(stream, name);
+        let mut shown = Self::unsent(branch, parameters, options, timeline);
+        shown.is_alone = false;
+        shown.has_new_layout = true;
+        shown.send_statics()?;
+        Ok(shown)
+    }
+
+    fn unsent(
+        branch: Branch,
+        parameters: Arc<Parameters>,
+        options: StreamOptions,
+        timeline: Timeline,
+    ) -> Self {
+        Self {
             drawing: Drawing::new(&parameters),
             felt: FeltCurves::new(&parameters),
             ranges: options.ranges,
-            stream,
+            branch,
+            is_alone: true,
+            has_new_layout: false,
             options,
             parameters,
             timeline,
@@ -143,12 +183,14 @@ impl ViewerStream {
             forecast: None,
             batch: Vec::new(),
             framed: 0,
-        };
-        shown.send_blueprint()?;
-        shown.statics()?;
+        }
+    }
+
+    fn send_statics(&self) -> RecordingStreamResult<()> {
+        self.statics()?;
         // Columns of data bypass the batcher and could overtake static data; a slow stream may have these later.
-        let _ = shown.stream.flush_with_timeout(STATICS_TIMEOUT);
-        Ok(shown)
+        let _ = self.stream().flush_with_timeout(STATICS_TIMEOUT);
+        Ok(())
     }
 
     /// Shows some items in their order. Frames are sent at once; curves at the latest with the next call without a state.
@@ -190,7 +232,7 @@ impl ViewerStream {
     /// The stream.
     #[must_use]
     pub fn stream(&self) -> &RecordingStream {
-        &self.stream
+        self.branch.stream()
     }
 
     fn other(&mut self, item: ViewerItem) -> RecordingStreamResult<()> {
@@ -308,7 +350,7 @@ impl ViewerStream {
             .change_vehicle(&self.parameters, name, mass, masses)
         {
             self.send_blueprint()?;
-            force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
+            force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;
         }
         let vehicle = mass.map(|mass| [mass, first.impactor_velocity]);
         if let Some([mass, velocity]) = vehicle.filter(|it| self.predicted != Some(*it)) {
@@ -344,7 +386,7 @@ impl ViewerStream {
             text: estimate_line(&update.estimate),
         };
         if let Some(felt) = &mut self.felt {
-            felt.send(&self.stream, update, at)?;
+            felt.send(&self.branch, update, at)?;
             if update.estimate.is_final && felt.fit(update) {
                 self.send_blueprint()?;
             }
@@ -361,7 +403,7 @@ impl ViewerStream {
             && self.timeline.has_felt(&result.event_id)
         {
             let at = |secs: f64, stamp: i64| self.timeline.in_felt(secs, stamp);
-            felt.send_outcome(&self.stream, &result.report, at)?;
+            felt.send_outcome(&self.branch, &result.report, at)?;
         }
         self.line(LogLine {
             moment: end,
@@ -375,7 +417,7 @@ impl ViewerStream {
         if self.drawn {
             return Ok(());
         }
-        let before = Timeline::before(self.parameters.step_nanos(), stamp);
+        let before = self.timeline.before(stamp);
         self.tell(before, Told::Nothing)?;
         let scene = self.drawing.scene(&self.drawing.at_rest, None);
         self.frames(&[(before, scene)])
@@ -448,21 +490,45 @@ impl ViewerStream {
     fn write_panel(&self, moment: Moment, text: String) -> RecordingStreamResult<()> {
         let text = TextDocument::from_markdown(text);
         let data = text.columns_of_unit_batches()?;
-        self.stream
+        self.branch
             .send_columns(PANEL, time_columns([moment]), data)
     }
 
-    fn send_blueprint(&self) -> RecordingStreamResult<()> {
-        let axes = self.ranges.axes();
+    fn send_blueprint(&mut self) -> RecordingStreamResult<()> {
+        match self.is_alone {
+            true => blueprint::send(self.stream(), &self.layout(), self.options.follows),
+            false => {
+                self.has_new_layout = true;
+                Ok(())
+            }
+        }
+    }
+
+    /// What the layout of this column depends on.
+    pub(super) fn layout(&self) -> ColumnLayout<'_> {
         let views = self.felt.as_ref().map(FeltCurves::views);
-        let views = views.unwrap_or_default();
-        blueprint::send(
-            &self.stream,
-            &self.drawing,
-            &axes,
-            &views,
-            self.options.follows,
-        )
+        ColumnLayout {
+            root: self.branch.root(),
+            column_id: (!self.is_alone).then(|| &*self.parameters.settings().column_id),
+            drawing: &self.drawing,
+            axes: self.ranges.axes(),
+            felt: views.unwrap_or_default(),
+        }
+    }
+
+    /// Whether another layout has been wanted since the last call.
+    pub(super) fn takes_new_layout(&mut self) -> bool {
+        std::mem::take(&mut self.has_new_layout)
+    }
+
+    /// Lets the next impact begin after everything that other columns have shown until then \[ns on the timeline of the impacts\].
+    pub(super) fn continue_after(&mut self, shown_until: i64) {
+        self.timeline.continue_after(shown_until);
+    }
+
+    /// The latest moment that was shown.
+    pub(super) fn last_moment(&self) -> Moment {
+        self.timeline.at_last(0)
     }
 
     /// Makes the frames of the states that have none yet.
@@ -539,7 +605,7 @@ impl ViewerStream {
             return Ok(());
         }
         let scalars = Scalars::new(all).columns(lengths)?;
-        self.stream.send_columns(entity, times.to_vec(), scalars)
+        self.branch.send_columns(entity, times.to_vec(), scalars)
     }
 
     /// The path of each spring in its diagram of force over crush, piece by piece, and its present position.
@@ -572,10 +638,10 @@ impl ViewerStream {
         }
         let path = LineStrips2D::update_fields().with_strips(strips);
         let path = path.columns(lengths.clone())?;
-        self.stream
+        self.branch
             .send_columns(force_crush::PATH, times.to_vec(), path)?;
         let now = Points2D::update_fields().with_positions(points);
-        self.stream
+        self.branch
             .send_columns(force_crush::NOW, times.to_vec(), now.columns(lengths)?)
     }
 
@@ -587,7 +653,7 @@ impl ViewerStream {
         }
         let marks = Scalars::new(vec![self.ranges.percussion_mark(); times.len()]);
         let columns_of_marks = marks.columns(vec![1; times.len()])?;
-        self.stream
+        self.branch
             .send_columns(plots::PERCUSSIONS, time_columns(times), columns_of_marks)
     }
 
@@ -612,7 +678,7 @@ impl ViewerStream {
             let ones = vec![1; batch.len()];
             let path = LineStrips2D::update_fields().with_strips(strips);
             let entity = static_scene::stress_entity(hinge, "path");
-            self.stream
+            self.branch
                 .send_columns(entity, times.clone(), path.columns(ones.clone())?)?;
             let colours = batch
                 .iter()
@@ -621,7 +687,7 @@ impl ViewerStream {
                 .with_positions(points)
                 .with_colors(colours);
             let entity = static_scene::stress_entity(hinge, "now");
-            self.stream
+            self.branch
                 .send_columns(entity, times.clone(), now.columns(ones)?)?;
         }
         Ok(())
@@ -664,30 +730,25 @@ impl ViewerStream {
 
     fn frames(&mut self, frames: &[(Moment, Scene)]) -> RecordingStreamResult<()> {
         self.drawn |= !frames.is_empty();
-        frames::send(&self.stream, frames, &mut self.shown_top)
+        frames::send(&self.branch, frames, &mut self.shown_top)
     }
 
     fn line(&self, line: LogLine) -> RecordingStreamResult<()> {
-        let level = match line.level {
-            NoticeLevel::Info => TextLogLevel::INFO,
-            NoticeLevel::Warning => TextLogLevel::WARN,
-            NoticeLevel::Error => TextLogLevel::ERROR,
-        };
-        let text = TextLog::new(line.text).with_level(level);
+        let text = TextLog::new(line.text).with_level(log_level(line.level));
         let data = text.columns_of_unit_batches()?;
-        self.stream
+        self.branch
             .send_columns("log", time_columns([line.moment]), data)
     }
 
     /// Writes what does not change while the column is the same.
     fn statics(&self) -> RecordingStreamResult<()> {
         let exponents = self.parameters.column_properties().yield_surface;
-        static_scene::send(&self.stream, &self.drawing, exponents)?;
-        force_crush::send_statics(&self.stream, self.drawing.springs.as_ref())?;
-        frames::send_statics(&self.stream, &self.drawing)?;
+        static_scene::send(&self.branch, &self.drawing, exponents)?;
+        force_crush::send_statics(&self.branch, self.drawing.springs.as_ref())?;
+        frames::send_statics(&self.branch, &self.drawing)?;
         if let Some(felt) = &self.felt {
-            felt.send_styles(&self.stream)?;
+            felt.send_styles(&self.branch)?;
         }
-        curve_styles::send(&self.stream)
+        curve_styles::send(&self.branch)
     }
 }

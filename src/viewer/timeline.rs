@@ -39,12 +39,16 @@ pub struct Timeline {
     /// [`IMPACT_TIME`] and [`STEP`] at which counting steps of this length began.
     counted_from: (i64, i64),
     impact: Option<Begun>,
+    /// Before everything that is shown.
+    first: Moment,
     /// The last moment shown.
     last: Moment,
     /// The impact that the sensors have felt last.
     felt: Option<Begun>,
     /// End on [`IMPACT_TIME`] of what they have read of impacts so far.
     felt_until: i64,
+    /// End on [`IMPACT_TIME`] of what was shown of other columns.
+    others_until: i64,
 }
 
 /// An impact and its beginning on [`IMPACT_TIME`].
@@ -68,18 +72,37 @@ impl Timeline {
     #[must_use]
     pub fn new(step_nanos: u64) -> Self {
         let step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
+        let before = Moment {
+            impact_time: -PAUSE,
+            step: -PAUSE / step_nanos,
+            wall_clock: 0,
+        };
         Self {
             step_nanos,
             counted_from: (0, 0),
             impact: None,
             felt: None,
             felt_until: i64::MIN,
-            last: Moment {
-                impact_time: -PAUSE,
-                step: -PAUSE / step_nanos,
-                wall_clock: 0,
-            },
+            others_until: i64::MIN,
+            first: before,
+            last: before,
         }
+    }
+
+    /// Timelines that go on after what others have shown until then \[ns on [`IMPACT_TIME`]\].
+    #[must_use]
+    pub fn continued(step_nanos: u64, shown_until: i64) -> Self {
+        let mut timeline = Self::new(step_nanos);
+        let first = timeline.last.impact_time;
+        timeline.last.impact_time = first.max(shown_until);
+        timeline.last.step = timeline.step_at(timeline.last.impact_time);
+        timeline.first = timeline.last;
+        timeline
+    }
+
+    /// Lets the next impact begin after what others have shown until then \[ns on [`IMPACT_TIME`]\].
+    pub fn continue_after(&mut self, shown_until: i64) {
+        self.others_until = self.others_until.max(shown_until);
     }
 
     /// Changes the length of the steps from here on; the count continues.
@@ -88,12 +111,12 @@ impl Timeline {
         self.step_nanos = i64::try_from(step_nanos).unwrap_or(i64::MAX).max(1);
     }
 
-    /// A moment before the first impact, which has this stamp.
+    /// A moment before everything that is shown, whose first impact has this stamp.
     #[must_use]
-    pub fn before(step_nanos: u64, stamp: i64) -> Moment {
+    pub fn before(&self, stamp: i64) -> Moment {
         Moment {
             wall_clock: stamp.saturating_sub(PAUSE),
-            ..Self::new(step_nanos).last
+            ..self.first
         }
     }
 
@@ -138,6 +161,7 @@ impl Timeline {
     /// The beginning of the next impact on [`IMPACT_TIME`]: after everything that was shown so far, on a whole [`PAUSE`].
     fn next_begin(&self) -> i64 {
         let shown_until = self.last.impact_time.max(self.felt_until);
+        let shown_until = shown_until.max(self.others_until);
         let after = shown_until.saturating_add(PAUSE);
         after.div_euclid(PAUSE) * PAUSE + PAUSE * i64::from(after % PAUSE != 0)
     }

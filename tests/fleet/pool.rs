@@ -53,6 +53,7 @@ impl Fleet {
             threads,
             state_files: Vec::new(),
             journals: false,
+            further_outputs: Vec::new(),
         };
         let (handle, receiver) = LiveFleet::start(twins, clock, options).expect("starts");
         Self {
@@ -405,6 +406,7 @@ fn a_stop_saves_the_columns_that_were_hit_and_no_others() {
         threads: 2,
         state_files: paths.clone(),
         journals: false,
+        further_outputs: Vec::new(),
     };
     let (handle, mut receiver) = LiveFleet::start(twins, clock, options).expect("starts");
     handle.execute(3, impact(3, "a", START)).expect("accepted");

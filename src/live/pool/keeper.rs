@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use super::super::clock::Clock;
 use super::super::notifier::Notifier;
-use super::super::queue::OutputQueues;
+use super::readers::Readers;
 use crate::twin::{Notice, NoticeLevel, Output, SavedState, state_file};
 
 /// The thread's name.
@@ -32,7 +32,7 @@ impl Keeper {
     /// `paths` are the files of the columns, by their indices.
     pub fn start(
         paths: Vec<PathBuf>,
-        outputs: Arc<OutputQueues>,
+        outputs: Arc<Readers>,
         clock: Arc<dyn Clock>,
     ) -> std::io::Result<(Arc<Self>, JoinHandle<()>)> {
         let keeper = Arc::new(Self {
@@ -76,7 +76,7 @@ impl Keeper {
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn run(&self, paths: &[PathBuf], outputs: &OutputQueues, clock: &dyn Clock) {
+    fn run(&self, paths: &[PathBuf], outputs: &Readers, clock: &dyn Clock) {
         // One notice for a disk that is full, not one for each column.
         let mut failing = false;
         loop {

@@ -7,6 +7,7 @@
 
 mod background;
 mod keeper;
+mod readers;
 mod schedule;
 mod worker;
 
@@ -36,6 +37,7 @@ use crate::twin::{
 };
 use background::Background;
 use keeper::Keeper;
+use readers::Readers;
 use schedule::Plan;
 use worker::{Agreed, Counters, Shared, Slot};
 
@@ -63,6 +65,8 @@ pub struct FleetOptions {
     pub state_files: Vec<PathBuf>,
     /// Whether the outputs have the journals of the columns, for a recording: of each column from its first command on.
     pub journals: bool,
+    /// The queues to further readers of the outputs, who do not get the journals: [`FleetHandle::outputs`].
+    pub further_outputs: Vec<OutputQueue>,
 }
 
 impl FleetOptions {
@@ -98,8 +102,13 @@ impl LiveFleet {
             others: WAITING_OUTPUTS + 2 * twins.len(),
             when_full: WhenFull::DropOldest,
         };
-        let outputs = Arc::new(OutputQueues::new(&queue));
-        let receiver = Receiver::new(Arc::clone(&outputs));
+        let first = Arc::new(OutputQueues::new(&queue));
+        let receiver = Receiver::new(Arc::clone(&first));
+        let further = options.further_outputs.iter();
+        let further: Vec<_> = further.map(|it| Arc::new(OutputQueues::new(it))).collect();
+        let receivers = further.iter().map(|it| Receiver::new(Arc::clone(it)));
+        let receivers = Mutex::new(receivers.collect());
+        let outputs = Arc::new(Readers::new([first].into_iter().chain(further)));
         let (keeper, keeping) = match options.state_files.is_empty() {
             true => (None, None),
             false => {
@@ -148,6 +157,7 @@ impl LiveFleet {
         });
         let mut handle = FleetHandle {
             shared: Arc::clone(&shared),
+            receivers,
             solvers: Vec::new(),
             keeping,
             computing: None,
@@ -179,6 +189,8 @@ impl LiveFleet {
 /// A fleet that runs in its own threads. Dropping the handle stops it.
 pub struct FleetHandle {
     shared: Arc<Shared>,
+    /// The ends of the queues to further readers, until they are taken.
+    receivers: Mutex<Vec<Receiver>>,
     solvers: Vec<JoinHandle<()>>,
     keeping: Option<JoinHandle<()>>,
     computing: Option<JoinHandle<()>>,
@@ -200,6 +212,14 @@ impl FleetHandle {
     #[must_use]
     pub fn columns(&self) -> usize {
         self.shared.slots.len()
+    }
+
+    /// The outputs for the further reader with this name; `None` if there is no such queue, or its receiver was taken before.
+    pub fn outputs(&self, name: &str) -> Option<Receiver> {
+        let receivers = self.receivers.lock();
+        let mut receivers = receivers.unwrap_or_else(PoisonError::into_inner);
+        let index = receivers.iter().position(|it| it.name() == name)?;
+        Some(receivers.swap_remove(index))
     }
 
     /// Submits a command to a column without waiting for the outcome, which is among the outputs.

@@ -14,6 +14,7 @@ use super::super::real_time::{Patience, Urgency};
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
 use super::background::{Background, Known};
 use super::keeper::Keeper;
+use super::readers::Readers;
 use super::schedule::{Job, Plan, Schedule};
 use crate::parameters::Parameters;
 use crate::twin::{Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
@@ -114,7 +115,7 @@ pub struct Shared {
     pub waiting: AtomicU64,
     pub clock: Arc<dyn Clock>,
     pub stop: AtomicBool,
-    pub outputs: Arc<OutputQueues>,
+    pub outputs: Arc<Readers>,
     pub keeper: Option<Arc<Keeper>>,
     /// Whether the outputs have the journals of the columns.
     pub journals: bool,

@@ -11,30 +11,21 @@ use crate::live::{
     monotonic_nanos,
 };
 use crate::parameters::{
-    FleetColumns, ParameterFaults, Parameters, RecordMode, Settings, ViewerMode,
+    FleetColumns, MAX_SELECTED_COLUMNS, ParameterFaults, Parameters, RecordMode, SelectionError,
+    Settings, select_columns,
 };
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, RefusalCode, Striking};
 
 use super::super::live_twin::{Health, health_of};
+use super::super::node_viewer::{self, NodeViewer};
 
 /// Why a fleet cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetTwinError {
-    /// A parameter asks for what a fleet does not do.
-    #[error(
-        "{name} is {value}, but a fleet has no {what}; set it to off, or run the columns to be {done} with `column-twin run`"
-    )]
-    NotInAFleet {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: String,
-        /// What a fleet does not have.
-        what: &'static str,
-        /// What is done with a single twin.
-        done: &'static str,
-    },
+    /// Columns are selected for the viewer that cannot be shown.
+    #[error(transparent)]
+    Selection(#[from] SelectionError),
     /// A column has sensors.
     #[error(
         "column {column_id:?} has sensors ({sensors}), but a fleet does not take measurements; leave sensors.names out, or run \
@@ -64,6 +55,7 @@ pub enum FleetTwinError {
 pub struct FleetTwin {
     /// `None` after the stop.
     running: RwLock<Option<Running>>,
+    viewer: Mutex<NodeViewer>,
     last_health: Mutex<Health>,
     clock: Arc<dyn Clock>,
     /// The same clock under `use_sim_time`, which can be set.
@@ -86,31 +78,16 @@ struct Running {
     _state_directory: Option<Reserved>,
 }
 
-/// What is not offered yet by a fleet must not be ignored in silence.
-fn check_offered(node: &Parameters) -> Result<(), FleetTwinError> {
-    let settings = node.settings();
-    if settings.viewer.mode != ViewerMode::Off {
-        return Err(FleetTwinError::NotInAFleet {
-            name: "viewer.mode",
-            value: node
-                .get("viewer.mode")
-                .map_or_else(String::new, |it| it.plain()),
-            what: "viewer",
-            done: "shown",
-        });
-    }
-    Ok(())
-}
-
 impl FleetTwin {
     /// Starts the columns with the damage in their state files. The receiver returns the outputs of all of them.
     ///
     /// # Errors
-    /// Columns are impossible, their state directory cannot be used, a parameter asks for what a fleet does not do, or a thread
-    /// cannot be started.
+    /// Columns are impossible or have sensors, columns are selected that cannot be shown, the state directory cannot be used, or a
+    /// thread cannot be started.
     pub fn start(fleet: &FleetColumns) -> Result<(Arc<Self>, Receiver), FleetTwinError> {
         let FleetColumns { columns, node, .. } = fleet;
-        check_offered(node)?;
+        let selected = &node.settings().viewer.select;
+        let selected = select_columns(columns, selected, MAX_SELECTED_COLUMNS)?;
         for column in columns {
             let Settings {
                 sensors, column_id, ..
@@ -162,17 +139,20 @@ impl FleetTwin {
             threads: FleetOptions::threads_of(node),
             state_files,
             journals: node.settings().record.mode != RecordMode::Off,
+            further_outputs: node_viewer::fleet_queues(fleet),
         };
         let column_ids: Vec<Arc<str>> = twins.iter().map(|it| Arc::clone(it.column_id())).collect();
         let (handle, receiver) = LiveFleet::start(twins, Arc::clone(&clock), options)?;
         for warning in handle.statistics().real_time.warnings() {
             tracing::warn!("{warning}");
         }
+        let viewer = node_viewer::start_of_fleet(fleet, selected, &handle, clock.now())?;
         let fleet = Self {
             running: RwLock::new(Some(Running {
                 handle,
                 _state_directory: reserved,
             })),
+            viewer: Mutex::new(viewer),
             last_health: Mutex::default(),
             clock,
             simulated,
@@ -212,6 +192,9 @@ impl FleetTwin {
                 last_health().has_panicked = true;
             }
         }
+        // It shows what the columns have given out at the end.
+        let mut viewer = self.viewer.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut *viewer).stop();
     }
 
     /// The index of a column; `None` if it is not in this fleet.

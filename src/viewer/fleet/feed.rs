@@ -1,0 +1,175 @@
+//! Decides what of a fleet is shown: the marks of all columns, and everything of those in full.
+
+use std::sync::Arc;
+
+use super::super::events::summary;
+use super::super::item::{Announcement, ViewerItem};
+use super::item::{ColumnMark, FleetItem, ShownFleet, severity_of};
+use crate::parameters::Parameters;
+use crate::printable::Printable;
+use crate::twin::{NoticeLevel, Output};
+
+/// Something that a column has given out.
+#[derive(Debug, Clone)]
+pub enum Fact {
+    /// Something that is shown of a column in full.
+    Item(ViewerItem),
+    /// What the plan shows of it from now on, with its time \[ns since the epoch\].
+    Mark(i64, ColumnMark),
+}
+
+impl Fact {
+    /// What an output of a column contains.
+    pub fn of_output(output: Output) -> impl Iterator<Item = Self> {
+        let mark = match &output {
+            Output::Status(status) => Some(Self::Mark(status.stamp, ColumnMark::from(status))),
+            _ => None,
+        };
+        mark.into_iter()
+            .chain(ViewerItem::of_twin(output).map(Self::Item))
+    }
+}
+
+/// What has to be shown of a column when it is shown in full.
+#[derive(Debug, Clone, Default)]
+struct Known {
+    mark: ColumnMark,
+    /// The impact whose states it gives out.
+    event_id: Option<Arc<str>>,
+    rest: Option<ViewerItem>,
+    forecast: Option<Announcement>,
+    parameters: Option<Arc<Parameters>>,
+}
+
+/// Makes items of what the columns give out.
+#[derive(Debug)]
+pub struct FleetFeed {
+    fleet: Arc<ShownFleet>,
+    known: Vec<Known>,
+    newest: Option<u32>,
+}
+
+impl FleetFeed {
+    /// For a fleet of which nothing is known yet.
+    #[must_use]
+    pub fn new(fleet: Arc<ShownFleet>) -> Self {
+        Self {
+            known: vec![Known::default(); fleet.ids.len()],
+            newest: None,
+            fleet,
+        }
+    }
+
+    /// What is to be shown of these facts, which are in their order. If several columns are hit in one call, the last one becomes
+    /// that of the newest impact.
+    pub fn take(&mut self, facts: Vec<(u32, Fact)>) -> Vec<FleetItem> {
+        let begins: Vec<bool> = facts
+            .iter()
+            .map(|(column, fact)| self.begins(*column, fact))
+            .collect();
+        let last = begins.iter().rposition(|it| *it);
+        let mut items = Vec::with_capacity(facts.len());
+        for (index, (column, fact)) in facts.into_iter().enumerate() {
+            if column as usize >= self.known.len() {
+                continue;
+            }
+            if Some(index) == last && self.newest != Some(column) {
+                self.becomes_newest(column, &mut items);
+            }
+            match fact {
+                Fact::Mark(stamp, mark) => self.mark(column, stamp, mark, &mut items),
+                Fact::Item(item) => self.item(column, item, &mut items),
+            }
+        }
+        items
+    }
+
+    /// Whether this is the first state of an impact.
+    fn begins(&mut self, column: u32, fact: &Fact) -> bool {
+        let (Fact::Item(ViewerItem::State(state)), Some(known)) =
+            (fact, self.known.get_mut(column as usize))
+        else {
+            return false;
+        };
+        let is_same = known.event_id.as_ref() == Some(&state.event_id);
+        if !is_same {
+            known.event_id = Some(Arc::clone(&state.event_id));
+        }
+        !is_same
+    }
+
+    fn is_in_full(&self, column: u32) -> bool {
+        self.newest == Some(column) || self.fleet.selected.contains(&column)
+    }
+
+    fn becomes_newest(&mut self, column: u32, items: &mut Vec<FleetItem>) {
+        let known = &self.known[column as usize];
+        let initial = &self.fleet.parameters[column as usize];
+        items.push(FleetItem::Newest {
+            column,
+            parameters: Arc::clone(known.parameters.as_ref().unwrap_or(initial)),
+        });
+        // A selected column has been told before.
+        if !self.fleet.selected.contains(&column) {
+            let forecast = known.forecast.clone().map(ViewerItem::Forecast);
+            let before = known.rest.clone().into_iter().chain(forecast);
+            items.extend(before.map(|it| FleetItem::Column(column, it)));
+        }
+        self.newest = Some(column);
+    }
+
+    fn mark(&mut self, column: u32, stamp: i64, mark: ColumnMark, items: &mut Vec<FleetItem>) {
+        let known = &mut self.known[column as usize];
+        let foreseen = known.mark.foreseen.filter(|_| mark.is_responding());
+        let mark = ColumnMark { foreseen, ..mark };
+        if known.mark != mark {
+            known.mark = mark;
+            items.push(FleetItem::Mark {
+                column,
+                stamp,
+                mark,
+            });
+        }
+    }
+
+    fn item(&mut self, column: u32, item: ViewerItem, items: &mut Vec<FleetItem>) {
+        let in_full = self.is_in_full(column);
+        let line = |stamp: i64, level, text: String| FleetItem::Line {
+            stamp,
+            level,
+            text: format!("{}: {text}", Printable(self.fleet.id(column))),
+        };
+        let known = &mut self.known[column as usize];
+        match &item {
+            ViewerItem::Forecast(it) => {
+                let text = format!("forecast of {}: {}", it.event_id, summary(&it.report));
+                items.push(line(it.stamp, NoticeLevel::Info, text));
+                let foreseen = severity_of(it.report.severity);
+                if known.mark.is_responding() && known.mark.foreseen != foreseen {
+                    known.mark.foreseen = foreseen;
+                    let (stamp, mark) = (it.stamp, known.mark);
+                    items.push(FleetItem::Mark {
+                        column,
+                        stamp,
+                        mark,
+                    });
+                }
+                known.forecast = Some(it.clone());
+            }
+            ViewerItem::Result(it) => {
+                let text = format!("result of {}: {}", it.event_id, summary(&it.report));
+                items.push(line(it.stamp, NoticeLevel::Info, text));
+                known.forecast = None;
+            }
+            ViewerItem::Line { stamp, level, text } => {
+                items.push(line(*stamp, *level, text.clone()));
+            }
+            ViewerItem::Rest { .. } => known.rest = Some(item.clone()),
+            ViewerItem::Parameters(it) => known.parameters = Some(Arc::clone(it)),
+            ViewerItem::State(_) | ViewerItem::Felt(_) => {}
+        }
+        if in_full {
+            items.push(FleetItem::Column(column, item));
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The panel below the plan, as Markdown: how many columns need somebody, and which ones first.
+
+use super::super::panel::escaped;
+use super::item::{ColumnMark, ShownFleet};
+use crate::assessment::Severity;
+use crate::messages::column_twin::TwinStatus;
+use crate::messages::words::{phase_word, severity_word};
+use crate::outgoing::{phase_code, severity_code};
+use crate::twin::TwinPhase;
+
+/// The entity of the panel.
+pub(super) const PANEL: &str = "overview/panel";
+
+/// Columns that the panel lists: more do not fit.
+const MAX_LISTED: usize = 12;
+
+/// Characters of an identifier that are shown.
+const MAX_CHARACTERS: usize = 24;
+
+/// The indices of the columns that somebody has to look at, the worst first.
+#[must_use]
+pub(super) fn worst_first(marks: &[ColumnMark]) -> Vec<usize> {
+    let mut notable: Vec<usize> = (0..marks.len())
+        .filter(|index| marks[*index].is_notable())
+        .collect();
+    let rank = |index: &usize| {
+        let mark = &marks[*index];
+        (mark.is_out_of_service(), mark.worst(), mark.is_responding())
+    };
+    notable.sort_by(|a, b| {
+        let damage = |index: &usize| marks[*index].residual_v1.abs();
+        rank(b)
+            .cmp(&rank(a))
+            .then(damage(b).total_cmp(&damage(a)))
+            .then(a.cmp(b))
+    });
+    notable
+}
+
+/// An identifier as it fits a label.
+#[must_use]
+pub(super) fn short(id: &str) -> String {
+    let cut: String = id.chars().take(MAX_CHARACTERS).collect();
+    match cut.len() < id.len() {
+        true => format!("{cut}~"),
+        false => cut,
+    }
+}
+
+/// The word for what has to be done about a column.
+#[must_use]
+pub(super) fn word(severity: Option<Severity>) -> &'static str {
+    severity_word(severity.map_or(TwinStatus::SEVERITY_UNKNOWN, severity_code))
+}
+
+/// The whole panel.
+#[must_use]
+pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32>) -> String {
+    let count = |is: &dyn Fn(&ColumnMark) -> bool| marks.iter().filter(|it| is(it)).count();
+    let notable = worst_first(marks);
+    let columns = marks.len();
+    let mut text = match notable.len() {
+        0 => format!("## {columns} columns, none with a warning\n\n"),
+        some => format!("## {some} of {columns} columns need attention\n\n"),
+    };
+    let unknown = count(&|it| it.severity.is_none() && !it.is_responding());
+    text.push_str(&format!(
+        "{} responding, {} hit, {} out of service{}.",
+        count(&ColumnMark::is_responding),
+        count(&|it| it.impacts > 0),
+        count(&ColumnMark::is_out_of_service),
+        match unknown {
+            0 => String::new(),
+            unknown => format!(", {unknown} of which nothing is known yet"),
+        }
+    ));
+    if let Some(newest) = newest {
+        let id = escaped(&short(fleet.id(newest)));
+        text.push_str(&format!(" The newest impact was on **{id}**."));
+    }
+    if !notable.is_empty() {
+        text.push_str(
+            "\n\n| column | severity | residual v1 | reserve | |\n|---|---|---|---|---|\n",
+        );
+    }
+    for index in notable.iter().take(MAX_LISTED) {
+        let mark = &marks[*index];
+        let foreseen = match mark.foreseen > mark.severity {
+            true => " foreseen",
+            false => "",
+        };
+        let reserve = mark.reserve.map_or("?".to_owned(), |it| format!("{it:.2}"));
+        let state = match mark.phase {
+            TwinPhase::Idle | TwinPhase::Rest => "",
+            phase => phase_word(phase_code(phase)),
+        };
+        text.push_str(&format!(
+            "| {} | {}{foreseen} | {:.1} mm | {reserve} | {state} |\n",
+            escaped(&short(&fleet.ids[*index])),
+            word(mark.worst()),
+            1e3 * mark.residual_v1,
+        ));
+    }
+    if notable.len() > MAX_LISTED {
+        let more = notable.len() - MAX_LISTED;
+        text.push_str(&format!("\nand {more} more columns\n"));
+    }
+    if let Some(about) = fleet.plan.about_unplaced() {
+        text.push_str(&format!("\n\n*{}*\n", escaped(&about)));
+    }
+    text
+}

@@ -1,0 +1,253 @@
+//! Writes the items of a fleet to a Rerun stream.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
+
+use super::super::blueprint::activate;
+use super::super::item::ViewerItem;
+use super::super::plots::Ranges;
+use super::super::rerun_types::{log_level, time_columns};
+use super::super::stream::{StreamOptions, ViewerStream};
+use super::super::timeline::{Moment, Timeline};
+use super::item::{ColumnMark, FleetItem, ShownFleet};
+use super::layout::{self, LOG};
+use super::overview::{self, Geometry};
+use super::panel::{self, PANEL};
+use crate::parameters::{MAX_SELECTED_COLUMNS, Parameters};
+use crate::twin::NoticeLevel;
+
+/// The place in the layout of the column that was hit last, unless it is selected; those of the selected columns are 1 and up.
+const NEWEST_SLOT: u8 = MAX_SELECTED_COLUMNS as u8 + 1;
+
+/// A column that is shown in full.
+struct InFull {
+    column: u32,
+    slot: u8,
+    stream: ViewerStream,
+}
+
+/// A Rerun stream to which the items of a fleet are written.
+pub struct FleetStream {
+    stream: RecordingStream,
+    fleet: Arc<ShownFleet>,
+    options: StreamOptions,
+    geometry: Geometry,
+    marks: Vec<ColumnMark>,
+    newest: Option<u32>,
+    /// The selected columns, and after them that of the newest impact.
+    in_full: Vec<InFull>,
+    /// The latest moment that was shown.
+    latest: Moment,
+    /// The marks have changed since they were sent.
+    has_new_marks: bool,
+    has_new_layout: bool,
+    /// The panel that was written last.
+    told: String,
+}
+
+impl FleetStream {
+    /// Writes the plan with these marks, and layout and static data of the selected columns.
+    ///
+    /// # Errors
+    /// The stream rejects the data.
+    pub fn new(
+        stream: RecordingStream,
+        fleet: Arc<ShownFleet>,
+        marks: Vec<ColumnMark>,
+        options: StreamOptions,
+    ) -> RecordingStreamResult<Self> {
+        let geometry = Geometry::of(&fleet);
+        let mut shown = Self {
+            latest: Timeline::new(1).before(0),
+            stream,
+            options,
+            geometry,
+            marks,
+            newest: None,
+            in_full: Vec::new(),
+            has_new_marks: true,
+            has_new_layout: true,
+            told: String::new(),
+            fleet,
+        };
+        overview::send_statics(&shown.stream, &shown.fleet, &shown.geometry)?;
+        let fleet = Arc::clone(&shown.fleet);
+        for (slot, column) in (1..NEWEST_SLOT).zip(&fleet.selected) {
+            let parameters = &fleet.parameters[*column as usize];
+            shown.open(*column, slot, parameters)?;
+        }
+        shown.send_layout()?;
+        Ok(shown)
+    }
+
+    /// The stream.
+    #[must_use]
+    pub fn stream(&self) -> &RecordingStream {
+        &self.stream
+    }
+
+    /// Shows some items in their order.
+    ///
+    /// # Errors
+    /// The stream rejects the data.
+    pub fn show(
+        &mut self,
+        items: impl IntoIterator<Item = FleetItem>,
+    ) -> RecordingStreamResult<()> {
+        let mut of_columns: BTreeMap<u32, Vec<ViewerItem>> = BTreeMap::new();
+        let mut lines = Vec::new();
+        for item in items {
+            match item {
+                FleetItem::Column(column, item) => of_columns.entry(column).or_default().push(item),
+                FleetItem::Mark {
+                    column,
+                    stamp,
+                    mark,
+                } => {
+                    if let Some(known) = self.marks.get_mut(column as usize) {
+                        self.has_new_marks |= *known != mark;
+                        *known = mark;
+                        self.latest.wall_clock = self.latest.wall_clock.max(stamp);
+                    }
+                }
+                FleetItem::Newest { column, parameters } => {
+                    self.show_columns(&mut of_columns)?;
+                    self.follow(column, &parameters)?;
+                }
+                FleetItem::Line { stamp, level, text } => lines.push((stamp, level, text)),
+            }
+        }
+        self.show_columns(&mut of_columns)?;
+        for (stamp, level, text) in lines {
+            self.line(stamp, level, text)?;
+        }
+        if std::mem::take(&mut self.has_new_marks) {
+            self.send_marks()?;
+        }
+        let new_layouts = self.in_full.iter_mut();
+        let new_layouts = new_layouts.filter_map(|it| it.stream.takes_new_layout().then_some(()));
+        self.has_new_layout |= new_layouts.count() > 0;
+        match self.has_new_layout {
+            true => self.send_layout(),
+            false => Ok(()),
+        }
+    }
+
+    /// Shows what was gathered of the columns in full. Every stream is called, because it sends curves when nothing is new.
+    fn show_columns(
+        &mut self,
+        of_columns: &mut BTreeMap<u32, Vec<ViewerItem>>,
+    ) -> RecordingStreamResult<()> {
+        for it in &mut self.in_full {
+            let items = of_columns.remove(&it.column).unwrap_or_default();
+            it.stream.continue_after(self.latest.impact_time);
+            it.stream.show(items)?;
+            let Moment {
+                impact_time, step, ..
+            } = it.stream.last_moment();
+            if impact_time > self.latest.impact_time {
+                self.latest.impact_time = impact_time;
+                self.latest.step = step;
+            }
+        }
+        of_columns.clear();
+        Ok(())
+    }
+
+    /// Shows a column in full as that of the newest impact.
+    fn follow(&mut self, column: u32, parameters: &Arc<Parameters>) -> RecordingStreamResult<()> {
+        if self.newest.replace(column) == Some(column) {
+            return Ok(());
+        }
+        self.has_new_marks = true;
+        self.has_new_layout = true;
+        if self.fleet.selected.contains(&column) {
+            return Ok(());
+        }
+        self.in_full.retain(|it| it.slot != NEWEST_SLOT);
+        self.open(column, NEWEST_SLOT, parameters)
+    }
+
+    fn open(
+        &mut self,
+        column: u32,
+        slot: u8,
+        parameters: &Arc<Parameters>,
+    ) -> RecordingStreamResult<()> {
+        let Some(name) = self.fleet.names.get(column as usize) else {
+            return Ok(());
+        };
+        let mut options = self.options.clone();
+        if options.ranges == Ranges::default() {
+            options.ranges = Ranges::predicted(parameters, &parameters.impact());
+        }
+        let stream = ViewerStream::below(
+            self.stream.clone(),
+            name,
+            Arc::clone(parameters),
+            options,
+            self.latest.impact_time,
+        )?;
+        self.in_full.push(InFull {
+            column,
+            slot,
+            stream,
+        });
+        Ok(())
+    }
+
+    fn send_marks(&mut self) -> RecordingStreamResult<()> {
+        overview::send(
+            &self.stream,
+            &self.fleet,
+            &self.geometry,
+            &self.marks,
+            self.newest,
+            self.latest,
+        )?;
+        let told = panel::panel(&self.fleet, &self.marks, self.newest);
+        if told == self.told {
+            return Ok(());
+        }
+        let text = TextDocument::from_markdown(told.clone());
+        self.told = told;
+        let data = text.columns_of_unit_batches()?;
+        self.stream
+            .send_columns(PANEL, time_columns([self.latest]), data)
+    }
+
+    fn send_layout(&mut self) -> RecordingStreamResult<()> {
+        self.has_new_layout = false;
+        let mut in_full: Vec<_> = self.in_full.iter().collect();
+        in_full.sort_by_key(|it| (self.newest != Some(it.column), it.slot));
+        let in_full: Vec<_> = in_full
+            .iter()
+            .map(|it| (it.slot, it.stream.layout()))
+            .collect();
+        let columns = self.fleet.ids.len();
+        let title = match self.fleet.plan.unplaced {
+            0 => format!("Fleet of {columns} columns"),
+            all if all == columns => {
+                format!("Fleet of {columns} columns, in rows without positions")
+            }
+            some => {
+                format!("Fleet of {columns} columns, {some} without positions below the others")
+            }
+        };
+        let messages = layout::messages(&title, &self.geometry, &in_full, self.options.follows)?;
+        activate(&self.stream, messages);
+        Ok(())
+    }
+
+    fn line(&self, stamp: i64, level: NoticeLevel, text: String) -> RecordingStreamResult<()> {
+        let moment = Moment {
+            wall_clock: stamp,
+            ..self.latest
+        };
+        let text = TextLog::new(text).with_level(log_level(level));
+        let data = text.columns_of_unit_batches()?;
+        self.stream.send_columns(LOG, time_columns([moment]), data)
+    }
+}
