@@ -5,6 +5,7 @@
 
 #[path = "../ros/domain.rs"]
 mod domain;
+mod felt;
 #[path = "../ros/incoming.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod incoming;
@@ -18,4 +19,5 @@ mod pool;
 mod program;
 mod real_peers;
 mod row;
+mod sensors;
 mod studies;

@@ -11,6 +11,7 @@ mod parameter_services;
 mod publishing;
 mod rows;
 mod run;
+mod sensors;
 
 pub use live_fleet::{FleetTwin, FleetTwinError};
 pub use node::FleetNode;

@@ -25,6 +25,7 @@ use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
 use super::super::matches::Matches;
+use super::super::measurements::SensedColumns;
 use super::super::node::{Node, NodeError};
 use super::super::parameter_services;
 use super::super::qos;
@@ -33,6 +34,7 @@ use super::super::security::{Peers, Protection};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
 use super::rows::RowImpacts;
+use super::sensors::{FleetSensors, SensorCount};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -53,11 +55,12 @@ const KEPT_OF_A_COLUMN: usize = 10;
 const MAX_KEPT: usize = 8192;
 
 /// The topics of a fleet among those of a twin. The others show one column: joint states and markers.
-const TOPICS: [Topic; 5] = [
+const TOPICS: [Topic; 6] = [
     Topic::ColumnState,
     Topic::HingeForces,
     Topic::ImpactForecast,
     Topic::ImpactReport,
+    Topic::ImpactEstimate,
     Topic::TwinStatus,
 ];
 
@@ -75,6 +78,8 @@ pub(super) struct FleetPublishing {
     /// Vehicles that hit several columns: the forecasts tell what comes next.
     rows: Arc<RowImpacts>,
     counters: Arc<NodeCounters>,
+    /// The health of the sensors, if there are any.
+    sensors: Option<FleetSensors>,
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
@@ -98,6 +103,7 @@ impl FleetPublishing {
         fleet: Arc<FleetTwin>,
         counters: Arc<NodeCounters>,
         rows: Arc<RowImpacts>,
+        sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
         let columns = fleet.column_ids().len();
@@ -120,6 +126,7 @@ impl FleetPublishing {
             fleet,
             rows,
             counters,
+            sensors: sensed.map(FleetSensors::new),
             protection: node.protection(),
             peers: node.security_peers(),
             node_name: node.names().node().to_owned(),
@@ -356,6 +363,8 @@ impl FleetPublishing {
 
     fn fleet_status(&self, batch: StatusBatch) -> FleetStatus {
         let health = self.fleet.health();
+        let sensors = self.sensors.as_ref();
+        let sensors = sensors.map_or_else(SensorCount::default, FleetSensors::count);
         let number = |it: usize| u32::try_from(it).unwrap_or(u32::MAX);
         FleetStatus {
             header: self.header(),
@@ -372,6 +381,9 @@ impl FleetPublishing {
                 .saturating_sub(health.dropped_states),
             late_states: health.overruns,
             worst_lateness: health.worst_lateness,
+            sensors_total: number(sensors.total),
+            sensors_faulty: number(sensors.faulty),
+            dropped_measurements: sensors.lost_batches,
             columns: batch.columns,
         }
     }
@@ -397,6 +409,11 @@ impl FleetPublishing {
             return;
         }
         let health: Health = self.fleet.health();
+        if let Some(sensors) = &mut self.sensors {
+            sensors.look(self.fleet.now(), |column, problem| {
+                self.board.note_sensors(column as usize, problem);
+            });
+        }
         let array = fleet_diagnostics(
             self.header(),
             &self.node_name,
@@ -407,6 +424,8 @@ impl FleetPublishing {
                 health: &health,
                 recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
+                sensors: self.sensors.as_ref(),
+                sensing: self.fleet.sensing_statistics(),
                 counters: &self.counters,
             },
         );
