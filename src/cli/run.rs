@@ -48,7 +48,7 @@ pub(super) fn failure_of_run(error: RunError) -> Failure {
         error @ (RunError::SealKey(_)
         | RunError::Fleet(
             FleetTwinError::Selection(_)
-            | FleetTwinError::Sensors { .. }
+            | FleetTwinError::SensorSource { .. }
             | FleetTwinError::Columns(_),
         )) => Failure::plain(Exit::BadInput, error),
         RunError::Name(error) => Failure::plain(Exit::BadInput, error),

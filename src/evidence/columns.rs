@@ -3,14 +3,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::comparison::Place;
 use super::critical_velocities::KnownResults;
 use super::inputs::Inputs;
+use super::journal_line::{JournalEntry, JournalLine};
 use super::lines::Gap;
+use super::measured::{Measured, UNREADABLE};
 use super::parameter_events::ParameterEvents;
 use super::replayer::Replayer;
 use super::verification::{ColumnCheck, Verification};
+use crate::messages::cdr;
+use crate::messages::column_twin::Measurement;
 use crate::outgoing::Topic;
-use crate::twin::Nanos;
+use crate::recording::Message;
+use crate::twin::{Journal, Nanos};
 
 /// What verification knows of one column.
 pub(super) struct Column {
@@ -64,9 +70,91 @@ impl Columns {
         self.fleet.as_ref()
     }
 
-    /// Whether this column of a fleet is to be verified.
-    pub fn is_wanted(&self, column_id: &str) -> bool {
-        self.only.as_deref().is_none_or(|it| it == column_id)
+    /// Whether a message belongs to a column that is to be verified. One that belongs to no column of the fleet is a difference.
+    pub fn is_wanted(&self, column_id: &str, place: &Place<'_>, found: &mut Verification) -> bool {
+        let fleet = self.fleet();
+        if fleet.is_some_and(|fleet| !fleet.contains(column_id)) {
+            let own = "a column of the fleet";
+            let difference = place.difference("column_id", format!("{column_id:?}"), own);
+            found.note_difference(difference);
+            return false;
+        }
+        let is_wanted = fleet.is_none() || self.is_verified(column_id);
+        if !is_wanted {
+            found.of_other_columns += 1;
+        }
+        is_wanted
+    }
+
+    fn is_verified(&self, column_id: &str) -> bool {
+        let fleet = self.fleet.as_ref();
+        fleet.is_some_and(|fleet| fleet.contains(column_id))
+            && self.only.as_deref().is_none_or(|it| it == column_id)
+    }
+
+    /// Takes a message on measurements.
+    pub fn measurement(&mut self, message: &Message, place: &Place<'_>, found: &mut Verification) {
+        let decoded = cdr::decode::<Measurement>(&message.data);
+        let mut column_id = String::new();
+        if self.fleet.is_some() {
+            match &decoded {
+                Ok(measurement) => column_id.clone_from(&measurement.column_id),
+                Err(error) => {
+                    // It may be of any column.
+                    self.lose_measurements(UNREADABLE, found);
+                    let read = format!("not readable ({error})");
+                    let own = "a message of this type";
+                    return found.note_difference(place.difference("the message", read, own));
+                }
+            }
+        }
+        if self.is_wanted(&column_id, place, found) {
+            self.in_column(&column_id, found, |column, found| {
+                let measured = &mut column.replayer.estimates.measured;
+                measured.message(&decoded, message.publish_time, place, found);
+            });
+        }
+    }
+
+    /// From here on it is not known which measurements the node took, for this reason.
+    fn lose_measurements(&mut self, why: &'static str, found: &mut Verification) {
+        self.in_each(found, |column, _| {
+            column.replayer.estimates.measured.lose(why)
+        });
+    }
+
+    /// Takes what a line tells of the measurements before it, which are all known or not.
+    pub fn measured_before(
+        &mut self,
+        line: &JournalLine,
+        is_known: bool,
+        place: &Place<'_>,
+        found: &mut Verification,
+    ) {
+        if line.since.lost_measurements > 0 {
+            let why = "measurements that the node took could not be recorded";
+            self.lose_measurements(why, found);
+        } else if !is_known {
+            let why = "measurements are missing, or are not those that the journal tells of";
+            self.lose_measurements(why, found);
+        }
+        let column = line.column_id.as_deref().unwrap_or_default();
+        let (sensors, column_id) = match &line.entry {
+            JournalEntry::Twin(Journal::Checkpoint(checkpoint)) => {
+                let parameters = &checkpoint.parameters;
+                (parameters.sensors(), &*parameters.settings().column_id)
+            }
+            JournalEntry::Sensors { sensors } => (sensors.clone(), column),
+            _ => return,
+        };
+        // What else is to be said of another column is said with the entry.
+        if self.fleet.is_some() && !self.is_verified(column) {
+            return;
+        }
+        self.in_column(column, found, |column, found| {
+            let measured = &mut column.replayer.estimates.measured;
+            measured.line(line.intake.as_ref(), (&sensors, column_id), place, found);
+        });
     }
 
     /// Lets `work` act on a column, and accounts for what it finds.
@@ -79,9 +167,13 @@ impl Columns {
         let (of_fleet, continues_at) = (self.fleet.is_some(), self.continues_at);
         let new = || {
             let replayer = Replayer::new(self.keeps_outputs, self.declares_losses);
+            let mut replayer = replayer.of(of_fleet, self.known.clone());
+            if of_fleet {
+                replayer.estimates.measured = Measured::of_fleet();
+            }
             let mut column = Column {
                 inputs: Inputs::default(),
-                replayer: replayer.of(of_fleet, self.known.clone()),
+                replayer,
                 parameter_events: ParameterEvents::default(),
                 early: [0; Topic::COUNT],
                 has_checkpoint: false,

@@ -1,5 +1,6 @@
 //! What the recording of a fleet knows of its columns: where another recording may begin, and which messages belong into it.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::activity::Activity;
@@ -29,6 +30,8 @@ pub(super) struct FleetRecording {
     bytes: u64,
     /// A status at rest is in no `fleet_status` yet.
     owes_status: bool,
+    /// The columns whose sensors the journal has told of since the columns were listed.
+    has_sensors: HashSet<String>,
 }
 
 impl FleetRecording {
@@ -46,6 +49,7 @@ impl FleetRecording {
             listed: None,
             recorded: 0,
             owes_status: false,
+            has_sensors: HashSet::new(),
         }
     }
 
@@ -60,9 +64,16 @@ impl FleetRecording {
         }
         self.listed = Some(now);
         self.recorded = 0;
+        self.has_sensors.clear();
         Some(JournalEntry::Fleet {
             columns: Arc::clone(&self.columns),
         })
+    }
+
+    /// Whether the journal has to tell of the sensors of a column that has sent measurements: once after each list, so that those of
+    /// the recording that begins there can be followed.
+    pub fn owes_sensors(&mut self, column: &str) -> bool {
+        !self.has_sensors.contains(column) && self.has_sensors.insert(column.to_owned())
     }
 
     /// Takes note of a received message.

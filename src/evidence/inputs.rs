@@ -126,7 +126,10 @@ impl Inputs {
             JournalEntry::RefusedByNode {
                 topic, what, code, ..
             } => self.rejected(topic, what, *code, place, found),
-            JournalEntry::Twin(_) | JournalEntry::Fleet { .. } | JournalEntry::End {} => {}
+            JournalEntry::Twin(_)
+            | JournalEntry::Sensors { .. }
+            | JournalEntry::Fleet { .. }
+            | JournalEntry::End {} => {}
         }
     }
 

@@ -9,7 +9,7 @@ use super::about::About;
 use crate::hexadecimal::Hexadecimal;
 use crate::messages::cdr::{self, CdrError};
 use crate::messages::std_msgs;
-use crate::senses::IntakeState;
+use crate::senses::{IntakeState, Sensor};
 use crate::twin::{Journal, Nanos, RefusalCode};
 
 /// Format name in every line.
@@ -36,7 +36,7 @@ pub struct JournalLine {
     /// The recording program. Present with every checkpoint of a single twin, and with every list of the columns of a fleet, so that every recording identifies its origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<About>,
-    /// Present with every checkpoint of a column with sensors: the intake of their measurements, after those that were recorded
+    /// Present with every checkpoint of a column with sensors, and with every [`JournalEntry::Sensors`]: the intake of their measurements, after those that were recorded
     /// before this line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intake: Option<IntakeState>,
@@ -129,6 +129,11 @@ impl Counting {
 pub enum JournalEntry {
     /// An entry of the twin's journal.
     Twin(Journal),
+    /// The sensors of a column of a fleet, as of this line: measurements that follow can be taken as the node did.
+    Sensors {
+        /// The sensors, in the order of the parameters.
+        sensors: Vec<Sensor>,
+    },
     /// The node rejected a message before it reached the twin. Recomputation does not need this entry.
     RefusedByNode {
         /// When the message was rejected.

@@ -5,10 +5,9 @@ use std::collections::VecDeque;
 use super::comparison::{Difference, Place};
 use super::verification::Verification;
 use crate::incoming::raw_batch;
-use crate::messages::cdr;
+use crate::messages::cdr::CdrError;
 use crate::messages::column_twin::Measurement;
-use crate::parameters::Parameters;
-use crate::senses::{Batch, Intake, IntakeState};
+use crate::senses::{Batch, Intake, IntakeState, Sensor};
 use crate::twin::Nanos;
 
 /// Most batches that are kept. An estimate rests on those of half a second, and of the second before the impact was detected;
@@ -18,8 +17,15 @@ const MAX_BATCHES: usize = 1 << 16;
 /// Most samples in them, 64 MB: 100 s of 16 sensors at 10 kHz.
 const MAX_SAMPLES: usize = 1 << 24;
 
+/// Time for which the batches of a column of a fleet are kept \[ns\], beside the other bounds: there may be thousands of columns. An
+/// estimate that has to wait for others, or for its responses, comes some seconds after its data.
+const KEPT_OF_A_COLUMN: Nanos = 30_000_000_000;
+
 /// Before the first checkpoint.
 const NO_CHECKPOINT: &str = "the journal does not tell from which measurements on it counts them";
+
+/// What follows from a message that cannot be read.
+pub(super) const UNREADABLE: &str = "a message on measurements cannot be read";
 
 /// The journal tells of no sensors.
 const NO_SENSORS: &str = "the recording has no measurements";
@@ -33,6 +39,8 @@ pub(super) struct Measured {
     samples: usize,
     /// Number of the first of the batches.
     first: u64,
+    /// Time for which they are kept \[ns\].
+    kept_for: Nanos,
 }
 
 impl Default for Measured {
@@ -42,23 +50,32 @@ impl Default for Measured {
             batches: VecDeque::new(),
             samples: 0,
             first: 0,
+            kept_for: Nanos::MAX,
         }
     }
 }
 
 impl Measured {
+    /// Those of a column of a fleet.
+    pub fn of_fleet() -> Self {
+        Self {
+            kept_for: KEPT_OF_A_COLUMN,
+            ..Self::default()
+        }
+    }
+
     /// Takes a recorded message that arrived at `received`, by the clock of the twin.
     pub fn message(
         &mut self,
-        bytes: &[u8],
+        message: &Result<Measurement, CdrError>,
         received: Nanos,
         place: &Place<'_>,
         found: &mut Verification,
     ) {
-        let measurement = match cdr::decode::<Measurement>(bytes) {
+        let measurement = match message {
             Ok(measurement) => measurement,
             Err(error) => {
-                self.lose("a message on measurements cannot be read");
+                self.lose(UNREADABLE);
                 return found.note_difference(place.difference(
                     "the message",
                     format!("not readable ({error})"),
@@ -70,10 +87,15 @@ impl Measured {
             return;
         };
         // The node records what it does not take, too, if the batches that follow depend on it.
-        if let Ok(batch) = intake.take(&raw_batch(&measurement), received) {
+        if let Ok(batch) = intake.take(&raw_batch(measurement), received) {
             self.samples += batch.values.len();
+            let oldest = batch.end().saturating_sub(self.kept_for);
             self.batches.push_back(batch);
-            while self.samples > MAX_SAMPLES || self.batches.len() > MAX_BATCHES {
+            let is_old = |it: &Batch| it.end() < oldest;
+            while self.samples > MAX_SAMPLES
+                || self.batches.len() > MAX_BATCHES
+                || self.batches.front().is_some_and(is_old)
+            {
                 let oldest = self.batches.pop_front();
                 self.samples -= oldest.map_or(0, |it| it.values.len());
                 self.first = self.first.saturating_add(1);
@@ -81,11 +103,11 @@ impl Measured {
         }
     }
 
-    /// Takes what a checkpoint tells of the intake of the node.
-    pub fn checkpoint(
+    /// Takes what a line tells of the intake of the node, whose sensors are these and whose column has this identifier.
+    pub fn line(
         &mut self,
         state: Option<&IntakeState>,
-        parameters: &Parameters,
+        (sensors, column_id): (&[Sensor], &str),
         place: &Place<'_>,
         found: &mut Verification,
     ) {
@@ -93,6 +115,11 @@ impl Measured {
             return self.lose(NO_SENSORS);
         };
         if let Ok(own) = &self.intake {
+            if !own.sensors().eq(sensors) {
+                let words = |count| format!("{count} sensors");
+                let own = format!("{} other ones", words(own.sensors().count()));
+                found.note_difference(place.difference("sensors", words(sensors.len()), own));
+            }
             let Some(difference) = place.first_difference(state, &own.state()) else {
                 return;
             };
@@ -102,12 +129,12 @@ impl Measured {
             });
         }
         self.lose(NO_CHECKPOINT);
-        let mut intake = Intake::new(&parameters.sensors(), &parameters.settings().column_id);
+        let mut intake = Intake::new(sensors, column_id);
         if intake.resume(state) {
             self.first = state.batches();
             self.intake = Ok(intake);
         } else {
-            let expected = format!("{} sensors", parameters.sensors().len());
+            let expected = format!("{} sensors", sensors.len());
             found.note_difference(place.difference(
                 "intake",
                 "another number of sensors",

@@ -1,7 +1,8 @@
 //! The recording of a running node.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::entry_encoder::EntryEncoder;
@@ -26,8 +27,9 @@ use crate::twin::{Journal, Nanos, RefusalCode};
 /// The mode `events` leaves out the periodic messages while the column is at rest: status, and diagnostics without a
 /// change of level. Both modes record every command, all its consequences, every checkpoint, and all measurements.
 pub struct NodeRecording {
-    /// Where the measurements come from, if there are sensors. Locked before `open`.
-    intake: OnceLock<Arc<Mutex<Intake>>>,
+    /// Where the measurements come from, of the columns with sensors, which are named as in [`RecordingTap`]. Each is locked before
+    /// `open`.
+    intakes: RwLock<HashMap<Option<String>, Arc<Mutex<Intake>>>>,
     /// Held while a message gets its time and is queued, so that messages are recorded in the order of their times.
     open: Mutex<Open>,
     events_only: bool,
@@ -130,7 +132,7 @@ impl NodeRecording {
         let options = options(recording::recorder_options(record, SystemTime::now())?);
         let recorder = Recorder::start(options, topics.declared()?)?;
         Ok(Some(Arc::new(Self {
-            intake: OnceLock::new(),
+            intakes: RwLock::default(),
             open: Mutex::new(Open {
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
@@ -158,6 +160,11 @@ impl NodeRecording {
 
     fn open(&self) -> MutexGuard<'_, Open> {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn intake_of(&self, column: Option<&str>) -> Option<Arc<Mutex<Intake>>> {
+        let intakes = self.intakes.read().unwrap_or_else(PoisonError::into_inner);
+        intakes.get(&column.map(str::to_owned)).map(Arc::clone)
     }
 
     /// Lists the columns of a fleet where it is due and another recording can begin.
@@ -272,19 +279,34 @@ impl RecordingTap for NodeRecording {
         self.line(&mut open, line, column, now, None);
     }
 
-    fn sensors(&self, intake: &Arc<Mutex<Intake>>) {
-        // A node has one intake.
-        let _ = self.intake.set(Arc::clone(intake));
+    fn sensors(&self, column: Option<&str>, intake: &Arc<Mutex<Intake>>) {
+        let mut intakes = self.intakes.write().unwrap_or_else(PoisonError::into_inner);
+        intakes.insert(column.map(str::to_owned), Arc::clone(intake));
     }
 
-    fn measured(&self, endpoint: &Endpoint, bytes: Vec<u8>, received: Nanos) {
+    fn measured(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        bytes: Vec<u8>,
+        received: Nanos,
+        intake: &Intake,
+    ) {
         let mut open = self.open();
         let now = open.now();
+        self.list_columns(&mut open, now);
         let bytes = Arc::<[u8]>::from(bytes);
         if open.message(endpoint, Arc::clone(&bytes), now, received) {
             open.encoder.recorded_measurement(received, &bytes);
         } else {
             open.encoder.lost_measurement();
+        }
+        if let (Some(fleet), Some(column)) = (&mut open.fleet, column)
+            && fleet.owes_sensors(column)
+        {
+            let sensors = intake.sensors().cloned().collect();
+            let entry = JournalEntry::Sensors { sensors };
+            self.line(&mut open, entry, Some(column), now, Some(intake.state()));
         }
     }
 
@@ -321,6 +343,14 @@ impl RecordingTap for NodeRecording {
     }
 
     fn journal(&self, column: Option<&str>, entry: &Journal) {
+        // Locked until the line is recorded, so that no measurement comes between the two.
+        let intake = match entry {
+            Journal::Checkpoint(_) => self.intake_of(column),
+            Journal::Command(_) | Journal::Status(_) => None,
+        };
+        let intake = intake.as_ref();
+        let intake = intake.map(|it| it.lock().unwrap_or_else(PoisonError::into_inner));
+        let state = intake.as_ref().map(|it| it.state());
         if let Some(column) = column {
             let mut open = self.open();
             let now = open.now();
@@ -328,7 +358,7 @@ impl RecordingTap for NodeRecording {
             let fleet = open.fleet.as_mut();
             if fleet.is_some_and(|it| it.journal(column, entry, now)) {
                 let entry = JournalEntry::Twin(entry.clone());
-                self.line(&mut open, entry, Some(column), now, None);
+                self.line(&mut open, entry, Some(column), now, state);
             }
             return;
         }
@@ -340,13 +370,6 @@ impl RecordingTap for NodeRecording {
             }
             Journal::Checkpoint(_) | Journal::Status(_) => {}
         }
-        // Locked until the line is recorded, so that no measurement comes between the two.
-        let intake = match entry {
-            Journal::Checkpoint(_) => self.intake.get(),
-            Journal::Command(_) | Journal::Status(_) => None,
-        };
-        let intake = intake.map(|it| it.lock().unwrap_or_else(PoisonError::into_inner));
-        let state = intake.as_ref().map(|it| it.state());
         let mut open = self.open();
         let now = open.now();
         self.line(

@@ -26,14 +26,16 @@ pub const RECORDED: [&Endpoint; 15] = [
 ];
 
 /// The endpoints that are recorded of a fleet: those that it has.
-pub const RECORDED_OF_FLEET: [&Endpoint; 12] = [
+pub const RECORDED_OF_FLEET: [&Endpoint; 14] = [
     &endpoints::JOURNAL,
     &endpoints::IMPACT_EVENT,
     &endpoints::COLUMN_PARAMETERS,
+    &endpoints::MEASUREMENTS,
     &endpoints::COLUMN_STATE,
     &endpoints::HINGE_FORCES,
     &endpoints::IMPACT_FORECAST,
     &endpoints::IMPACT_REPORT,
+    &endpoints::IMPACT_ESTIMATE,
     &endpoints::TWIN_STATUS,
     &endpoints::FLEET_STATUS,
     &endpoints::DIAGNOSTICS,
@@ -179,17 +181,9 @@ mod tests {
         };
         let of_one = left_out(Topics::of_default_node());
         assert_eq!(of_one, ["row_impact_event", "/clock", "fleet_status"]);
-        // A row is recorded as the impacts that it is for its columns. The others show one column, or come from sensors, which
-        // the columns of a fleet do not have.
+        // A row is recorded as the impacts that it is for its columns. The others show one column.
         let of_fleet = left_out(Topics::of_default_fleet());
-        let absent = [
-            "row_impact_event",
-            "measurements",
-            "impact_estimate",
-            "joint_states",
-            "markers",
-            "/clock",
-        ];
+        let absent = ["row_impact_event", "joint_states", "markers", "/clock"];
         assert!(
             absent.iter().all(|it| of_fleet.contains(it)),
             "{of_fleet:?}"

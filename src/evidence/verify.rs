@@ -248,15 +248,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         if is_measurement {
             // Its publish time is that of its arrival by the clock of the twin.
             self.lines.measurement(message.publish_time, &message.data);
-            self.columns
-                .in_column(SINGLE, &mut self.found, |column, found| {
-                    column.replayer.estimates.measured.message(
-                        &message.data,
-                        message.publish_time,
-                        &place,
-                        found,
-                    );
-                });
+            let found = &mut self.found;
+            self.columns.measurement(message, &place, found);
         } else if input.is_none() && message.publish_time != message.log_time {
             let difference = place.difference(
                 "publish time",
@@ -283,22 +276,6 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         Ok(())
     }
 
-    /// Whether a message belongs to a column that is to be verified. One that belongs to no column of the fleet is a difference.
-    fn is_wanted(&mut self, column_id: &str, place: &Place<'_>) -> bool {
-        let fleet = self.columns.fleet();
-        if fleet.is_some_and(|fleet| !fleet.contains(column_id)) {
-            let own = "a column of the fleet";
-            let difference = place.difference("column_id", format!("{column_id:?}"), own);
-            self.found.note_difference(difference);
-            return false;
-        }
-        let is_wanted = fleet.is_none() || self.columns.is_wanted(column_id);
-        if !is_wanted {
-            self.found.of_other_columns += 1;
-        }
-        is_wanted
-    }
-
     /// Takes a message that becomes a command.
     fn input(&mut self, input: usize, message: &recording::Message, place: &Place<'_>) {
         let mut column_id = String::new();
@@ -313,7 +290,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                 }
             }
         }
-        if !self.is_wanted(&column_id, place) {
+        if !self.columns.is_wanted(&column_id, place, &mut self.found) {
             return;
         }
         self.columns
@@ -336,7 +313,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         match EventOfFleet::decode(bytes, fleet) {
             Ok(event) => {
                 let column_id = Arc::clone(&event.column_id);
-                if self.is_wanted(&column_id, place) {
+                if self.columns.is_wanted(&column_id, place, &mut self.found) {
                     self.columns
                         .in_column(&column_id, &mut self.found, |column, found| {
                             event.take(&mut column.parameter_events, place, found);
@@ -371,7 +348,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             Err(_) => None,
         };
         let column_id = column_id.unwrap_or(SINGLE).to_owned();
-        if !self.is_wanted(&column_id, place) {
+        if !self.columns.is_wanted(&column_id, place, &mut self.found) {
             return;
         }
         let recorded = RecordedBytes {
@@ -419,23 +396,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         self.columns.gap(gap, place.log_time, found);
         let is_measured = self.lines.count(line, gap, is_first, place, found);
         let of_fleet = self.columns.fleet().is_some();
-        if !of_fleet {
-            let is_next = matches!(gap, Gap::None | Gap::Earlier(0));
-            self.columns.in_column(SINGLE, found, |column, found| {
-                let measured = &mut column.replayer.estimates.measured;
-                if line.since.lost_measurements > 0 {
-                    measured.lose("measurements that the node took could not be recorded");
-                } else if !is_measured || !is_next {
-                    measured.lose(
-                        "measurements are missing, or are not those that the journal tells of",
-                    );
-                }
-                if let JournalEntry::Twin(Journal::Checkpoint(checkpoint)) = &line.entry {
-                    let parameters = &checkpoint.parameters;
-                    measured.checkpoint(line.intake.as_ref(), parameters, place, found);
-                }
-            });
-        }
+        let is_known = is_measured && matches!(gap, Gap::None | Gap::Earlier(0));
+        self.columns.measured_before(line, is_known, place, found);
         let is_wanted = match &line.entry {
             JournalEntry::Fleet { columns } => {
                 self.list(columns, place);
@@ -455,7 +417,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             }
             entry => {
                 let column_id = line.column_id.as_deref().unwrap_or(SINGLE);
-                let is_wanted = self.is_wanted(column_id, place);
+                let is_wanted = self.columns.is_wanted(column_id, place, &mut self.found);
                 if is_wanted {
                     let is_continued = is_first || matches!(gap, Gap::Earlier(_));
                     self.entry(entry, column_id, line.recorded, is_continued, place);

@@ -66,10 +66,26 @@ impl StatusBoard {
         &self.columns
     }
 
-    /// Takes the status of a column.
+    /// Takes what is wrong with the sensors of a column; empty: nothing.
+    pub fn note_sensors(&mut self, column: usize, problem: &str) {
+        if let Some(known) = self.columns.get_mut(column)
+            && known.sensor_problem != problem
+        {
+            problem.clone_into(&mut known.sensor_problem);
+            if !self.unknown.contains(&column) {
+                self.changed.insert(column);
+            }
+        }
+    }
+
+    /// Takes the status of a column. What is wrong with its sensors stays.
     pub fn update(&mut self, column: usize, status: ColumnStatus) {
         let Some(known) = self.columns.get_mut(column) else {
             return;
+        };
+        let status = ColumnStatus {
+            sensor_problem: known.sensor_problem.clone(),
+            ..status
         };
         // Numbers that are not known are NaN, which equals nothing.
         let bytes = |status: &ColumnStatus| cdr::encode(status).ok();

@@ -11,6 +11,8 @@ mod background;
 mod clock;
 mod inbox;
 mod lateness;
+#[cfg(feature = "study")]
+mod libraries;
 mod measurements;
 mod notifier;
 mod pool;
@@ -19,6 +21,7 @@ mod real_time;
 mod recent_batches;
 #[cfg(feature = "study")]
 mod sensing;
+mod sensing_news;
 mod solver;
 mod state_writer;
 
@@ -28,22 +31,27 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
 
-use crossbeam_queue::ArrayQueue;
 use thiserror::Error;
 
 pub use background::BACKGROUND_THREAD;
 pub use clock::{Clock, SimClock, SystemClock, monotonic_nanos};
 pub use inbox::MAX_COMMANDS;
 pub use lateness::{Lateness, lateness};
-pub use measurements::{MAX_QUEUED_BATCHES, MAX_QUEUED_SAMPLES, MeasurementQueue};
+#[cfg(feature = "study")]
+pub use libraries::{LIBRARY_THREAD, LibraryStatistics, MAX_LIBRARIES, MAX_LIBRARY_BYTES};
+pub use measurements::{
+    MAX_QUEUED_BATCHES, MAX_QUEUED_BATCHES_OF_A_FLEET, MAX_QUEUED_SAMPLES, MeasurementQueue,
+};
 pub use notifier::Notifier;
 pub use pool::{FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, MAX_THREADS};
+#[cfg(feature = "study")]
+pub use pool::{FleetMeasurements, SensingStatistics};
 pub use queue::{OutputQueue, OutputSource, QueueStats, Receiver, Waker, WhenFull};
 pub use real_time::{Grant, RealTime, RealTimeGrants, THREAD_STACK, request_for_publisher};
 use real_time::{Patience, Urgency};
 pub use recent_batches::RecentBatches;
 #[cfg(feature = "study")]
-pub use sensing::{Deliver, SENSING_THREAD};
+pub use sensing::{Deliver, MAX_ESTIMATED_AT_ONCE, SENSING_THREAD};
 pub use solver::{MAX_CLOCK_STEP_BACK, SOLVER_THREAD};
 pub use state_writer::STATE_WRITER_THREAD;
 
@@ -55,7 +63,9 @@ use inbox::{ANSWER_TIMEOUT, Reply, Request};
 use queue::OutputQueues;
 #[cfg(feature = "study")]
 use sensing::{SensingThread, Surroundings};
-use solver::{MAX_MERGED_EVENTS, MergedEvents, Shared, Sink, Solver};
+#[cfg(feature = "study")]
+use sensing_news::SensingNews;
+use solver::{Shared, Sink, Solver};
 use state_writer::StateWriter;
 
 /// Options of a live twin.
@@ -167,15 +177,19 @@ impl Live {
             .as_ref()
             .map(|(state_writer, _)| Arc::clone(state_writer));
         let parameters = Arc::clone(&handle.parameters);
-        let made_for_events = || Arc::new(ArrayQueue::new(MAX_MERGED_EVENTS));
-        let merged_events: Option<MergedEvents> =
-            (cfg!(feature = "study") && options.measurements.is_some()).then(made_for_events);
+        #[cfg(feature = "study")]
+        let news = options
+            .measurements
+            .as_ref()
+            .map(|it| Arc::new(SensingNews::new([true], Arc::clone(it))));
         let sink = Sink {
             queues: queues.clone(),
             state_writer,
             parameters,
-            column_changes: Arc::clone(&shared.column_changes),
-            merged_events: merged_events.clone(),
+            #[cfg(feature = "study")]
+            news: news.clone(),
+            #[cfg(not(feature = "study"))]
+            news: None,
             unnotified: false,
         };
         #[cfg(feature = "study")]
@@ -189,17 +203,17 @@ impl Live {
             })
         };
         #[cfg(feature = "study")]
-        let surroundings = Surroundings {
+        let surroundings = news.map(|news| Surroundings {
             clock: Arc::clone(&clock),
             outputs: queues.clone(),
-            changes: Arc::clone(&shared.column_changes),
-            merged_events: merged_events.unwrap_or_else(made_for_events),
+            news,
             snapshot: {
                 let shared = Arc::clone(&shared);
-                Box::new(move || shared.snapshot().ok())
+                Box::new(move |_| shared.snapshot().ok())
             },
             reserved: options.real_time.processors.clone(),
-        };
+            libraries: None,
+        });
         let mut solver = Solver {
             twin,
             clock,
@@ -227,7 +241,7 @@ impl Live {
         );
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
         #[cfg(feature = "study")]
-        if let Some(measurements) = options.measurements {
+        if let (Some(measurements), Some(surroundings)) = (options.measurements, surroundings) {
             let deliver = options.estimates.unwrap_or(to_the_twin);
             handle.sensing = Some(SensingThread::start(measurements, deliver, surroundings)?);
         }

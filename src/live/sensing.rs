@@ -1,8 +1,10 @@
-//! The thread that feels impacts: it takes the measurements, and gives the estimates to the twin.
+//! The threads that feel impacts: each takes the measurements of its columns, and gives the estimates to their twins.
 //!
-//! It has a lower priority than everything with deadlines, and stays off the processors of the solver if there are others. It never
-//! waits for the solver but for a copy of the column at rest, and the solver never waits for it.
+//! They have a lower priority than everything with deadlines, and stay off the processors of the solver if there are others. They
+//! never wait for a solver but for a copy of a column at rest, and no solver waits for them. A single twin is one column here, which
+//! prepares responses by itself; the columns of a fleet share what [`Libraries`] prepare.
 
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,10 +14,11 @@ use std::time::Duration;
 use rustix::thread::{CpuSet, sched_getaffinity};
 
 use super::clock::Clock;
-use super::measurements::MeasurementQueue;
+use super::libraries::{Kind, Libraries, MAX_LIBRARIES};
+use super::measurements::{MeasurementQueue, Queued};
 use super::queue::OutputQueues;
 use super::real_time::yield_to_others;
-use super::solver::MergedEvents;
+use super::sensing_news::SensingNews;
 use crate::senses::{EstimateRecord, EstimatorError, MAX_EVENTS, Sensing, Work};
 use crate::twin::{ColumnSnapshot, Condition, Nanos, Notice, NoticeLevel, Output, Refusal};
 
@@ -28,22 +31,38 @@ const STACK: usize = 1 << 20;
 /// Most batches that are taken between two slices of work.
 const MAX_BATCHES_PER_SLICE: usize = 256;
 
-/// Longest wait for a batch; then the thread looks at the clock and at the column.
+/// Longest wait for a batch while something depends on time; then the thread looks at the clock and at the columns.
 const MAX_WAIT: Duration = Duration::from_millis(100);
+
+/// Longest wait while nothing does: whatever happens wakes the thread.
+const LONG_WAIT: Duration = Duration::from_secs(3600);
 
 /// Time between two attempts to get a column that is at rest \[ns\].
 const ATTEMPT_PERIOD: Nanos = 100_000_000;
+
+/// Most columns that a thread asks for between two slices of work.
+const MAX_ATTEMPTS_PER_SLICE: usize = 16;
+
+/// Most impacts that a thread estimates at once, each of which takes some megabytes; the data of others wait.
+pub const MAX_ESTIMATED_AT_ONCE: usize = 32;
 
 /// Takes an estimate, or says why not. The estimates come in the order in which they are made; it must not block for long.
 #[derive(Clone)]
 pub struct Deliver(Arc<TakeEstimate>);
 
-type TakeEstimate = dyn Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync;
+type TakeEstimate = dyn Fn(u32, EstimateRecord) -> Result<(), Refusal> + Send + Sync;
 
 impl Deliver {
     /// Passes every estimate to `take`.
     pub fn new(
         take: impl Fn(EstimateRecord) -> Result<(), Refusal> + Send + Sync + 'static,
+    ) -> Self {
+        Self::of_fleet(move |_, record| take(record))
+    }
+
+    /// Passes every estimate of a fleet to `take`, with the index of its column.
+    pub(super) fn of_fleet(
+        take: impl Fn(u32, EstimateRecord) -> Result<(), Refusal> + Send + Sync + 'static,
     ) -> Self {
         Self(Arc::new(take))
     }
@@ -55,20 +74,18 @@ impl fmt::Debug for Deliver {
     }
 }
 
-/// How often the column at rest or its parameters may have changed.
-pub(super) type ColumnChanges = Arc<AtomicU64>;
-
-/// What the thread needs of the live twin.
+/// What the thread needs of the live twins.
 pub(super) struct Surroundings {
     pub clock: Arc<dyn Clock>,
     /// Where messages to the operator go.
     pub outputs: Vec<Arc<OutputQueues>>,
-    pub changes: ColumnChanges,
-    pub merged_events: MergedEvents,
-    /// A copy of the column; `None` if the solver does not answer.
-    pub snapshot: Box<dyn Fn() -> Option<ColumnSnapshot> + Send>,
+    pub news: Arc<SensingNews>,
+    /// A copy of a column; `None` if its solver does not answer.
+    pub snapshot: Box<dyn Fn(u32) -> Option<ColumnSnapshot> + Send>,
     /// The processors of the solver's thread; empty: all.
     pub reserved: Vec<usize>,
+    /// Where equal columns share prepared responses; `None`: every column prepares its own.
+    pub libraries: Option<Arc<Libraries>>,
 }
 
 /// The thread, from outside.
@@ -76,9 +93,16 @@ pub(super) struct Surroundings {
 pub(super) struct SensingThread {
     stop: Arc<AtomicBool>,
     measurements: Arc<MeasurementQueue>,
-    /// Estimates that the twin could not take.
-    lost: Arc<AtomicU64>,
+    counters: Arc<Counters>,
     thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug, Default)]
+struct Counters {
+    /// Estimates that the twin could not take.
+    lost: AtomicU64,
+    /// Impacts whose data had to wait because others were estimated.
+    delayed: AtomicU64,
 }
 
 impl SensingThread {
@@ -87,19 +111,15 @@ impl SensingThread {
         deliver: Deliver,
         surroundings: Surroundings,
     ) -> std::io::Result<Self> {
-        let (stop, lost) = (Arc::<AtomicBool>::default(), Arc::<AtomicU64>::default());
+        let stop = Arc::<AtomicBool>::default();
         let processors = allowed(&surroundings.reserved);
-        let loop_ = Loop {
-            measurements: Arc::clone(&measurements),
+        let loop_ = Loop::new(
+            Arc::clone(&measurements),
             deliver,
             surroundings,
-            stop: Arc::clone(&stop),
-            lost: Arc::clone(&lost),
-            known_changes: None,
-            sensing: None,
-            next_attempt: 0,
-            said: None,
-        };
+            Arc::clone(&stop),
+        );
+        let counters = Arc::clone(&loop_.counters);
         let thread = thread::Builder::new()
             .name(SENSING_THREAD.to_owned())
             .stack_size(STACK)
@@ -110,14 +130,19 @@ impl SensingThread {
         Ok(Self {
             stop,
             measurements,
-            lost,
+            counters,
             thread: Some(thread),
         })
     }
 
     /// Estimates that the twin could not take.
     pub fn lost_estimates(&self) -> u64 {
-        self.lost.load(Ordering::Relaxed)
+        self.counters.lost.load(Ordering::Relaxed)
+    }
+
+    /// Impacts whose data had to wait because [`MAX_ESTIMATED_AT_ONCE`] others were estimated.
+    pub fn delayed(&self) -> u64 {
+        self.counters.delayed.load(Ordering::Relaxed)
     }
 
     /// Ends the thread after its present slice of work. `false` if it panicked.
@@ -139,63 +164,112 @@ fn allowed(reserved: &[usize]) -> Option<CpuSet> {
     (set.count() > 0).then_some(set)
 }
 
+/// What the thread knows of a column.
+#[derive(Default)]
+struct Felt {
+    /// `None` if the column can take no impact, or its sensors cannot be used.
+    sensing: Option<Sensing>,
+    /// Its kind, if it shares prepared responses.
+    kind: Option<Kind>,
+    /// It may have changed since it was asked for.
+    has_changed: bool,
+    /// When it may be asked for again, after it was not at rest.
+    next_attempt: Nanos,
+    /// Why impacts on it are not estimated, as it was said last.
+    said: Option<String>,
+    /// It is among those that have work.
+    is_working: bool,
+    /// The estimates of its present impact have begun, or responses are prepared for it alone.
+    has_begun: bool,
+    /// Its impact has to wait, which was counted.
+    has_waited: bool,
+}
+
+impl Felt {
+    fn is_estimating(&self) -> bool {
+        self.sensing.as_ref().is_some_and(Sensing::is_estimating)
+    }
+}
+
+/// What a slice of work has led to.
+enum Slice {
+    /// There was none.
+    Nothing,
+    /// There may be more.
+    Done,
+}
+
 struct Loop {
     measurements: Arc<MeasurementQueue>,
     deliver: Deliver,
     surroundings: Surroundings,
     stop: Arc<AtomicBool>,
-    lost: Arc<AtomicU64>,
-    /// Changes of the column up to which `sensing` follows it; `None` if it has to be asked for.
-    known_changes: Option<u64>,
-    /// `None` if the column can take no impact, or its sensors cannot be used.
-    sensing: Option<Sensing>,
-    /// When the column may be asked for again, after it was not at rest.
-    next_attempt: Nanos,
-    /// Why not, as it was said last.
-    said: Option<String>,
+    counters: Arc<Counters>,
+    columns: BTreeMap<u32, Felt>,
+    /// Columns that may have changed, in the order in which they are asked for.
+    changed: VecDeque<u32>,
+    /// Columns for which there may be work, in the order in which it is done.
+    working: VecDeque<u32>,
+    /// Columns on which an impact is being estimated, or waits for that.
+    estimating: BTreeSet<u32>,
+    /// How many of them have begun.
+    begun: usize,
 }
 
 impl Loop {
+    fn new(
+        measurements: Arc<MeasurementQueue>,
+        deliver: Deliver,
+        surroundings: Surroundings,
+        stop: Arc<AtomicBool>,
+    ) -> Self {
+        Self {
+            measurements,
+            deliver,
+            surroundings,
+            stop,
+            counters: Arc::default(),
+            columns: BTreeMap::new(),
+            changed: VecDeque::new(),
+            working: VecDeque::new(),
+            estimating: BTreeSet::new(),
+            begun: 0,
+        }
+    }
+
     fn run(mut self) {
         while !self.stop.load(Ordering::SeqCst) {
-            self.follow_column();
+            self.take_news();
+            self.follow_columns();
             self.take_batches();
-            self.take_events();
-            let now = self.surroundings.clock.now();
-            let work = self.sensing.as_mut().map_or(Work::Idle, |sensing| {
-                sensing.note_time(now);
-                sensing.step()
-            });
-            match work {
-                Work::More { .. } => {}
-                Work::Idle => self.measurements.wait(MAX_WAIT),
-                Work::Estimate(record) => self.deliver(*record),
-                Work::Missed(reason) => {
-                    let text =
-                        format!("the sensors felt an impact that cannot be estimated: {reason}");
-                    self.say(NoticeLevel::Error, text);
+            match self.work() {
+                Slice::Done => {}
+                Slice::Nothing => {
+                    let depends_on_time = !self.estimating.is_empty() || !self.changed.is_empty();
+                    self.measurements.wait(match depends_on_time {
+                        true => MAX_WAIT,
+                        false => LONG_WAIT,
+                    });
+                    // Time has passed: the data of an impact may have ended.
+                    let estimating: Vec<u32> = self.estimating.iter().copied().collect();
+                    estimating.into_iter().for_each(|it| self.let_work(it));
                 }
             }
         }
     }
 
-    fn take_batches(&mut self) {
-        for _ in 0..MAX_BATCHES_PER_SLICE {
-            let Some((number, batch)) = self.measurements.pop() else {
-                return;
-            };
-            if let Some(sensing) = &mut self.sensing {
-                sensing.push(number, batch);
+    fn take_news(&mut self) {
+        while let Some(column) = self.surroundings.news.next_changed() {
+            let felt = self.columns.entry(column).or_default();
+            if !std::mem::replace(&mut felt.has_changed, true) {
+                self.changed.push_back(column);
             }
         }
-    }
-
-    /// Lets what events say count for the estimates of the same impact.
-    fn take_events(&mut self) {
-        while let Some(event) = self.surroundings.merged_events.pop() {
-            let counts = self
-                .sensing
-                .as_mut()
+        // Events that say something about an impact count for its estimates.
+        while let Some((column, event)) = self.surroundings.news.next_merged() {
+            let sensing = self.columns.get_mut(&column);
+            let counts = sensing
+                .and_then(|it| it.sensing.as_mut())
                 .is_some_and(|it| it.note_event(&event.estimate_id, event.evidence));
             if !counts {
                 let text = format!(
@@ -203,80 +277,240 @@ impl Loop {
                      count already",
                     event.event_id, event.estimate_id
                 );
-                self.say(NoticeLevel::Info, text);
+                self.say(column, NoticeLevel::Info, text);
             }
         }
     }
 
-    fn deliver(&mut self, record: EstimateRecord) {
-        let (event_id, update) = (Arc::clone(&record.event_id), record.update);
-        if let Err(refusal) = (self.deliver.0)(record) {
-            self.lost.fetch_add(1, Ordering::Relaxed);
-            let text = format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
-            self.say(NoticeLevel::Error, text);
-        }
-    }
-
-    /// Prepares for the column as it is now, unless an impact on it is being estimated.
-    fn follow_column(&mut self) {
-        let changes = self.surroundings.changes.load(Ordering::SeqCst);
-        let is_busy = self.sensing.as_ref().is_some_and(Sensing::is_estimating);
-        let now = self.surroundings.clock.now();
-        // A clock that was set back must not keep the thread from asking.
-        let must_wait = (now..now + ATTEMPT_PERIOD).contains(&(self.next_attempt - 1));
-        if self.known_changes == Some(changes) || is_busy || must_wait {
-            return;
-        }
-        self.next_attempt = now + ATTEMPT_PERIOD;
-        let Some(snapshot) = (self.surroundings.snapshot)() else {
-            return;
-        };
-        let column = match snapshot.standing() {
-            Ok(Some(column)) => column,
-            // Its response is not over. The estimates of other impacts still hold for the column before.
-            Ok(None) => return,
-            Err(condition) => {
-                self.known_changes = Some(changes);
-                self.sensing = None;
-                self.say_once(NoticeLevel::Warning, no_estimates(&condition));
+    fn take_batches(&mut self) {
+        for _ in 0..MAX_BATCHES_PER_SLICE {
+            let Some(queued) = self.measurements.take() else {
                 return;
+            };
+            let Queued {
+                column,
+                serial,
+                batch,
+            } = queued;
+            let felt = self.columns.get_mut(&column);
+            let Some(sensing) = felt.and_then(|it| it.sensing.as_mut()) else {
+                continue;
+            };
+            sensing.push(serial, batch);
+            if sensing.is_estimating() {
+                self.estimating.insert(column);
+                self.let_work(column);
+            }
+        }
+    }
+
+    fn let_work(&mut self, column: u32) {
+        if let Some(felt) = self.columns.get_mut(&column)
+            && !std::mem::replace(&mut felt.is_working, true)
+        {
+            self.working.push_back(column);
+        }
+    }
+
+    /// Does a slice of the work of the next column for which there is some.
+    fn work(&mut self) -> Slice {
+        let now = self.surroundings.clock.now();
+        let Some(column) = self.working.pop_front() else {
+            return Slice::Nothing;
+        };
+        let Some(felt) = self.columns.get_mut(&column) else {
+            return Slice::Done;
+        };
+        let libraries = self.surroundings.libraries.as_deref();
+        let mut late = None;
+        let work = match &mut felt.sensing {
+            None => Work::Idle,
+            Some(sensing) => {
+                sensing.note_time(now);
+                let is_new = sensing.has_detected() && !felt.has_begun;
+                if is_new && self.begun >= MAX_ESTIMATED_AT_ONCE {
+                    if !std::mem::replace(&mut felt.has_waited, true) {
+                        self.counters.delayed.fetch_add(1, Ordering::Relaxed);
+                    }
+                    Work::Idle
+                } else {
+                    if is_new {
+                        felt.has_begun = true;
+                        self.begun += 1;
+                    }
+                    match (libraries, felt.kind) {
+                        (Some(libraries), Some(kind)) if sensing.has_detected() => {
+                            step_detected(sensing, libraries, kind, is_new, &mut late)
+                        }
+                        _ => sensing.step(),
+                    }
+                }
             }
         };
-        self.known_changes = Some(changes);
-        let parameters = snapshot.parameters();
-        let followed = match &mut self.sensing {
-            Some(sensing) if sensing.has_sensors_of(parameters) => {
-                sensing.set_column(parameters, column)
+        if !felt.is_estimating() {
+            self.estimating.remove(&column);
+            felt.has_waited = false;
+            if std::mem::take(&mut felt.has_begun) {
+                self.begun -= 1;
             }
-            _ => Sensing::new(parameters, column).map(|sensing| self.sensing = Some(sensing)),
+        }
+        // An estimate whose data are there is made without a break; other columns come before what is not urgent.
+        let is_preparing = felt.sensing.as_ref().is_some_and(Sensing::has_detected);
+        match &work {
+            Work::More { is_urgent: true } if !is_preparing => self.working.push_front(column),
+            Work::Idle => felt.is_working = false,
+            _ => self.working.push_back(column),
+        }
+        match work {
+            Work::More { .. } | Work::Idle => {}
+            Work::Estimate(record) => self.deliver(column, *record),
+            Work::Missed(reason) => {
+                let text = format!("the sensors felt an impact that cannot be estimated: {reason}");
+                self.say(column, NoticeLevel::Error, text);
+            }
+        }
+        if let Some(text) = late {
+            self.say(column, NoticeLevel::Warning, text);
+        }
+        Slice::Done
+    }
+
+    fn deliver(&mut self, column: u32, record: EstimateRecord) {
+        let (event_id, update) = (Arc::clone(&record.event_id), record.update);
+        if let Err(refusal) = (self.deliver.0)(column, record) {
+            self.counters.lost.fetch_add(1, Ordering::Relaxed);
+            let text = format!("estimate {update} of {event_id} did not reach the twin: {refusal}");
+            self.say(column, NoticeLevel::Error, text);
+        }
+    }
+
+    /// Looks at columns that have changed.
+    fn follow_columns(&mut self) {
+        for _ in 0..self.changed.len().min(MAX_ATTEMPTS_PER_SLICE) {
+            let Some(column) = self.changed.pop_front() else {
+                return;
+            };
+            if !self.follow_column(column) {
+                self.changed.push_back(column);
+            }
+        }
+    }
+
+    /// Prepares for a column as it is now, unless an impact on it is being estimated; `false` if it has to be asked for again.
+    fn follow_column(&mut self, column: u32) -> bool {
+        let now = self.surroundings.clock.now();
+        let Some(felt) = self.columns.get_mut(&column) else {
+            return true;
+        };
+        // A clock that was set back must not keep the thread from asking.
+        let must_wait = (now..now + ATTEMPT_PERIOD).contains(&(felt.next_attempt - 1));
+        if felt.is_estimating() || must_wait {
+            return false;
+        }
+        felt.next_attempt = now + ATTEMPT_PERIOD;
+        // Before it is asked for, so that a change after that is followed, too.
+        felt.has_changed = false;
+        let Some(snapshot) = (self.surroundings.snapshot)(column) else {
+            felt.has_changed = true;
+            return false;
+        };
+        let standing = match snapshot.standing() {
+            Ok(Some(standing)) => standing,
+            // Its response is not over. The estimates of other impacts still hold for the column before.
+            Ok(None) => {
+                felt.has_changed = true;
+                return false;
+            }
+            Err(condition) => {
+                self.give_up(column, NoticeLevel::Warning, no_estimates(&condition));
+                return true;
+            }
+        };
+        let parameters = snapshot.parameters();
+        let followed = match &self.surroundings.libraries {
+            Some(libraries) => libraries
+                .enter(parameters, &standing)
+                .map(|(kind, library)| {
+                    match &mut felt.sensing {
+                        Some(sensing) => sensing.share(library),
+                        sensing => *sensing = Some(Sensing::sharing(library)),
+                    }
+                    if let Some(before) = felt.kind.replace(kind) {
+                        libraries.leave(before);
+                    }
+                }),
+            None => match &mut felt.sensing {
+                Some(sensing) if sensing.has_sensors_of(parameters) => {
+                    sensing.set_column(parameters, standing)
+                }
+                sensing => Sensing::new(parameters, standing).map(|it| *sensing = Some(it)),
+            },
         };
         match followed {
-            Ok(()) => self.said = None,
-            Err(error) => {
-                self.sensing = None;
-                self.say_once(NoticeLevel::Error, no_estimator(&error));
+            Ok(()) => {
+                felt.said = None;
+                self.let_work(column);
             }
+            Err(error) => self.give_up(column, NoticeLevel::Error, no_estimator(&error)),
+        }
+        true
+    }
+
+    /// Does not estimate impacts on a column from now on, and says why, once.
+    fn give_up(&mut self, column: u32, level: NoticeLevel, text: String) {
+        let Some(felt) = self.columns.get_mut(&column) else {
+            return;
+        };
+        felt.sensing = None;
+        if let (Some(kind), Some(libraries)) = (felt.kind.take(), &self.surroundings.libraries) {
+            libraries.leave(kind);
+        }
+        if felt.said.as_ref() != Some(&text) {
+            felt.said = Some(text.clone());
+            self.say(column, level, text);
         }
     }
 
-    fn say_once(&mut self, level: NoticeLevel, text: String) {
-        if self.said.as_ref() != Some(&text) {
-            self.say(level, text.clone());
-            self.said = Some(text);
-        }
-    }
-
-    fn say(&self, level: NoticeLevel, text: String) {
+    fn say(&self, column: u32, level: NoticeLevel, text: String) {
         let text: Arc<str> = text.into();
         for queues in &self.surroundings.outputs {
-            queues.push(Output::Notice(Notice {
+            let notice = Notice {
                 stamp: self.surroundings.clock.now(),
                 level,
                 text: Arc::clone(&text),
-            }));
+            };
+            queues.push_of(column, Output::Notice(notice));
             queues.notify();
         }
     }
+}
+
+/// The next slice of an impact that was detected on a column that shares its responses: the first estimate begins with what is
+/// prepared for all such columns. If nothing is yet, the thread prepares the first responses for this impact; if nothing will be,
+/// because there are too many different columns, all of them, and `late` says so.
+fn step_detected(
+    sensing: &mut Sensing,
+    libraries: &Libraries,
+    kind: Kind,
+    is_new: bool,
+    late: &mut Option<String>,
+) -> Work {
+    let (newest, is_admitted) = libraries.newest(kind);
+    if let Some(library) = newest {
+        sensing.take_library(&library);
+    } else if !is_admitted {
+        if is_new {
+            libraries.count_waiting();
+            *late = Some(format!(
+                "the sensors have felt an impact whose estimate comes some seconds later: there are more than {MAX_LIBRARIES} \
+                 different columns with sensors, or their responses take too much memory, so that nothing was prepared for this one"
+            ));
+        }
+        if !sensing.prepare_one() {
+            return Work::More { is_urgent: false };
+        }
+    }
+    sensing.step()
 }
 
 fn no_estimates(condition: &Condition) -> String {
@@ -310,7 +544,7 @@ mod tests {
     use crate::column::Impact;
     use crate::parameters::{Parameters, Value};
     use crate::senses::{Batch, StandingColumn, simulate_sensors};
-    use crate::twin::Twin;
+    use crate::twin::{Accepted, ParametersChanged, Twin};
 
     /// Longest wait for what another thread has to do.
     const PATIENCE: Duration = Duration::from_secs(120);
@@ -388,32 +622,35 @@ mod tests {
         snapshot.set_condition(Condition::Collapsed);
         let queues = Arc::new(OutputQueues::new(&OutputQueue::ros()));
         let mut outputs = OutputReceiver::new(Arc::clone(&queues));
-        let changes = ColumnChanges::default();
+        let measurements = Arc::<MeasurementQueue>::default();
+        let news = Arc::new(SensingNews::new([true], Arc::clone(&measurements)));
         let surroundings = Surroundings {
             clock: Arc::new(SimClock::new(0)),
             outputs: vec![queues],
-            changes: Arc::clone(&changes),
-            merged_events: Arc::new(crossbeam_queue::ArrayQueue::new(1)),
-            snapshot: Box::new(move || Some(snapshot.clone())),
+            news: Arc::clone(&news),
+            snapshot: Box::new(move |_| Some(snapshot.clone())),
             reserved: Vec::new(),
+            libraries: None,
         };
-        let mut sensing = Loop {
-            measurements: Arc::default(),
-            deliver: Deliver::new(|_| Ok(())),
-            surroundings,
-            stop: Arc::default(),
-            lost: Arc::default(),
-            known_changes: None,
-            sensing: None,
-            next_attempt: 0,
-            said: None,
-        };
+        let deliver = Deliver::new(|_| Ok(()));
+        let mut sensing = Loop::new(measurements, deliver, surroundings, Arc::default());
         for _ in 0..3 {
-            sensing.follow_column();
-            changes.fetch_add(1, Ordering::SeqCst);
-            sensing.next_attempt = 0;
+            sensing.take_news();
+            sensing.follow_columns();
+            assert!(sensing.changed.is_empty(), "it was asked for");
+            let parameters = Arc::new(parameters());
+            let changed = ParametersChanged {
+                stamp: 0,
+                source: "test".into(),
+                names: Vec::new(),
+                change: Accepted::Applied,
+                waiting: Vec::new(),
+                parameters,
+            };
+            assert!(news.take(0, &Output::ParametersChanged(changed)).is_none());
+            sensing.columns.entry(0).or_default().next_attempt = 0;
         }
-        assert!(sensing.sensing.is_none());
+        assert!(sensing.columns[&0].sensing.is_none());
         let notices: Vec<_> = std::iter::from_fn(|| outputs.try_next()).collect();
         let [Output::Notice(notice)] = notices.as_slice() else {
             panic!("{notices:?}");

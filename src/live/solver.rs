@@ -3,20 +3,16 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-use crossbeam_queue::ArrayQueue;
-
 use super::background::Background;
 use super::clock::{Clock, monotonic_nanos};
 use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
 use super::queue::OutputQueues;
 use super::real_time::{Patience, URGENT_BEFORE_DEADLINE, Urgency};
+use super::sensing_news::SensingNews;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
-use crate::senses::MAX_EVENTS;
-use crate::twin::{
-    ColumnSnapshot, Command, MergedEvent, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin,
-};
+use crate::twin::{ColumnSnapshot, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
 
 /// The thread's name.
 pub const SOLVER_THREAD: &str = "column_twin/solver"; // the system shows the first 15 characters
@@ -47,12 +43,6 @@ pub const MAX_CLOCK_STEP_BACK: Nanos = 100_000_000;
 /// a second. Impacts that are handled before have stamps that are out of order.
 pub(super) const MAX_CYCLES_COMPLETING: u32 = 200;
 
-/// Most events that wait to become evidence for an estimate.
-pub(super) const MAX_MERGED_EVENTS: usize = MAX_EVENTS;
-
-/// Events that are the same impact as an estimate.
-pub(super) type MergedEvents = Arc<ArrayQueue<MergedEvent>>;
-
 /// The state that the solver's thread shares with the others.
 #[derive(Debug)]
 pub(super) struct Shared {
@@ -64,8 +54,6 @@ pub(super) struct Shared {
     pub worst_lateness: AtomicU64,
     pub steps: AtomicU64,
     pub newton_iterations: AtomicU64,
-    /// How often the column at rest or its parameters may have changed.
-    pub column_changes: Arc<AtomicU64>,
 }
 
 impl Shared {
@@ -79,7 +67,6 @@ impl Shared {
             worst_lateness: AtomicU64::new(0),
             steps: AtomicU64::new(0),
             newton_iterations: AtomicU64::new(0),
-            column_changes: Arc::default(),
         }
     }
 
@@ -342,10 +329,8 @@ pub(super) struct Sink {
     pub state_writer: Option<Arc<StateWriter>>,
     /// The parameters that hold. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
-    /// See [`Shared::column_changes`].
-    pub column_changes: Arc<AtomicU64>,
-    /// Where events go that are evidence for an estimate; `None` if nothing is estimated.
-    pub merged_events: Option<MergedEvents>,
+    /// What the thread is told that feels impacts; `None` if there is none.
+    pub news: Option<Arc<SensingNews>>,
     /// There are outputs of which the readers have not been notified.
     pub unnotified: bool,
 }
@@ -360,18 +345,8 @@ impl Sink {
 
 impl Outputs for Sink {
     fn put(&mut self, output: Output) {
-        if matches!(output, Output::Save(_) | Output::ParametersChanged(_)) {
-            self.column_changes.fetch_add(1, Ordering::SeqCst);
-        }
-        if let (Output::Merged(event), Some(events)) = (&output, &self.merged_events)
-            && let Some(lost) = events.force_push(event.clone())
-        {
-            let text = format!(
-                "impact event \"{}\" does not count as evidence for \"{}\": more than {MAX_MERGED_EVENTS} events wait to be taken",
-                lost.event_id, lost.estimate_id
-            );
-            let stamp = event.contact;
-            self.notice(NoticeLevel::Error, stamp, text);
+        if let Some(lost) = self.news.as_ref().and_then(|it| it.take(0, &output)) {
+            self.put(Output::Notice(lost));
         }
         if let Output::Save(saved) = &output {
             if let Some(state_writer) = &self.state_writer {
@@ -445,8 +420,7 @@ mod tests {
                 queues: vec![Arc::clone(&queues)],
                 state_writer: None,
                 parameters: Arc::default(),
-                column_changes: Arc::default(),
-                merged_events: None,
+                news: None,
                 unnotified: false,
             },
             background: Background::new(),

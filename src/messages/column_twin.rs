@@ -600,101 +600,10 @@ impl TwinStatus {
     pub const SEVERITY_UNKNOWN: u8 = 255;
 }
 
-/// The status of one column of a fleet.
-///
-/// ```text
-#[doc = include_str!("../../msg/ColumnStatus.msg")]
-/// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct ColumnStatus {
-    pub column_id: String,
-    pub phase: u8,
-    pub severity: u8,
-    pub deciding_criterion: String,
-    pub severity_reason: String,
-    pub event_id: String,
-    pub events_accepted: u64,
-    pub events_refused: u64,
-    pub parameters_refused: u64,
-    pub last_refusal_code: u16,
-    pub last_refusal_reason: String,
-    pub last_refusal_event_id: String,
-    pub fault: String,
-    pub impacts_since_reset: u32,
-    pub residual_v1: f64,
-    pub residual_u2: f64,
-    pub plastic_work_since_reset: f64,
-    pub residual_capacity: f64,
-    pub capacity_ratio: f64,
-    pub reserve: f64,
-    pub critical_velocity_restrict: f64,
-}
-
-impl From<&TwinStatus> for ColumnStatus {
-    fn from(status: &TwinStatus) -> Self {
-        // The first vehicle is that of the parameters.
-        let critical = status.critical_velocity_restrict.first();
-        Self {
-            column_id: status.column_id.clone(),
-            phase: status.phase,
-            severity: status.severity,
-            deciding_criterion: status.deciding_criterion.clone(),
-            severity_reason: status.severity_reason.clone(),
-            event_id: status.event_id.clone(),
-            events_accepted: status.events_accepted,
-            events_refused: status.events_refused,
-            parameters_refused: status.parameters_refused,
-            last_refusal_code: status.last_refusal_code,
-            last_refusal_reason: status.last_refusal_reason.clone(),
-            last_refusal_event_id: status.last_refusal_event_id.clone(),
-            fault: status.fault.clone(),
-            impacts_since_reset: status.impacts_since_reset,
-            residual_v1: status.residual_v1,
-            residual_u2: status.residual_u2,
-            plastic_work_since_reset: status.plastic_work_since_reset,
-            residual_capacity: status.residual_capacity,
-            capacity_ratio: status.capacity_ratio,
-            reserve: status.reserve,
-            critical_velocity_restrict: critical.copied().unwrap_or(f64::NAN),
-        }
-    }
-}
-
 impl TwinStatus {
     /// Whether no response is running.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         !matches!(self.phase, Self::APPROACH | Self::CONTACT | Self::FREE)
     }
-}
-
-impl ColumnStatus {
-    /// Whether the column takes no impact before it is reset: it has collapsed, is severed, or cannot be computed.
-    #[must_use]
-    pub fn is_out_of_service(&self) -> bool {
-        matches!(
-            self.phase,
-            TwinStatus::COLLAPSED | TwinStatus::FAULTED | TwinStatus::SEVERED
-        )
-    }
-}
-
-/// The status of a fleet.
-///
-/// ```text
-#[doc = include_str!("../../msg/FleetStatus.msg")]
-/// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct FleetStatus {
-    pub header: Header,
-    pub columns_total: u32,
-    pub columns_active: u32,
-    pub of_all: bool,
-    pub ignored: u64,
-    pub dropped_inputs: u64,
-    pub dropped_states: u64,
-    pub dropped_outputs: u64,
-    pub late_states: u64,
-    pub worst_lateness: f64,
-    pub columns: Vec<ColumnStatus>,
 }

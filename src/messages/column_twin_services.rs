@@ -64,6 +64,7 @@ pub struct PredictImpactResponse {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ConfirmEstimateRequest {
+    pub column_id: String,
     pub event_id: String,
     pub accept: bool,
 }
@@ -87,6 +88,7 @@ pub struct ConfirmEstimateResponse {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CalibrateRequest {
+    pub column_id: String,
     pub quantity: u8,
     pub height: f64,
     pub value: f64,

@@ -23,13 +23,20 @@ pub trait RecordingTap: Send + Sync + 'static {
         source_stamp: Option<i64>,
     );
 
-    /// The measurements come through this intake. It is locked from when it takes a batch until
+    /// The measurements of the column come through this intake. It is locked from when it takes a batch until
     /// [`measured`](Self::measured) has returned.
-    fn sensors(&self, intake: &Arc<Mutex<Intake>>);
+    fn sensors(&self, column: Option<&str>, intake: &Arc<Mutex<Intake>>);
 
     /// The node received measurements at `received` \[ns\], by the clock that drives the twin. The recording contains this time as
-    /// the publish time of the message: with it, the intake of measurements can be repeated.
-    fn measured(&self, endpoint: &Endpoint, bytes: Vec<u8>, received: Nanos);
+    /// the publish time of the message: with it, the intake of measurements can be repeated, which is `intake` after that.
+    fn measured(
+        &self,
+        column: Option<&str>,
+        endpoint: &Endpoint,
+        bytes: Vec<u8>,
+        received: Nanos,
+        intake: &Intake,
+    );
 
     /// The node rejected a received message, so that it did not reach the twin. `what` identifies the message; `code` is
     /// `None` if only its recording failed.

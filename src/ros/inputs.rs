@@ -60,7 +60,8 @@ impl Subscriptions {
     ) -> Result<Self, NodeError> {
         let simulated = parameters.settings().use_sim_time;
         let measurements = sensors.map(|inputs| {
-            MeasurementSubscriptions::new(node, parameters, inputs, Arc::clone(&senders))
+            let (senders, recording) = (Arc::clone(&senders), recording.clone());
+            MeasurementSubscriptions::new(node, parameters, inputs, senders, recording)
         });
         Ok(Self {
             measurements: measurements.transpose()?,
@@ -119,7 +120,7 @@ impl Subscriptions {
         let clock = follow_clock(self.clock.as_ref(), &counters, |now| twin.set_clock(now));
         let measurements = async {
             if let Some(measurements) = self.measurements {
-                measurements.run(&twin, &counters).await;
+                measurements.run(|| twin.now(), &counters).await;
             }
         };
         join!(events, clock, measurements);
@@ -380,7 +381,12 @@ impl Services {
                         &qos::CONFIRM_ESTIMATE,
                         "a decision about an estimate",
                     ) {
-                        Ok(()) => requests::confirm_estimate(twin, request),
+                        Ok(()) => {
+                            let own = requests::check_column(twin.column_id(), &request.column_id);
+                            requests::confirm_estimate(request, |command| {
+                                own.and_then(|()| twin.execute(command))
+                            })
+                        }
                         Err(refusal) => requests::not_decided(&refusal),
                     }
                 }
@@ -391,7 +397,12 @@ impl Services {
                 counters,
                 |sender, request| {
                     match admit(sender, &qos::CALIBRATE, "a calibration") {
-                        Ok(()) => requests::calibrate(twin, &request),
+                        Ok(()) => {
+                            let own = requests::check_column(twin.column_id(), &request.column_id);
+                            requests::calibrate(&request, |command| {
+                                own.and_then(|()| twin.execute(command))
+                            })
+                        }
                         Err(refusal) => requests::not_calibrated(&refusal),
                     }
                 }

@@ -1,5 +1,7 @@
 //! The measurements over DDS: from the topics of the sensors through their intake to the recording and to the queue.
 
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -8,7 +10,7 @@ use futures::future::{LocalBoxFuture, join_all};
 use ros2_client::{MessageInfo, Subscription};
 
 use crate::incoming::{nanos, raw_batch};
-use crate::live::MeasurementQueue;
+use crate::live::{FleetMeasurements, MeasurementQueue};
 use crate::messages::Message as _;
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::cdr;
@@ -18,22 +20,52 @@ use crate::messages::sensor_msgs::Imu;
 use crate::messages::std_msgs::Header;
 use crate::outgoing::RecordingTap;
 use crate::parameters::{Parameters, SensorAxis, SensorMessage};
-use crate::senses::{Collector, Intake, Rejection};
+use crate::senses::{Batch, Collector, Intake, Rejection, SensorHealth};
 use crate::twin::Nanos;
 
 use super::diagnostics::NodeCounters;
 use super::inputs::{each_on, tell};
 use super::live_twin::LiveTwin;
 use super::node::{Node, NodeError};
-use super::qos;
+use super::qos::{self, Endpoint};
 use super::senders::{Rejected, Senders};
-use super::sensor_watch::{SensorStatus, SensorWatch};
+use super::sensor_watch::{SensorLog, SensorStatus, SensorWatch};
 
-/// Takes the measurements of all sensors, from whatever topic: into the recording, and into the queue of those who use them.
+/// Batches of one column of a fleet in the history of its topic: what two sensors send in 80 ms, in batches of 10 ms.
+const DEPTH_OF_A_COLUMN: usize = 16;
+
+/// Most batches in the history of the topic of a fleet.
+const MAX_DEPTH: usize = 16_384;
+
+/// Where the batches of a column go.
+enum Queue {
+    OfTwin(Arc<MeasurementQueue>),
+    /// With the index of the column.
+    OfFleet(FleetMeasurements, u32),
+}
+
+impl Queue {
+    fn push(&self, batch: Batch) {
+        match self {
+            Self::OfTwin(queue) => queue.push(batch),
+            Self::OfFleet(queues, column) => queues.push(*column, batch),
+        }
+    }
+
+    fn lost(&self) -> u64 {
+        match self {
+            Self::OfTwin(queue) => queue.lost(),
+            Self::OfFleet(queues, column) => queues.lost_of(*column),
+        }
+    }
+}
+
+/// Takes the measurements of all sensors of a column, from whatever topic: into the recording, and into the queue of those who use
+/// them.
 pub(super) struct SensorInputs {
     column_id: String,
     intake: Arc<Mutex<Intake>>,
-    queue: Arc<MeasurementQueue>,
+    queue: Queue,
     recording: Option<Arc<dyn RecordingTap>>,
     watch: Mutex<SensorWatch>,
 }
@@ -53,20 +85,65 @@ impl SensorInputs {
         parameters: &Parameters,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Option<Arc<Self>> {
-        let queue = Arc::clone(twin.measurements()?);
-        let sensors = parameters.sensors();
+        let queue = Queue::OfTwin(Arc::clone(twin.measurements()?));
+        let watch = SensorWatch::new(parameters.sensors().len(), twin.now());
+        Some(Arc::new(Self::with(queue, parameters, watch, recording)))
+    }
+
+    /// Those of a column of a fleet, which has sensors; `log` is shared by all columns.
+    pub fn of_fleet(
+        (queues, column): (&FleetMeasurements, u32),
+        parameters: &Parameters,
+        now: Nanos,
+        log: &Arc<SensorLog>,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Self {
+        let queue = Queue::OfFleet(queues.clone(), column);
+        let watch = SensorWatch::new(parameters.sensors().len(), now);
+        let watch = watch.of_column(&parameters.settings().column_id, Arc::clone(log));
+        Self::with(queue, parameters, watch, recording)
+    }
+
+    fn with(
+        queue: Queue,
+        parameters: &Parameters,
+        watch: SensorWatch,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Self {
         let column_id = parameters.settings().column_id.clone();
-        let intake = Arc::new(Mutex::new(Intake::new(&sensors, &column_id)));
-        if let Some(recording) = &recording {
-            recording.sensors(&intake);
-        }
-        Some(Arc::new(Self {
+        let intake = Arc::new(Mutex::new(Intake::new(&parameters.sensors(), &column_id)));
+        let inputs = Self {
             intake,
             column_id,
             queue,
             recording,
-            watch: Mutex::new(SensorWatch::new(sensors.len(), twin.now())),
-        }))
+            watch: Mutex::new(watch),
+        };
+        if let Some(recording) = &inputs.recording {
+            recording.sensors(inputs.recorded_as(), &inputs.intake);
+        }
+        inputs
+    }
+
+    /// The column, as in [`RecordingTap`].
+    fn recorded_as(&self) -> Option<&str> {
+        match self.queue {
+            Queue::OfTwin(_) => None,
+            Queue::OfFleet(..) => Some(&self.column_id),
+        }
+    }
+
+    /// The index of the column in its fleet; 0 for a single twin.
+    pub fn column(&self) -> u32 {
+        match self.queue {
+            Queue::OfTwin(_) => 0,
+            Queue::OfFleet(_, column) => column,
+        }
+    }
+
+    /// The identifier of the column.
+    pub fn column_id(&self) -> &str {
+        &self.column_id
     }
 
     /// Takes a batch that arrived at `received`, by the clock that drives the twin.
@@ -80,7 +157,7 @@ impl SensorInputs {
         };
         // Before anything can follow from it.
         if is_needed {
-            self.record(measurement, received);
+            self.record(measurement, received, &intake);
         }
         drop(intake);
         match taken {
@@ -94,15 +171,18 @@ impl SensorInputs {
         }
     }
 
-    fn record(&self, measurement: &Measurement, received: Nanos) {
+    fn record(&self, measurement: &Measurement, received: Nanos, intake: &Intake) {
         let Some(recording) = &self.recording else {
             return;
         };
         match cdr::encode(measurement) {
-            Ok(bytes) => recording.measured(&qos::MEASUREMENTS, bytes, received),
+            Ok(bytes) => {
+                let column = self.recorded_as();
+                recording.measured(column, &qos::MEASUREMENTS, bytes, received, intake);
+            }
             Err(error) => {
                 recording.rejected(
-                    None,
+                    self.recorded_as(),
                     &qos::MEASUREMENTS,
                     "a batch",
                     None,
@@ -123,12 +203,78 @@ impl SensorInputs {
         watch.status(&health, &strays, lost, now)
     }
 
+    /// Logs what has changed since the last call, and returns the health of the sensors, what is wrong with them, and the batches that
+    /// were lost because the estimation did not take them in time.
+    pub fn problems(&self, now: Nanos) -> (Vec<SensorHealth>, Vec<String>, u64) {
+        let (health, strays) = {
+            let intake = self.intake();
+            (intake.health(now), intake.strays().clone())
+        };
+        let lost = self.queue.lost();
+        let problems = self.watch().problems(&health, &strays, lost, now);
+        (health, problems, lost)
+    }
+
     fn intake(&self) -> MutexGuard<'_, Intake> {
         self.intake.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn watch(&self) -> MutexGuard<'_, SensorWatch> {
         self.watch.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The columns of a node with sensors.
+#[derive(Debug)]
+pub(super) struct SensedColumns {
+    columns: Vec<Arc<SensorInputs>>,
+    /// Their places by their identifiers; `None` for a single twin, which tells by itself what is for other columns.
+    by_id: Option<HashMap<String, usize>>,
+    /// Batches for columns that are not in this fleet, or have no sensors.
+    strays: AtomicU64,
+}
+
+impl SensedColumns {
+    /// The column of a single twin.
+    pub fn of_twin(inputs: Arc<SensorInputs>) -> Self {
+        Self {
+            columns: vec![inputs],
+            by_id: None,
+            strays: AtomicU64::new(0),
+        }
+    }
+
+    /// The columns of a fleet.
+    pub fn of_fleet(columns: Vec<Arc<SensorInputs>>) -> Self {
+        let by_id = columns.iter().map(|it| it.column_id.clone()).zip(0..);
+        Self {
+            by_id: Some(by_id.collect()),
+            columns,
+            strays: AtomicU64::new(0),
+        }
+    }
+
+    /// All of them.
+    pub fn columns(&self) -> &[Arc<SensorInputs>] {
+        &self.columns
+    }
+
+    /// Batches for columns that are not in this fleet, or have no sensors.
+    pub fn strays(&self) -> u64 {
+        self.strays.load(Ordering::Relaxed)
+    }
+
+    fn take(&self, measurement: &Measurement, received: Nanos) {
+        let place = match &self.by_id {
+            None => Some(0),
+            Some(by_id) => by_id.get(&measurement.column_id).copied(),
+        };
+        match place.and_then(|it| self.columns.get(it)) {
+            Some(column) => column.take(measurement, received),
+            None => {
+                self.strays.fetch_add(1, Ordering::Relaxed);
+            }
+        }
     }
 }
 
@@ -181,25 +327,42 @@ impl Topic {
 
 /// The subscriptions of all topics of the sensors.
 pub(super) struct MeasurementSubscriptions {
-    inputs: Arc<SensorInputs>,
+    inputs: Arc<SensedColumns>,
+    recording: Option<Arc<dyn RecordingTap>>,
     /// With the names of the topics.
     topics: Vec<(String, Topic)>,
     senders: Arc<Senders>,
 }
 
 impl MeasurementSubscriptions {
-    /// Subscribes to `measurements` and to the topics that the parameters name.
+    /// Subscribes to `measurements` only, with a history for these columns of a fleet.
+    pub fn of_fleet(
+        node: &mut Node,
+        inputs: Arc<SensedColumns>,
+        senders: Arc<Senders>,
+        recording: Option<Arc<dyn RecordingTap>>,
+    ) -> Result<Self, NodeError> {
+        let mut endpoint = qos::MEASUREMENTS;
+        let depth = inputs.columns.len().saturating_mul(DEPTH_OF_A_COLUMN);
+        endpoint.qos.depth = depth.clamp(endpoint.qos.depth, MAX_DEPTH);
+        Ok(Self {
+            topics: vec![subscribe_to_measurements(node, &endpoint)?],
+            inputs,
+            recording,
+            senders,
+        })
+    }
+
+    /// Subscribes to `measurements` and to the topics that the parameters of a single twin name.
     pub fn new(
         node: &mut Node,
         parameters: &Parameters,
         inputs: Arc<SensorInputs>,
         senders: Arc<Senders>,
+        recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
-        let own = qos::MEASUREMENTS.name;
         let kind = qos::MEASUREMENTS.kind();
-        let full = node.names().resolve(kind, own)?;
-        let subscription = node.subscription(&qos::MEASUREMENTS)?;
-        let mut topics = vec![(full, Topic::Measurements(subscription))];
+        let mut topics = vec![subscribe_to_measurements(node, &qos::MEASUREMENTS)?];
         let sensors = parameters.sensors();
         let sources = parameters.sensor_sources();
         for (sensor, source) in sensors.iter().zip(&sources) {
@@ -239,36 +402,43 @@ impl MeasurementSubscriptions {
             }
         }
         Ok(Self {
-            inputs,
+            inputs: Arc::new(SensedColumns::of_twin(inputs)),
+            recording,
             topics,
             senders,
         })
     }
 
     /// Takes measurements until the task is stopped.
-    pub async fn run(self, twin: &LiveTwin, counters: &NodeCounters) {
+    pub async fn run(self, clock: impl Fn() -> Nanos, counters: &NodeCounters) {
         let Self {
             inputs,
+            recording,
             mut topics,
             senders,
         } = self;
         let inputs = &*inputs;
         // A simulated clock cannot be before its beginning, but a message can say so.
-        let now = || twin.now().max(0);
+        let now = || clock().max(0);
+        let now = &now;
         let admits = |info: &MessageInfo, topic: &str| {
             let admitted = senders.admit_stream(info.publisher_gid(), Instant::now());
             let told = |rejected: &Rejected| {
                 let what = format!("a measurement on {topic}");
-                tell(&inputs.recording, None, &qos::MEASUREMENTS, &what, rejected);
+                tell(&recording, None, &qos::MEASUREMENTS, &what, rejected);
             };
             admitted.inspect_err(told).is_ok()
         };
         let admits = &admits;
         let collected = |collecting: &mut [Collecting], stamp: Time, vector: &Vector3| {
             for sensor in collecting {
-                let complete = sensor.push(&inputs.column_id, nanos(stamp), vector);
+                // Only the sensors of a single twin have messages of this kind.
+                let Some(column) = inputs.columns.first() else {
+                    return;
+                };
+                let complete = sensor.push(&column.column_id, nanos(stamp), vector);
                 if let Some(measurement) = complete {
-                    inputs.take(&measurement, now());
+                    column.take(&measurement, now());
                 }
             }
         };
@@ -319,6 +489,16 @@ impl MeasurementSubscriptions {
         });
         join_all(runs).await;
     }
+}
+
+/// Subscribes to the topic that sensors share.
+fn subscribe_to_measurements(
+    node: &mut Node,
+    endpoint: &Endpoint,
+) -> Result<(String, Topic), NodeError> {
+    let full = node.names().resolve(endpoint.kind(), endpoint.name)?;
+    let subscription = node.subscription(endpoint)?;
+    Ok((full, Topic::Measurements(subscription)))
 }
 
 fn subscribe(node: &mut Node, topic: &str, message: SensorMessage) -> Result<Topic, NodeError> {

@@ -6,7 +6,6 @@ use crate::messages::column_twin::{
 use crate::senses::Quantity;
 use crate::twin::{Accepted, Command, EstimateDecision, Refusal, RefusalCode, ResidualMeasurement};
 
-use super::live_twin::LiveTwin;
 use super::qos;
 
 impl ros2_client::Message for ConfirmEstimateRequest {}
@@ -14,16 +13,26 @@ impl ros2_client::Message for ConfirmEstimateResponse {}
 impl ros2_client::Message for CalibrateRequest {}
 impl ros2_client::Message for CalibrateResponse {}
 
-/// Passes a decision about an estimate to the twin.
+/// Checks that a request to a single twin is for its column.
+pub(super) fn check_column(own: &str, wanted: &str) -> Result<(), Refusal> {
+    if wanted.is_empty() || wanted == own {
+        return Ok(());
+    }
+    let reason =
+        format!("the request is for column {wanted:?}, but this is the twin of column {own:?}");
+    Err(Refusal::new(RefusalCode::OtherColumn, reason))
+}
+
+/// Passes a decision about an estimate to a twin.
 pub(super) fn confirm_estimate(
-    twin: &LiveTwin,
     request: ConfirmEstimateRequest,
+    execute: impl FnOnce(Command) -> Result<Accepted, Refusal>,
 ) -> ConfirmEstimateResponse {
     let message = match request.accept {
         true => "the impact is one of the twin",
         false => "the impact is rejected",
     };
-    let outcome = twin.execute(Command::DecideEstimate(EstimateDecision {
+    let outcome = execute(Command::DecideEstimate(EstimateDecision {
         event_id: request.event_id,
         accept: request.accept,
         source: format!("service {}", qos::CONFIRM_ESTIMATE.name).into(),
@@ -47,8 +56,11 @@ pub(super) fn not_decided(refusal: &Refusal) -> ConfirmEstimateResponse {
     }
 }
 
-/// Passes a measurement on the column at rest to the twin.
-pub(super) fn calibrate(twin: &LiveTwin, request: &CalibrateRequest) -> CalibrateResponse {
+/// Passes a measurement on the column at rest to a twin.
+pub(super) fn calibrate(
+    request: &CalibrateRequest,
+    execute: impl FnOnce(Command) -> Result<Accepted, Refusal>,
+) -> CalibrateResponse {
     let quantity = match request.quantity {
         CalibrateRequest::DISPLACEMENT => Quantity::Displacement,
         CalibrateRequest::ROTATION => Quantity::Rotation,
@@ -58,7 +70,7 @@ pub(super) fn calibrate(twin: &LiveTwin, request: &CalibrateRequest) -> Calibrat
             return not_calibrated(&Refusal::new(code, reason));
         }
     };
-    let outcome = twin.execute(Command::Calibrate(ResidualMeasurement {
+    let outcome = execute(Command::Calibrate(ResidualMeasurement {
         quantity,
         height: request.height,
         value: request.value,

@@ -1,5 +1,6 @@
 //! The health of the sensors, in `/diagnostics` and in the log.
 
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::messages::diagnostic_msgs::DiagnosticStatus;
@@ -30,6 +31,23 @@ pub(super) struct SensorStatus {
     pub values: Vec<(String, String)>,
 }
 
+/// Limits the lines about sensors, of one column or of all columns of a fleet.
+#[derive(Debug)]
+pub(super) struct SensorLog(Mutex<LogLimit>);
+
+impl Default for SensorLog {
+    fn default() -> Self {
+        Self(Mutex::new(LogLimit::new(MAX_LINES, LOG_PERIOD)))
+    }
+}
+
+impl SensorLog {
+    fn admit(&self, now: Instant) -> Option<u64> {
+        let mut limit = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        limit.admit(now)
+    }
+}
+
 /// Sees what changes, and logs it.
 pub(super) struct SensorWatch {
     started: Nanos,
@@ -37,7 +55,9 @@ pub(super) struct SensorWatch {
     /// Batches that the queue had dropped.
     lost_by_queue: u64,
     unknown: u64,
-    log: LogLimit,
+    /// Names the column of a fleet in a line about a sensor; empty for a single twin.
+    of: String,
+    log: Arc<SensorLog>,
 }
 
 #[derive(Debug, Clone)]
@@ -66,7 +86,17 @@ impl SensorWatch {
             sensors: vec![watched; sensors],
             lost_by_queue: 0,
             unknown: 0,
-            log: LogLimit::new(MAX_LINES, LOG_PERIOD),
+            of: String::new(),
+            log: Arc::default(),
+        }
+    }
+
+    /// The sensors of this column of a fleet, whose columns share a log.
+    pub fn of_column(self, column_id: &str, log: Arc<SensorLog>) -> Self {
+        Self {
+            of: format!(" of column {column_id:?}"),
+            log,
+            ..self
         }
     }
 
@@ -77,7 +107,8 @@ impl SensorWatch {
         };
         let sensor: String = sensor.chars().take(MAX_NAMED_CHARS).collect();
         let hidden = told(hidden);
-        tracing::warn!("a batch of sensor {sensor:?} was dropped: {rejection}{hidden}");
+        let of = &self.of;
+        tracing::warn!("a batch of sensor {sensor:?}{of} was dropped: {rejection}{hidden}");
     }
 
     /// Logs what has changed since the last call, and returns the status.
@@ -88,30 +119,8 @@ impl SensorWatch {
         lost_by_queue: u64,
         now: Nanos,
     ) -> SensorStatus {
-        let lost = lost_by_queue.saturating_sub(self.lost_by_queue);
-        self.lost_by_queue = lost_by_queue;
-        if lost > 0 {
-            self.log(true, &|| {
-                format!(
-                    "{lost} batches of measurements were lost, because the estimation did not take them in time"
-                )
-            });
-        }
-        let mut problems = Vec::new();
-        for (index, health) in sensors.iter().enumerate() {
-            self.tell_changes(index, health, now);
-            problems.extend(problem(health, &self.sensors[index], now));
-        }
-        if strays.unknown_sensor > std::mem::replace(&mut self.unknown, strays.unknown_sensor) {
-            problems.push("batches of unknown sensors arrive".to_owned());
-        }
-        let mut values: Vec<_> = sensors.iter().map(value).collect();
-        for health in sensors {
-            if let Some(rejection) = &health.last_rejection {
-                let key = format!("{}: last batch that was dropped", health.name);
-                values.push((key, rejection.to_string()));
-            }
-        }
+        let problems = self.problems(sensors, strays, lost_by_queue, now);
+        let mut values = values(sensors);
         let Strays {
             other_column,
             unknown_sensor,
@@ -134,9 +143,38 @@ impl SensorWatch {
         }
     }
 
+    /// Logs what has changed since the last call, and returns what is wrong with the sensors.
+    pub fn problems(
+        &mut self,
+        sensors: &[SensorHealth],
+        strays: &Strays,
+        lost_by_queue: u64,
+        now: Nanos,
+    ) -> Vec<String> {
+        let of = self.of.clone();
+        let lost = lost_by_queue.saturating_sub(self.lost_by_queue);
+        self.lost_by_queue = lost_by_queue;
+        if lost > 0 {
+            self.log(true, &|| {
+                format!(
+                    "{lost} batches of measurements{of} were lost, because the estimation did not take them in time"
+                )
+            });
+        }
+        let mut problems = Vec::new();
+        for (index, health) in sensors.iter().enumerate() {
+            self.tell_changes(index, health, now);
+            problems.extend(problem(health, &self.sensors[index], now));
+        }
+        if strays.unknown_sensor > std::mem::replace(&mut self.unknown, strays.unknown_sensor) {
+            problems.push("batches of unknown sensors arrive".to_owned());
+        }
+        problems
+    }
+
     fn tell_changes(&mut self, index: usize, health: &SensorHealth, now: Nanos) {
         let before = self.sensors[index].clone();
-        let name = &health.name;
+        let name = &format!("{}{}", health.name, self.of);
         let counts = health.counts;
         let lost = counts.lost.saturating_sub(before.counts.lost);
         let saturated = counts.saturated.saturating_sub(before.counts.saturated);
@@ -217,6 +255,18 @@ impl SensorWatch {
             false => tracing::warn!("{line}{hidden}"),
         }
     }
+}
+
+/// What was counted of each sensor.
+pub(super) fn values(sensors: &[SensorHealth]) -> Vec<(String, String)> {
+    let mut values: Vec<_> = sensors.iter().map(value).collect();
+    for health in sensors {
+        if let Some(rejection) = &health.last_rejection {
+            let key = format!("{}: last batch that was dropped", health.name);
+            values.push((key, rejection.to_string()));
+        }
+    }
+    values
 }
 
 fn told(hidden: u64) -> String {

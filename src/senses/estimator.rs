@@ -179,6 +179,13 @@ impl Estimator {
         self.prepared
     }
 
+    /// Bytes that all prepared responses will take, about.
+    pub(super) fn bytes_when_prepared(&self) -> usize {
+        let hypotheses = self.population.hypotheses.iter();
+        let responses: usize = hypotheses.map(prepared_responses).sum();
+        responses * self.population.bytes_of_a_response()
+    }
+
     /// Whether the responses of all hypotheses are prepared.
     #[must_use]
     pub fn is_prepared(&self) -> bool {
@@ -190,10 +197,7 @@ impl Estimator {
             return self.preparing.take();
         }
         let hypothesis = self.population.hypotheses.get(self.prepared)?;
-        let count = match hypothesis.front {
-            Front::Rigid | Front::Elastic => WIDE_BANK,
-            Front::Vehicle(_) => NARROW_BANK,
-        };
+        let count = prepared_responses(hypothesis);
         Some(self.population.plan_prior(self.prepared, count))
     }
 
@@ -528,6 +532,14 @@ impl Estimator {
             effective_responses: effective,
             doubtful_sensors: self.doubtful().map(str::to_owned).collect(),
         }
+    }
+}
+
+/// Responses that are prepared of a hypothesis.
+fn prepared_responses(hypothesis: &Hypothesis) -> usize {
+    match hypothesis.front {
+        Front::Rigid | Front::Elastic => WIDE_BANK,
+        Front::Vehicle(_) => NARROW_BANK,
     }
 }
 

@@ -305,6 +305,11 @@ impl Intake {
         rejection
     }
 
+    /// The sensors, in the order of the parameters.
+    pub fn sensors(&self) -> impl Iterator<Item = &Sensor> {
+        self.channels.iter().map(|it| &it.sensor)
+    }
+
     /// What the next batches depend on.
     #[must_use]
     pub fn state(&self) -> IntakeState {

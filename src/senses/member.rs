@@ -1,10 +1,12 @@
 //! One response among those that are weighed: its likelihood by the data.
 
+use std::sync::Arc;
+
 use super::hypothesis::UNKNOWNS;
-use super::lanes::{Lanes, WIDTH, ZERO};
+use super::lanes::{Lanes, WIDTH, ZERO, lanes};
 use super::model_error::ModelError;
 use super::prediction::{Place, Prediction};
-use super::sensor::Quantity;
+use super::sensor::{Quantity, Sensor};
 use super::weighing::{SCREENED_SHIFTS, SHIFTS, WeighedBlock, Weighing};
 use crate::assessment::Severity;
 
@@ -22,7 +24,8 @@ const NOTHING: f64 = -40.0;
 pub(super) struct Member {
     pub hypothesis: usize,
     pub unknowns: [f64; UNKNOWNS],
-    pub prediction: Prediction,
+    /// Never changed, so that the estimators of equal columns share it.
+    pub prediction: Arc<Prediction>,
     /// Logarithm of its density before anything is measured, and of the likelihood of what events say.
     pub log_prior: f64,
     pub log_events: f64,
@@ -123,7 +126,7 @@ impl Member {
         Self {
             hypothesis,
             unknowns,
-            prediction,
+            prediction: Arc::new(prediction),
             log_prior,
             log_events: 0.0,
             log_likelihood: 0.0,
@@ -136,6 +139,11 @@ impl Member {
             delay: 0.0,
             scale: NO_SCALE,
         }
+    }
+
+    /// Bytes that a member takes without its prediction.
+    pub fn bytes(sensors: &[Sensor]) -> usize {
+        size_of::<Self>() + SHIFTS * lanes(sensors.len()).len() * size_of::<Sums>()
     }
 
     /// Back to what it was before any data. What was assessed does not depend on them.

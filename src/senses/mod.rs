@@ -30,6 +30,8 @@ mod intake;
 #[cfg(feature = "study")]
 mod lanes;
 #[cfg(feature = "study")]
+mod library;
+#[cfg(feature = "study")]
 mod member;
 #[cfg(feature = "study")]
 mod model_error;
@@ -80,6 +82,8 @@ pub use intake::{
     PERIOD_TOLERANCE, RawBatch, Rejection, SILENCE, SensorCondition, SensorCounts, SensorHealth,
     Strays,
 };
+#[cfg(feature = "study")]
+pub use library::Library;
 pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};

@@ -170,6 +170,11 @@ impl Population {
         &self.properties
     }
 
+    /// Bytes that a member takes, about.
+    pub fn bytes_of_a_response(&self) -> usize {
+        Prediction::bytes(&self.grid, &self.sensors) + Member::bytes(&self.sensors)
+    }
+
     /// Draws `count` members of a hypothesis from what is known before the impact.
     pub fn plan_prior(&mut self, hypothesis: usize, count: usize) -> Round {
         let Hypothesis {

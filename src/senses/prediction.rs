@@ -160,6 +160,12 @@ impl Prediction {
         })
     }
 
+    /// Bytes that a prediction takes, about.
+    pub fn bytes(grid: &TimeGrid, sensors: &[Sensor]) -> usize {
+        let integrals = (grid.edges.len() + 1) * lanes(sensors.len()).len() * size_of::<Lanes>();
+        integrals + size_of::<Self>() + size_of::<State>()
+    }
+
     /// Integrals of the readings from contact to a place \[s, times their units\], of the sensors of one group.
     pub fn integrals(&self, group: usize, place: Place) -> Lanes {
         let groups = self.at_end.len();

@@ -14,6 +14,7 @@ use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
 use super::event_evidence::{EventEvidence, MAX_EVENTS};
 use super::hypothesis::hypotheses;
+use super::library::Library;
 use super::prediction::HORIZON;
 use super::sensor::Sensor;
 use super::standing_column::StandingColumn;
@@ -60,6 +61,9 @@ const END_OF_DATA: Nanos = 300_000_000;
 /// Samples so long before contact do not count \[ns\]: more than the lead of the first block.
 const UNUSED: Nanos = 10_000_000;
 
+/// Data that are later than this after the detected contact change no estimate \[ns\]: twice the time that predictions cover.
+const NEEDED: Nanos = 1_000_000_000;
+
 /// After an impact the next one can be detected once nothing was felt for this time \[ns\].
 const QUIET: Nanos = 1_000_000_000;
 
@@ -89,16 +93,21 @@ pub struct Sensing {
     /// The sensors of the parameters; the signs of batches are corrected.
     sensors: Vec<Sensor>,
     column: StandingColumn,
-    estimator: Estimator,
+    /// Shared until an impact is estimated.
+    estimator: Arc<Estimator>,
+    /// What it begins with, nothing of which is prepared, if others prepare for it.
+    base: Option<Library>,
     detector: Detector,
     /// The instant from which the detector's times count: the first sample.
-    base: Option<Nanos>,
+    began: Option<Nanos>,
     kept: VecDeque<(u64, Batch)>,
     /// End of the data of each sensor.
     ends: Vec<Option<Nanos>>,
     /// The number of the next batch.
     next: u64,
     last: (u16, Nanos),
+    /// Batches since the detection that are too late for the impact to count, and were not kept.
+    beyond: u64,
     phase: Phase,
 }
 
@@ -162,25 +171,68 @@ impl Sensing {
     /// # Errors
     /// No sensors, or parameters that make no column.
     pub fn new(parameters: &Parameters, column: StandingColumn) -> Result<Self, EstimatorError> {
-        let sensors = corrected_sensors(parameters);
-        Ok(Self {
-            estimator: estimator_of(parameters, &column, &sensors)?,
+        Ok(Self::with(Library::new(parameters, column)?, false))
+    }
+
+    /// For a column at rest that does not prepare responses by itself before an impact, but [takes](Self::take_library) those
+    /// that are prepared for all columns like it. `library` is the one with which they begin.
+    #[must_use]
+    pub fn sharing(library: Library) -> Self {
+        Self::with(library, true)
+    }
+
+    fn with(library: Library, is_shared: bool) -> Self {
+        let sensors = library.sensors().to_vec();
+        Self {
+            estimator: Arc::clone(library.estimator()),
+            column: library.column().clone(),
+            base: is_shared.then_some(library),
             detector: Detector::new(&sensors),
-            base: None,
+            began: None,
             kept: VecDeque::new(),
             ends: vec![None; sensors.len()],
             next: 0,
             last: (0, 0),
+            beyond: 0,
             phase: Phase::Armed,
             sensors,
-            column,
-        })
+        }
     }
 
     /// Whether an impact is being estimated.
     #[must_use]
     pub fn is_estimating(&self) -> bool {
         matches!(self.phase, Phase::Detected(_) | Phase::Impact(_))
+    }
+
+    /// Whether an impact was detected, and the next step is not part of an estimate of it yet.
+    #[must_use]
+    pub fn has_detected(&self) -> bool {
+        matches!(self.phase, Phase::Detected(_))
+    }
+
+    /// The hypotheses whose responses are prepared.
+    #[must_use]
+    pub fn prepared(&self) -> usize {
+        self.estimator.prepared()
+    }
+
+    /// Takes what was prepared for columns like this one, unless an impact is being estimated.
+    pub fn take_library(&mut self, library: &Library) {
+        if !matches!(self.phase, Phase::Impact(_)) {
+            self.estimator = Arc::clone(library.estimator());
+        }
+    }
+
+    /// From now on the column is one for which this library was begun, with the same sensors. An impact that is being estimated is
+    /// given up.
+    pub fn share(&mut self, library: Library) {
+        if self.is_estimating() {
+            self.settle();
+        }
+        self.column = library.column().clone();
+        self.estimator = Arc::clone(library.estimator());
+        self.base = Some(library);
     }
 
     /// Whether these parameters declare the same sensors.
@@ -206,9 +258,9 @@ impl Sensing {
         column: StandingColumn,
     ) -> Result<(), EstimatorError> {
         if column == self.column && self.estimator.suits(parameters, &hypotheses(parameters)) {
-            self.estimator.set_parameters(parameters);
+            Arc::make_mut(&mut self.estimator).set_parameters(parameters);
         } else {
-            self.estimator = estimator_of(parameters, &column, &self.sensors)?;
+            self.estimator = Arc::new(estimator_of(parameters, &column, &self.sensors)?);
             self.column = column;
         }
         if self.is_estimating() {
@@ -231,13 +283,21 @@ impl Sensing {
             self.detect(&batch);
         }
         if let Phase::Impact(impact) = &self.phase {
-            feed(&mut self.estimator, impact.origin, &batch);
+            feed(Arc::make_mut(&mut self.estimator), impact.origin, &batch);
+        } else if self.is_beyond(&batch) {
+            self.beyond += 1;
         } else {
             self.kept.push_back((number, batch));
             if !self.is_estimating() {
                 self.forget_old();
             }
         }
+    }
+
+    /// Whether the impact that was detected ends before this batch: it changes no estimate.
+    fn is_beyond(&self, batch: &Batch) -> bool {
+        let end = self.began.map(|began| began.saturating_add(NEEDED));
+        self.has_detected() && end.is_some_and(|end| batch.first > end)
     }
 
     /// An event is the same impact as this estimate. Returns whether it counts, from the next estimate on: no estimate follows the final one,
@@ -258,7 +318,7 @@ impl Sensing {
         if self.is_estimating() {
             return;
         }
-        let base = *self.base.get_or_insert(batch.first);
+        let base = *self.began.get_or_insert(batch.first);
         let sensor = usize::from(batch.sensor);
         for (time, value) in batch.samples() {
             let since = time.saturating_sub(base) as f64 / NANOS;
@@ -271,7 +331,7 @@ impl Sensing {
                     let contact = (NANOS * detection.contact.time).round();
                     detection.confirmed_at -= contact / NANOS;
                     detection.contact.time = 0.0;
-                    self.base = Some(base + contact as Nanos);
+                    self.began = Some(base + contact as Nanos);
                     self.phase = Phase::Detected(detection);
                     return;
                 }
@@ -293,10 +353,14 @@ impl Sensing {
     /// Learns the zeros of the sensors again.
     fn settle(&mut self) {
         if self.is_estimating() {
-            self.estimator.rewind();
+            match &self.base {
+                Some(base) => self.estimator = Arc::clone(base.estimator()),
+                None => Arc::make_mut(&mut self.estimator).rewind(),
+            }
         }
+        self.beyond = 0;
         self.detector = Detector::new(&self.sensors);
-        self.base = None;
+        self.began = None;
         let newest = self.ends.iter().flatten().max();
         self.phase = Phase::Settling(newest.copied().unwrap_or_default());
         self.kept.clear();
@@ -325,12 +389,13 @@ impl Sensing {
     /// Does the next slice of work.
     pub fn step(&mut self) -> Work {
         match &mut self.phase {
-            Phase::Armed | Phase::Settling(_) => match self.estimator.prepare_one() {
+            Phase::Armed | Phase::Settling(_) if self.base.is_some() => Work::Idle,
+            Phase::Armed | Phase::Settling(_) => match self.own_estimator().prepare_one() {
                 true => Work::Idle,
                 false => Work::More { is_urgent: false },
             },
             Phase::Detected(_) if self.estimator.prepared() < LEAST_PREPARED => {
-                self.estimator.prepare_one();
+                self.own_estimator().prepare_one();
                 URGENT
             }
             Phase::Detected(detection) => {
@@ -341,22 +406,36 @@ impl Sensing {
         }
     }
 
+    /// Computes or assesses one more response for an impact that was detected, if it has to wait for more than the first ones because
+    /// nobody prepares for this column; whether all are computed.
+    pub fn prepare_one(&mut self) -> bool {
+        if !self.is_prepared() && self.has_detected() {
+            self.own_estimator().prepare_one();
+        }
+        self.is_prepared()
+    }
+
+    /// Makes the estimator one of its own.
+    fn own_estimator(&mut self) -> &mut Estimator {
+        Arc::make_mut(&mut self.estimator)
+    }
+
     fn begin(&mut self, detection: Detection) -> Work {
         if self.estimator.responses() == 0 {
             self.settle();
             return Work::Missed("no response to any conceivable impact can be computed");
         }
-        let (Some(origin), Some((first_batch, _))) = (self.base, self.kept.front()) else {
+        let (Some(origin), Some((first_batch, _))) = (self.began, self.kept.front()) else {
             self.settle();
             return Work::Missed("its data are not known any more");
         };
         let first_batch = *first_batch;
         let contact = &detection.contact;
-        self.estimator
-            .begin(contact.time, contact.deviation, &detection.zeros);
+        let estimator = Arc::make_mut(&mut self.estimator);
+        estimator.begin(contact.time, contact.deviation, &detection.zeros);
         let known = self.kept.len() as u64;
         for (_, batch) in self.kept.drain(..) {
-            feed(&mut self.estimator, origin, &batch);
+            feed(estimator, origin, &batch);
         }
         let newest = self.ends.iter().flatten().max().copied();
         let is_alive =
@@ -366,7 +445,7 @@ impl Sensing {
             origin,
             detection,
             first_batch,
-            lost: (self.next - first_batch).saturating_sub(known),
+            lost: (self.next - first_batch).saturating_sub(known + self.beyond),
             prepared: self.estimator.prepared() as u32,
             awaited: self.ends.iter().map(is_alive).collect(),
             update: 0,
@@ -386,7 +465,7 @@ impl Sensing {
         };
         let available = impact.available(&self.ends);
         let is_due = !impact.is_complete && (impact.has_ended || is_due(impact.until, available));
-        let estimator = &mut self.estimator;
+        let estimator = Arc::make_mut(&mut self.estimator);
         match &mut impact.task {
             Task::Between(refinement) if is_due || (impact.is_complete && refinement.is_over()) => {
                 refinement.end_soon();

@@ -47,9 +47,9 @@ impl RecordingTap for Tap {
 
     fn received(&self, _: Option<&str>, _: &Endpoint, _: Vec<u8>, _: Option<i64>) {}
 
-    fn sensors(&self, _: &Arc<Mutex<Intake>>) {}
+    fn sensors(&self, _: Option<&str>, _: &Arc<Mutex<Intake>>) {}
 
-    fn measured(&self, _: &Endpoint, _: Vec<u8>, _: i64) {}
+    fn measured(&self, _: Option<&str>, _: &Endpoint, _: Vec<u8>, _: i64, _: &Intake) {}
 
     fn rejected(&self, _: Option<&str>, _: &Endpoint, _: &str, _: Option<RefusalCode>, _: &str) {}
 

@@ -93,7 +93,7 @@ impl RecordedTwin {
         let intake = (!sensors.is_empty()).then(|| {
             let intake = Intake::new(&sensors, &parameters.settings().column_id);
             let intake = Arc::new(Mutex::new(intake));
-            recording.sensors(&intake);
+            recording.sensors(None, &intake);
             intake
         });
         let outgoing = Outgoing::new(&parameters);
@@ -188,8 +188,10 @@ impl RecordedTwin {
     /// Records measurements that the node receives now.
     pub fn measure(&self, message: &Measurement) {
         let bytes = cdr::encode(message).expect("bytes");
+        // Only that of a column of a fleet is looked at.
+        let unused = Intake::new(&[], "");
         self.recording
-            .measured(&endpoints::MEASUREMENTS, bytes, self.now);
+            .measured(None, &endpoints::MEASUREMENTS, bytes, self.now, &unused);
     }
 
     /// The node sends a message that does not come from the twin.

@@ -6,6 +6,7 @@
 mod column_topics;
 #[path = "../ros/domain.rs"]
 mod domain;
+mod felt;
 #[path = "../ros/incoming.rs"]
 #[allow(dead_code)] // the tests of a single twin use more of it
 mod incoming;
@@ -19,5 +20,6 @@ mod pool;
 mod program;
 mod real_peers;
 mod row;
+mod sensors;
 mod shard;
 mod studies;

@@ -403,8 +403,10 @@ fn bad_input_ends_the_command_with_what_to_do() {
                 "sensors.laser.rate:=1000.0",
                 "-p",
                 "sensors.laser.height:=1.0",
+                "-p",
+                "sensors.laser.topic:=lasers",
             ]),
-            "has sensors (laser), but a fleet does not take measurements",
+            "sensors.laser.topic of column",
         ),
         (with(&["--ros-args", "-p", "top.laod:=1.0"]), "top.laod"),
     ] {

@@ -256,6 +256,7 @@ fn an_impact_that_is_felt_waits_for_the_service_that_confirms_it() {
     assert!(width < 0.4, "{last:#?}");
     let deadline = Instant::now() + PATIENCE;
     let request = ConfirmEstimateRequest {
+        column_id: COLUMN.to_owned(),
         event_id: last.event_id.clone(),
         accept: true,
     };

@@ -6,8 +6,8 @@ use column_twin::column::{
 };
 use column_twin::parameters::Parameters;
 use column_twin::senses::{
-    Batch, CredibleInterval, EstimateRecord, EventEvidence, Probe, Readings, Recomputation,
-    Sensing, Sensor, StandingColumn, Work,
+    Batch, CredibleInterval, EstimateRecord, EventEvidence, Library, Probe, Readings,
+    Recomputation, Sensing, Sensor, StandingColumn, Work,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -491,4 +491,97 @@ fn an_undamaged_state_is_the_virgin_column() {
     let model = Model::new(&parameters.column_properties()).expect("a column");
     let column = StandingColumn::new(&model, &State::at_rest(&model));
     assert_eq!(column, StandingColumn::virgin(&parameters));
+}
+
+/// Columns of a fleet share what is prepared. An estimate does not depend on that, and what one impact adds does not reach the
+/// next one.
+#[test]
+fn a_column_that_shares_its_responses_makes_the_same_estimates_as_one_of_its_own() {
+    let signal = Signal::read("s02_rigid_10");
+    let (sensors, readings) = signal.readings(SETS[1], 7);
+    let parameters = with_sensors(&signal.parameters(), &sensors);
+    let base = Library::new(&parameters, StandingColumn::virgin(&parameters)).expect("sensors");
+    let mut library = base.clone();
+    while !library.prepare_one() {}
+    assert_eq!(base.prepared(), 0, "a copy is carried on alone");
+    let (_, expected) = estimates(&signal, SETS[1], 7);
+    for _ in 0..2 {
+        let mut sensing = Sensing::sharing(base.clone());
+        assert_eq!(sensing.step(), Work::Idle, "others prepare for it");
+        let mut records = Vec::new();
+        for (number, batch) in batches(&readings, SAMPLES) {
+            let is_last = usize::from(batch.sensor) + 1 == sensors.len();
+            sensing.push(number, batch);
+            if sensing.has_detected() {
+                sensing.take_library(&library);
+            }
+            if is_last {
+                work(&mut sensing, SLICES, &mut records);
+            }
+        }
+        sensing.note_time(START + 2_000_000_000);
+        work(&mut sensing, usize::MAX, &mut records);
+        assert_eq!(format!("{records:?}"), format!("{expected:?}"));
+        assert_eq!(sensing.prepared(), 0, "its own copy is gone");
+    }
+}
+
+/// The data of an impact whose responses are prepared late wait, and all of them count.
+#[test]
+fn an_impact_whose_responses_are_prepared_late_is_estimated_later_from_the_same_data() {
+    let signal = Signal::read("s02_rigid_10");
+    let (sensors, readings) = signal.readings(SETS[1], 7);
+    let parameters = with_sensors(&signal.parameters(), &sensors);
+    let base = Library::new(&parameters, StandingColumn::virgin(&parameters)).expect("sensors");
+    let mut sensing = Sensing::sharing(base);
+    let given = batches(&readings, SAMPLES);
+    let last = given.last().expect("data").1.end();
+    for (number, batch) in given.iter().cloned() {
+        sensing.push(number, batch);
+    }
+    // Seconds pass in which the column is at rest.
+    let mut number = given.len() as u64;
+    for second in 0..3 {
+        let values = vec![0.0_f32; 10_000];
+        let values = values.into();
+        sensing.push(
+            number,
+            Batch {
+                sensor: 0,
+                first: last + 1_000_000_000 * second,
+                period: 100_000,
+                values,
+            },
+        );
+        number += 1;
+    }
+    assert!(sensing.has_detected());
+    while !sensing.prepare_one() {}
+    let mut records = Vec::new();
+    sensing.note_time(last + 10_000_000_000);
+    work(&mut sensing, usize::MAX, &mut records);
+    let final_one = records.last().expect("an estimate");
+    assert!(final_one.is_final);
+    assert_eq!(final_one.lost_batches, 0, "what was not kept was not lost");
+    let momentum = &final_one.estimate.momentum;
+    let truth = signal.number("mass") * signal.number("speed");
+    assert!((momentum.mean / truth - 1.0).abs() < 0.15, "{momentum:?}");
+    // The same bits follow from all batches that came.
+    let known = |number: u64| given.get(number as usize).map(|(_, batch)| batch);
+    let quiet: Vec<Batch> = (0..3)
+        .map(|second| Batch {
+            sensor: 0,
+            first: last + 1_000_000_000 * second,
+            period: 100_000,
+            values: vec![0.0; 10_000].into(),
+        })
+        .collect();
+    let known = |number: u64| {
+        known(number).or_else(|| quiet.get((number as usize).checked_sub(given.len())?))
+    };
+    let mut recomputation = Recomputation::new(&parameters);
+    for record in &records {
+        let again = recomputation.repeat(record, known).expect("computed again");
+        assert_eq!(format!("{again:?}"), format!("{record:?}"));
+    }
 }

@@ -9,6 +9,8 @@ mod background;
 mod keeper;
 mod readers;
 mod schedule;
+#[cfg(feature = "study")]
+mod sensors;
 mod worker;
 
 use std::fmt;
@@ -21,6 +23,8 @@ use std::thread::{self, JoinHandle};
 use crossbeam_queue::ArrayQueue;
 use rustix::thread::sched_getaffinity;
 
+#[cfg(feature = "study")]
+pub use sensors::{FleetMeasurements, SensingStatistics};
 pub use worker::MAX_THREADS;
 
 use super::clock::{Clock, monotonic_nanos};
@@ -32,13 +36,13 @@ use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
 use crate::parameters::Parameters;
-use crate::twin::{
-    Accepted, Command, ImpactCommand, Prediction, Refusal, RefusalCode, Striking, Twin,
-};
+use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, Striking, Twin};
 use background::Background;
 use keeper::Keeper;
 use readers::Readers;
 use schedule::Plan;
+#[cfg(feature = "study")]
+use sensors::FleetSensing;
 use worker::{Agreed, Counters, Shared, Slot};
 
 /// Maximum number of requests to the columns of a fleet that wait; more are rejected.
@@ -134,6 +138,12 @@ impl LiveFleet {
         }
         let notifiers: Box<[Arc<Notifier>]> = (0..threads).map(|_| Arc::default()).collect();
         notifiers.iter().for_each(|it| clock.serve(it));
+        #[cfg(feature = "study")]
+        let (measurements, news) = {
+            let is_sensed = |twin: &Twin| !twin.parameters().settings().sensors.names.is_empty();
+            let is_sensed: Vec<bool> = twins.iter().map(is_sensed).collect();
+            sensors::prepare(&is_sensed).unzip()
+        };
         let shared = Arc::new(Shared {
             parameters: twins
                 .iter()
@@ -147,12 +157,14 @@ impl LiveFleet {
             inbox: ArrayQueue::new(MAX_FLEET_COMMANDS),
             notifiers,
             waiting: AtomicU64::new(0),
-            clock,
+            clock: Arc::clone(&clock),
             stop: AtomicBool::new(false),
-            outputs,
+            outputs: Arc::clone(&outputs),
             keeper,
             journals: options.journals,
             background: Arc::clone(&background),
+            #[cfg(feature = "study")]
+            news,
             counters: Counters::default(),
         });
         let mut handle = FleetHandle {
@@ -161,11 +173,13 @@ impl LiveFleet {
             solvers: Vec::new(),
             keeping,
             computing: None,
+            #[cfg(feature = "study")]
+            sensing: None,
             real_time: RealTimeGrants::default(),
             is_stopped: false,
         };
         let told = Arc::clone(&shared);
-        handle.computing = Some(background.start(processors, move || told.wake_one())?);
+        handle.computing = Some(background.start(processors.clone(), move || told.wake_one())?);
         let (sender, grants) = sync_channel(threads);
         for number in 0..threads {
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
@@ -182,6 +196,18 @@ impl LiveFleet {
             handle.solvers.push(solver);
         }
         handle.real_time = grants.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default();
+        #[cfg(feature = "study")]
+        if let Some(measurements) = measurements {
+            let reserved = &options.real_time.processors;
+            handle.sensing = Some(FleetSensing::start(
+                measurements,
+                &shared,
+                &clock,
+                &outputs,
+                reserved,
+                processors,
+            )?);
+        }
         Ok((handle, receiver))
     }
 }
@@ -194,6 +220,9 @@ pub struct FleetHandle {
     solvers: Vec<JoinHandle<()>>,
     keeping: Option<JoinHandle<()>>,
     computing: Option<JoinHandle<()>>,
+    /// `None` without sensors.
+    #[cfg(feature = "study")]
+    sensing: Option<FleetSensing>,
     real_time: RealTimeGrants,
     is_stopped: bool,
 }
@@ -295,18 +324,29 @@ impl FleetHandle {
 
     fn request(&self, column: u32, request: Request) -> Result<(), Refusal> {
         assert!((column as usize) < self.columns(), "a column of the fleet");
-        let counters = &self.shared.counters;
-        counters.submitted.fetch_add(1, Ordering::Relaxed);
-        let taken = self.shared.inbox.push(Box::new((column, request)));
-        self.shared.wake_one();
-        taken.map_err(|_| {
-            counters.rejected.fetch_add(1, Ordering::Relaxed);
-            let reason = format!(
-                "the queue of the fleet's solvers is full ({MAX_FLEET_COMMANDS} commands); try again, or send fewer events and \
-                 parameter changes"
-            );
-            Refusal::new(RefusalCode::QueueFull, reason)
-        })
+        self.shared.submit(column, request)
+    }
+
+    /// Where the measurements of the columns go; `None` without sensors.
+    #[cfg(feature = "study")]
+    #[must_use]
+    pub fn measurements(&self) -> Option<&FleetMeasurements> {
+        self.sensing.as_ref().map(|it| &it.measurements)
+    }
+
+    /// What was counted of the sensing since the start; `None` without sensors.
+    #[cfg(feature = "study")]
+    #[must_use]
+    pub fn sensing_statistics(&self) -> Option<SensingStatistics> {
+        self.sensing.as_ref().map(FleetSensing::statistics)
+    }
+
+    fn lost_estimates(&self) -> u64 {
+        #[cfg(feature = "study")]
+        if let Some(sensing) = &self.sensing {
+            return sensing.lost_estimates();
+        }
+        0
     }
 
     /// Statistics since the start, of all columns together. Steps and iterations are not counted.
@@ -323,6 +363,12 @@ impl FleetHandle {
             dropped: read(&shared.counters.rejected),
         }];
         queues.extend(shared.outputs.stats());
+        #[cfg(feature = "study")]
+        queues.extend(
+            self.measurements()
+                .into_iter()
+                .flat_map(FleetMeasurements::stats),
+        );
         LiveStatistics {
             cycles: read(&shared.counters.jobs),
             overruns: read(&shared.counters.overruns),
@@ -331,7 +377,7 @@ impl FleetHandle {
             steps: 0,
             newton_iterations: 0,
             state_file_failures: shared.keeper.as_ref().map_or(0, |it| it.failures()),
-            lost_estimates: 0,
+            lost_estimates: self.lost_estimates(),
             queues,
             real_time: self.real_time.clone(),
         }
@@ -381,6 +427,11 @@ impl FleetHandle {
         if std::mem::replace(&mut self.is_stopped, true) {
             return Ok(());
         }
+        // First, because its estimates are commands to the solvers.
+        #[cfg(feature = "study")]
+        let sensing = self.sensing.as_mut().map_or(Ok(()), FleetSensing::stop);
+        #[cfg(not(feature = "study"))]
+        let sensing = Ok(());
         self.shared.stop.store(true, Ordering::SeqCst);
         self.shared.background.stop();
         self.shared.wake_all();
@@ -398,7 +449,7 @@ impl FleetHandle {
         match (panicked, keeping) {
             (1.., _) => Err(Panicked(SOLVER_THREAD)),
             (_, false) => Err(Panicked(STATE_WRITER_THREAD)),
-            (0, true) => Ok(()),
+            (0, true) => sensing,
         }
     }
 }

@@ -12,12 +12,15 @@ use super::super::notifier::Notifier;
 use super::super::queue::OutputQueues;
 use super::super::real_time::{Patience, Urgency};
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
+use super::MAX_FLEET_COMMANDS;
 use super::background::{Background, Known};
 use super::keeper::Keeper;
 use super::readers::Readers;
 use super::schedule::{Job, Plan, Schedule};
 use crate::parameters::Parameters;
-use crate::twin::{Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, Twin};
+use crate::twin::{
+    Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, RefusalCode, Twin,
+};
 
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
 const SLICE: u64 = 64;
@@ -121,6 +124,9 @@ pub struct Shared {
     pub journals: bool,
     pub parameters: Box<[RwLock<Arc<Parameters>>]>,
     pub background: Arc<Background>,
+    /// What the threads that feel impacts are told; `None` without sensors.
+    #[cfg(feature = "study")]
+    pub news: Option<super::sensors::FleetNews>,
     pub counters: Counters,
 }
 
@@ -133,6 +139,22 @@ impl Shared {
         {
             notifier.notify();
         }
+    }
+
+    /// Passes a request on, unless there is no room.
+    pub fn submit(&self, column: u32, request: Request) -> Result<(), Refusal> {
+        let counters = &self.counters;
+        counters.submitted.fetch_add(1, Ordering::Relaxed);
+        let taken = self.inbox.push(Box::new((column, request)));
+        self.wake_one();
+        taken.map_err(|_| {
+            counters.rejected.fetch_add(1, Ordering::Relaxed);
+            let reason = format!(
+                "the queue of the fleet's solvers is full ({MAX_FLEET_COMMANDS} commands); try again, or send fewer events and \
+                 parameter changes"
+            );
+            Refusal::new(RefusalCode::QueueFull, reason)
+        })
     }
 
     pub fn wake_all(&self) {
@@ -441,6 +463,12 @@ impl Sink<'_> {
 
 impl Outputs for Sink<'_> {
     fn put(&mut self, output: Output) {
+        #[cfg(feature = "study")]
+        if let Some(news) = &self.shared.news
+            && let Some(lost) = news.of(self.column).take(self.column, &output)
+        {
+            self.put(Output::Notice(lost));
+        }
         match output {
             Output::Save(saved) => {
                 if let Some(keeper) = &self.shared.keeper {

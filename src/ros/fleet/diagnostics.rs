@@ -16,6 +16,8 @@ use super::super::lines::severity_word;
 use super::super::live_twin::Health;
 use super::super::security::SecurityHealth;
 use super::column_topics::TopicCounts;
+use super::sensors::FleetSensors;
+use crate::live::SensingStatistics;
 
 /// Most columns that have a status of their own: the worst.
 const MAX_SHOWN: usize = 20;
@@ -34,6 +36,9 @@ pub(super) struct FleetObserved<'a> {
     pub recording: Option<&'a RecordingHealth>,
     /// `None` if security is off.
     pub security: Option<SecurityHealth>,
+    /// `None` without sensors.
+    pub sensors: Option<&'a FleetSensors>,
+    pub sensing: Option<SensingStatistics>,
     pub counters: &'a NodeCounters,
     pub topics: &'a TopicCounts,
 }
@@ -52,6 +57,8 @@ pub(super) fn fleet_diagnostics(
         health,
         recording,
         security,
+        sensors,
+        sensing,
         counters,
         topics,
     } = observed;
@@ -74,11 +81,13 @@ pub(super) fn fleet_diagnostics(
     status.extend(security.map(security_status));
     status.extend(counters.senders.as_deref().map(senders_status));
     status.extend(counters.clock.as_ref().map(clock_status));
+    status.extend(sensors.map(|it| it.status(sensing.unwrap_or_default())));
     for one in &mut status {
         node.clone_into(&mut one.hardware_id);
     }
     let shown = worst.iter().take(MAX_SHOWN);
     status.extend(shown.map(|(level, column)| column_status(*level, column)));
+    status.extend(sensors.into_iter().flat_map(FleetSensors::worst));
     for one in &mut status {
         one.name = format!("{node}: {}", one.name);
     }
@@ -223,6 +232,8 @@ mod tests {
             health: &Health::default(),
             recording: None,
             security: None,
+            sensors: None,
+            sensing: None,
             counters: &NodeCounters::default(),
             topics: &TopicCounts::default(),
         };

@@ -11,8 +11,9 @@ use crate::endpoints::Endpoint;
 use crate::incoming::{column_command, impact_command};
 use crate::messages::builtin_interfaces::Time;
 use crate::messages::column_twin::{
-    ColumnParameters, ImpactEvent, ImpactReport, PredictImpactRequest, PredictImpactResponse,
-    ResetColumnRequest, ResetColumnResponse, RowImpactEvent, TwinStatus,
+    CalibrateRequest, CalibrateResponse, ColumnParameters, ConfirmEstimateRequest,
+    ConfirmEstimateResponse, ImpactEvent, ImpactReport, PredictImpactRequest,
+    PredictImpactResponse, ResetColumnRequest, ResetColumnResponse, RowImpactEvent, TwinStatus,
 };
 use crate::messages::rosgraph_msgs::Clock;
 use crate::messages::std_msgs::Header;
@@ -24,9 +25,11 @@ use super::super::diagnostics::NodeCounters;
 use super::super::inputs::{
     MAX_NAMED_CHARS, ParameterServers, answer, answer_from, each, follow_clock, record, tell,
 };
+use super::super::measurements::{MeasurementSubscriptions, SensedColumns};
 use super::super::node::{Node, NodeError};
 use super::super::parameter_services::{set_rejected, set_rejected_atomically};
 use super::super::qos;
+use super::super::requests;
 use super::super::senders::Senders;
 use super::super::type_descriptions::{
     self, GetTypeDescriptionRequest, GetTypeDescriptionResponse,
@@ -42,6 +45,7 @@ impl ros2_client::Message for ResetColumnResponse {}
 pub(super) struct FleetSubscriptions {
     events: Subscription<ImpactEvent>,
     clock: Option<Subscription<Clock>>,
+    measurements: Option<MeasurementSubscriptions>,
     senders: Arc<Senders>,
     recording: Option<Arc<dyn RecordingTap>>,
 }
@@ -51,9 +55,15 @@ impl FleetSubscriptions {
         node: &mut Node,
         is_simulated: bool,
         senders: Arc<Senders>,
+        sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
     ) -> Result<Self, NodeError> {
+        let measurements = sensed.map(|sensed| {
+            let (senders, recording) = (Arc::clone(&senders), recording.clone());
+            MeasurementSubscriptions::of_fleet(node, sensed, senders, recording)
+        });
         Ok(Self {
+            measurements: measurements.transpose()?,
             events: node.subscription(&qos::IMPACT_EVENT)?,
             clock: is_simulated
                 .then(|| node.subscription(&qos::CLOCK))
@@ -111,7 +121,12 @@ impl FleetSubscriptions {
             },
         );
         let clock = follow_clock(self.clock.as_ref(), &counters, |now| fleet.set_clock(now));
-        join!(events, clock);
+        let measurements = async {
+            if let Some(measurements) = self.measurements {
+                measurements.run(|| fleet.now(), &counters).await;
+            }
+        };
+        join!(events, clock, measurements);
     }
 }
 
@@ -145,6 +160,8 @@ pub(super) struct FleetServices {
     column_parameters: Subscription<ColumnParameters>,
     reset: Server<ResetColumnRequest, ResetColumnResponse>,
     predict: Server<PredictImpactRequest, PredictImpactResponse>,
+    confirm_estimate: Server<ConfirmEstimateRequest, ConfirmEstimateResponse>,
+    calibrate: Server<CalibrateRequest, CalibrateResponse>,
     parameters: ParameterServers,
     /// Unless the parameter `start_type_description_service` is false.
     descriptions: Option<Server<GetTypeDescriptionRequest, GetTypeDescriptionResponse>>,
@@ -166,6 +183,8 @@ impl FleetServices {
             column_parameters: node.subscription(&qos::COLUMN_PARAMETERS)?,
             reset: node.server(&qos::RESET_COLUMN)?,
             predict: node.server(&qos::PREDICT)?,
+            confirm_estimate: node.server(&qos::CONFIRM_ESTIMATE)?,
+            calibrate: node.server(&qos::CALIBRATE)?,
             parameters: ParameterServers::new(node)?,
             descriptions: describes
                 .then(|| node.server(&qos::GET_TYPE_DESCRIPTION))
@@ -275,6 +294,28 @@ impl FleetServices {
             answer(&qos::PREDICT, &self.predict, counters, |request| {
                 predicted(fleet, &request)
             }),
+            answer_from(
+                &qos::CONFIRM_ESTIMATE,
+                &self.confirm_estimate,
+                counters,
+                |sender, request| {
+                    let (endpoint, what) = (&qos::CONFIRM_ESTIMATE, "a decision about an estimate");
+                    let admitted = admit(sender, &request.column_id, endpoint, what);
+                    let column = admitted.and_then(|()| known(fleet, &request.column_id));
+                    requests::confirm_estimate(request, |command| fleet.execute(column?, command))
+                }
+            ),
+            answer_from(
+                &qos::CALIBRATE,
+                &self.calibrate,
+                counters,
+                |sender, request| {
+                    let (endpoint, what) = (&qos::CALIBRATE, "a calibration");
+                    let admitted = admit(sender, &request.column_id, endpoint, what);
+                    let column = admitted.and_then(|()| known(fleet, &request.column_id));
+                    requests::calibrate(&request, |command| fleet.execute(column?, command))
+                }
+            ),
             answer(&qos::GET_PARAMETERS, &get, counters, |request| {
                 parameters::get(fleet, &request)
             }),

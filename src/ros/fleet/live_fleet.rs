@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use crate::column::ImpactSpecification;
 use crate::fleet::{FleetStartError, make_twins};
 use crate::live::{
-    Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SimClock, SystemClock,
-    monotonic_nanos,
+    Clock, FleetHandle, FleetMeasurements, FleetOptions, LiveFleet, RealTime, Receiver,
+    SensingStatistics, SimClock, SystemClock, monotonic_nanos,
 };
 use crate::parameters::{
     FleetColumns, MAX_SELECTED_COLUMNS, ParameterFaults, Parameters, RecordMode, SelectionError,
-    Settings, select_columns,
+    SensorMessage, select_columns,
 };
 use crate::twin::state_file::{self, Loaded, Reserved, StateFileError};
 use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, RefusalCode, Striking};
@@ -26,16 +26,21 @@ pub enum FleetTwinError {
     /// Columns are selected for the viewer that cannot be shown.
     #[error(transparent)]
     Selection(#[from] SelectionError),
-    /// A column has sensors.
+    /// A sensor of a column sends on a topic of its own, or without the name of its column.
     #[error(
-        "column {column_id:?} has sensors ({sensors}), but a fleet does not take measurements; leave sensors.names out, or run \
-         the column with `column-twin run`"
+        "sensors.{sensor}.{name} of column {column_id:?} is {value:?}, but the sensors of a fleet send column_twin/msg/Measurement on \
+         the topic measurements, which has the column_id; leave sensors.{sensor}.{name} out and convert the messages of the driver, \
+         or run the column with `column-twin run`"
     )]
-    Sensors {
-        /// The first column that has some.
+    SensorSource {
+        /// The first column that has such a sensor.
         column_id: String,
-        /// Their names.
-        sensors: String,
+        /// Its name.
+        sensor: String,
+        /// The parameter, without the name of the sensor.
+        name: &'static str,
+        /// Its value.
+        value: String,
     },
     /// Parameters are not valid.
     #[error(transparent)]
@@ -69,6 +74,8 @@ pub struct FleetTwin {
     initial: Vec<Arc<Parameters>>,
     /// The parameters of the node.
     node: Arc<Parameters>,
+    /// Where measurements go; `None` without sensors.
+    measurements: Option<FleetMeasurements>,
 }
 
 /// What the stop drops, in this order.
@@ -76,6 +83,26 @@ struct Running {
     handle: FleetHandle,
     /// Reserved until the last damage is written.
     _state_directory: Option<Reserved>,
+}
+
+/// A topic for each column, or for each sensor, would be thousands of endpoints, and other messages do not say which column they are
+/// about.
+fn check_sensors(parameters: &Parameters) -> Result<(), FleetTwinError> {
+    let sensors = parameters.sensors();
+    for (sensor, source) in sensors.iter().zip(parameters.sensor_sources()) {
+        let (name, value) = match source.message {
+            _ if !source.topic.is_empty() => ("topic", source.topic.as_str()),
+            SensorMessage::Measurement => continue,
+            other => ("message", other.word()),
+        };
+        return Err(FleetTwinError::SensorSource {
+            column_id: parameters.settings().column_id.clone(),
+            sensor: sensor.name.clone(),
+            name,
+            value: value.to_owned(),
+        });
+    }
+    Ok(())
 }
 
 impl FleetTwin {
@@ -89,15 +116,7 @@ impl FleetTwin {
         let selected = &node.settings().viewer.select;
         let selected = select_columns(columns, selected, MAX_SELECTED_COLUMNS)?;
         for column in columns {
-            let Settings {
-                sensors, column_id, ..
-            } = column.parameters.settings();
-            if !sensors.names.is_empty() {
-                return Err(FleetTwinError::Sensors {
-                    column_id: column_id.clone(),
-                    sensors: sensors.names.join(", "),
-                });
-            }
+            check_sensors(&column.parameters)?;
         }
         let directory = &node.settings().state.directory;
         let reserved = match directory.is_empty() {
@@ -147,7 +166,9 @@ impl FleetTwin {
             tracing::warn!("{warning}");
         }
         let viewer = node_viewer::start_of_fleet(fleet, selected, &handle, clock.now())?;
+        let measurements = handle.measurements().cloned();
         let fleet = Self {
+            measurements,
             running: RwLock::new(Some(Running {
                 handle,
                 _state_directory: reserved,
@@ -276,6 +297,19 @@ impl FleetTwin {
         impact: &ImpactSpecification,
     ) -> Result<Prediction, Refusal> {
         self.ask(|handle| handle.predict(column, vehicle, impact))
+    }
+
+    /// Where the measurements of the columns go; `None` if no column has sensors.
+    #[must_use]
+    pub fn measurements(&self) -> Option<&FleetMeasurements> {
+        self.measurements.as_ref()
+    }
+
+    /// What was counted of the sensing; `None` without sensors, or after the stop.
+    #[must_use]
+    pub fn sensing_statistics(&self) -> Option<SensingStatistics> {
+        self.ask(|handle| Ok(handle.sensing_statistics()))
+            .unwrap_or(None)
     }
 
     /// The state of threads and queues.

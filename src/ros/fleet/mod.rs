@@ -12,6 +12,7 @@ mod parameter_services;
 mod publishing;
 mod rows;
 mod run;
+mod sensors;
 
 pub use live_fleet::{FleetTwin, FleetTwinError};
 pub use node::FleetNode;

@@ -12,10 +12,12 @@ use super::super::clock_watch::ClockWatch;
 use super::super::diagnostics::NodeCounters;
 use super::super::environment::Environment;
 use super::super::matches::Matches;
+use super::super::measurements::{SensedColumns, SensorInputs};
 use super::super::names::Names;
 use super::super::node::{Node, NodeError};
 use super::super::rosout::{LogEnd, RosoutQueue};
 use super::super::senders::{Identities, Senders};
+use super::super::sensor_watch::SensorLog;
 use super::super::task::Task;
 use super::super::twin_node::{publish_log, spawn, stop_publishing_threads};
 use super::column_topics::{ColumnTopics, TopicCounts};
@@ -93,11 +95,13 @@ impl FleetNode {
             outputs.waker(),
             Arc::clone(&topic_counts),
         )?;
+        let sensed = sensed_columns(&fleet, recording.as_ref());
         let publishing = FleetPublishing::new(
             &mut node,
             Arc::clone(&fleet),
             Arc::clone(&counters),
             Arc::clone(&rows),
+            sensed.clone(),
             recording.clone(),
             (column_changes, topic_counts),
         )?;
@@ -105,6 +109,7 @@ impl FleetNode {
             &mut node,
             settings.use_sim_time,
             Arc::clone(&senders),
+            sensed,
             recording.clone(),
         )?;
         let describes = settings.start_type_description_service;
@@ -162,4 +167,23 @@ impl FleetNode {
         // All threads have ended, and with them all endpoints.
         drop(self.node);
     }
+}
+
+/// The columns with sensors; `None` if there is none.
+fn sensed_columns(
+    fleet: &FleetTwin,
+    recording: Option<&Arc<dyn RecordingTap>>,
+) -> Option<Arc<SensedColumns>> {
+    let measurements = fleet.measurements()?;
+    let (log, now) = (Arc::<SensorLog>::default(), fleet.now());
+    let columns = (0..).zip(fleet.column_ids()).filter_map(|(column, _)| {
+        let parameters = fleet.initial_parameters(column);
+        let has_sensors = !parameters.settings().sensors.names.is_empty();
+        let inputs = || {
+            let queue = (measurements, column);
+            SensorInputs::of_fleet(queue, &parameters, now, &log, recording.cloned())
+        };
+        has_sensors.then(|| Arc::new(inputs()))
+    });
+    Some(Arc::new(SensedColumns::of_fleet(columns.collect())))
 }

@@ -26,6 +26,7 @@ use super::super::clock_watch::SeldomWarning;
 use super::super::diagnostics::NodeCounters;
 use super::super::live_twin::Health;
 use super::super::matches::Matches;
+use super::super::measurements::SensedColumns;
 use super::super::node::{Node, NodeError};
 use super::super::parameter_services;
 use super::super::qos;
@@ -35,6 +36,7 @@ use super::column_topics::{ColumnChange, ColumnWriters, TopicCounts};
 use super::diagnostics::{FleetObserved, fleet_diagnostics};
 use super::live_fleet::FleetTwin;
 use super::rows::RowImpacts;
+use super::sensors::{FleetSensors, SensorCount};
 
 /// Maximum time between two diagnostics.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
@@ -56,11 +58,12 @@ const KEPT_OF_A_COLUMN: usize = 2;
 const MAX_KEPT: usize = 8192;
 
 /// The shared topics of a fleet among those of a twin. The others show one column: joint states and markers.
-const TOPICS: [Topic; 5] = [
+const TOPICS: [Topic; 6] = [
     Topic::ColumnState,
     Topic::HingeForces,
     Topic::ImpactForecast,
     Topic::ImpactReport,
+    Topic::ImpactEstimate,
     Topic::TwinStatus,
 ];
 
@@ -87,6 +90,8 @@ pub(super) struct FleetPublishing {
     /// Vehicles that hit several columns: the forecasts tell what comes next.
     rows: Arc<RowImpacts>,
     counters: Arc<NodeCounters>,
+    /// The health of the sensors, if there are any.
+    sensors: Option<FleetSensors>,
     protection: Arc<Protection>,
     peers: Arc<Peers>,
     node_name: String,
@@ -116,6 +121,7 @@ impl FleetPublishing {
         fleet: Arc<FleetTwin>,
         counters: Arc<NodeCounters>,
         rows: Arc<RowImpacts>,
+        sensed: Option<Arc<SensedColumns>>,
         recording: Option<Arc<dyn RecordingTap>>,
         (column_changes, topic_counts): (mpsc::Receiver<ColumnChange>, Arc<TopicCounts>),
     ) -> Result<Self, NodeError> {
@@ -139,6 +145,7 @@ impl FleetPublishing {
             fleet,
             rows,
             counters,
+            sensors: sensed.map(FleetSensors::new),
             protection: node.protection(),
             peers: node.security_peers(),
             node_name: node.names().node().to_owned(),
@@ -442,6 +449,8 @@ impl FleetPublishing {
 
     fn fleet_status(&self, batch: StatusBatch) -> FleetStatus {
         let health = self.fleet.health();
+        let sensors = self.sensors.as_ref();
+        let sensors = sensors.map_or_else(SensorCount::default, FleetSensors::count);
         let number = |it: usize| u32::try_from(it).unwrap_or(u32::MAX);
         FleetStatus {
             header: self.header(),
@@ -458,6 +467,9 @@ impl FleetPublishing {
                 .saturating_sub(health.dropped_states),
             late_states: health.overruns,
             worst_lateness: health.worst_lateness,
+            sensors_total: number(sensors.total),
+            sensors_faulty: number(sensors.faulty),
+            dropped_measurements: sensors.lost_batches,
             columns: batch.columns,
         }
     }
@@ -483,6 +495,11 @@ impl FleetPublishing {
             return;
         }
         let health: Health = self.fleet.health();
+        if let Some(sensors) = &mut self.sensors {
+            sensors.look(self.fleet.now(), |column, problem| {
+                self.board.note_sensors(column as usize, problem);
+            });
+        }
         let array = fleet_diagnostics(
             self.header(),
             &self.node_name,
@@ -494,6 +511,8 @@ impl FleetPublishing {
                 health: &health,
                 recording: self.recording_health(&health).as_ref(),
                 security: self.protection.health(&self.peers),
+                sensors: self.sensors.as_ref(),
+                sensing: self.fleet.sensing_statistics(),
                 counters: &self.counters,
                 topics: &self.topic_counts,
             },

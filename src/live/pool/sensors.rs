@@ -1,0 +1,189 @@
+//! The sensors of a fleet: the queues of their measurements, a few threads that feel impacts, and one that prepares responses.
+//!
+//! A column with sensors belongs to one thread and its queue, by its index. A fleet without sensors has none of this.
+
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+
+use rustix::thread::CpuSet;
+
+use super::super::clock::Clock;
+use super::super::inbox::{Reply, Request};
+use super::super::libraries::{Libraries, LibraryStatistics};
+use super::super::measurements::MeasurementQueue;
+use super::super::queue::{OutputQueues, QueueStats};
+use super::super::sensing::{Deliver, SENSING_THREAD, SensingThread, Surroundings};
+use super::super::sensing_news::SensingNews;
+use super::super::{ANSWER_TIMEOUT, Panicked};
+use super::worker::Shared;
+use crate::senses::Batch;
+use crate::twin::Command;
+
+/// Most threads that feel impacts: each carries hundreds of columns on which nothing happens.
+const MAX_SENSING_THREADS: usize = 4;
+
+/// One thread that feels impacts for this many processors.
+const PROCESSORS_PER_THREAD: usize = 2;
+
+/// Where the measurements of a fleet go. One thread may push.
+#[derive(Debug, Clone)]
+pub struct FleetMeasurements {
+    queues: Arc<[Arc<MeasurementQueue>]>,
+}
+
+impl FleetMeasurements {
+    fn of(columns: usize) -> Self {
+        let processors = thread::available_parallelism().map_or(1, usize::from);
+        let threads = (processors / PROCESSORS_PER_THREAD).clamp(1, MAX_SENSING_THREADS);
+        let queue = |_| Arc::new(MeasurementQueue::of_fleet(columns));
+        Self {
+            queues: (0..threads).map(queue).collect(),
+        }
+    }
+
+    fn queue(&self, column: u32) -> &MeasurementQueue {
+        &self.queues[column as usize % self.queues.len()]
+    }
+
+    /// Passes a batch of a column on, as [`MeasurementQueue::push_of`].
+    pub fn push(&self, column: u32, batch: Batch) {
+        self.queue(column).push_of(column, batch);
+    }
+
+    /// Batches of a column that were dropped because the thread that estimates was too slow.
+    #[must_use]
+    pub fn lost_of(&self, column: u32) -> u64 {
+        self.queue(column).lost_of(column)
+    }
+
+    /// The state of the queues, for diagnostics.
+    pub(super) fn stats(&self) -> impl Iterator<Item = QueueStats> {
+        self.queues.iter().map(|it| it.stats())
+    }
+}
+
+/// What the solver threads tell those that feel impacts.
+#[derive(Debug)]
+pub(super) struct FleetNews(Box<[Arc<SensingNews>]>);
+
+impl FleetNews {
+    /// The thread of this column.
+    pub fn of(&self, column: u32) -> &SensingNews {
+        &self.0[column as usize % self.0.len()]
+    }
+}
+
+/// The queues and the news of a fleet in which this is `true` for the columns with sensors; `None` if there is none.
+pub(super) fn prepare(is_sensed: &[bool]) -> Option<(FleetMeasurements, FleetNews)> {
+    if !is_sensed.contains(&true) {
+        return None;
+    }
+    let measurements = FleetMeasurements::of(is_sensed.len());
+    let threads = measurements.queues.len();
+    let news = measurements
+        .queues
+        .iter()
+        .enumerate()
+        .map(|(thread, queue)| {
+            let own = is_sensed.iter().enumerate();
+            let own = own.map(|(column, is_sensed)| *is_sensed && column % threads == thread);
+            Arc::new(SensingNews::new(own, Arc::clone(queue)))
+        });
+    let news = FleetNews(news.collect());
+    Some((measurements, news))
+}
+
+/// What was counted of the sensing of a fleet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SensingStatistics {
+    /// Estimates that a twin could not take.
+    pub lost_estimates: u64,
+    /// Impacts whose data had to wait because [`MAX_ESTIMATED_AT_ONCE`](crate::live::MAX_ESTIMATED_AT_ONCE) others were estimated
+    /// by the same thread.
+    pub delayed: u64,
+    /// The prepared responses.
+    pub libraries: LibraryStatistics,
+}
+
+/// The threads that feel impacts, and the one that prepares responses for them.
+#[derive(Debug)]
+pub(super) struct FleetSensing {
+    pub measurements: FleetMeasurements,
+    threads: Vec<SensingThread>,
+    libraries: Arc<Libraries>,
+    preparing: Option<JoinHandle<()>>,
+}
+
+impl FleetSensing {
+    pub fn start(
+        measurements: FleetMeasurements,
+        shared: &Arc<Shared>,
+        clock: &Arc<dyn Clock>,
+        outputs: &Arc<OutputQueues>,
+        reserved: &[usize],
+        processors: Option<CpuSet>,
+    ) -> std::io::Result<Self> {
+        let libraries = Arc::<Libraries>::default();
+        let mut sensing = Self {
+            preparing: Some(libraries.start(processors)?),
+            libraries: Arc::clone(&libraries),
+            threads: Vec::new(),
+            measurements,
+        };
+        let news = shared.news.iter().flat_map(|it| &it.0);
+        for (queue, news) in sensing.measurements.queues.iter().zip(news) {
+            let (asked, told) = (Arc::clone(shared), Arc::clone(shared));
+            let deliver = Deliver::of_fleet(move |column, record| {
+                let command = Command::Estimate(Arc::new(record));
+                let reply = Reply::none();
+                told.submit(column, Request::Command { command, reply })
+            });
+            let surroundings = Surroundings {
+                clock: Arc::clone(clock),
+                outputs: vec![Arc::clone(outputs)],
+                news: Arc::clone(news),
+                snapshot: Box::new(move |column| {
+                    let (reply, answer) = Reply::channel();
+                    asked.submit(column, Request::Snapshot { reply }).ok()?;
+                    answer.wait(ANSWER_TIMEOUT).ok()
+                }),
+                reserved: reserved.to_vec(),
+                libraries: Some(Arc::clone(&libraries)),
+            };
+            let thread = SensingThread::start(Arc::clone(queue), deliver, surroundings)?;
+            sensing.threads.push(thread);
+        }
+        Ok(sensing)
+    }
+
+    pub fn lost_estimates(&self) -> u64 {
+        let each = self.threads.iter();
+        each.map(SensingThread::lost_estimates).sum()
+    }
+
+    pub fn statistics(&self) -> SensingStatistics {
+        SensingStatistics {
+            lost_estimates: self.lost_estimates(),
+            delayed: self.threads.iter().map(|it| it.delayed()).sum(),
+            libraries: self.libraries.statistics(),
+        }
+    }
+
+    /// Ends the threads after their present slices of work.
+    pub fn stop(&mut self) -> Result<(), Panicked> {
+        self.libraries.stop();
+        // All of them are stopped, whatever one returns.
+        let panicked = self
+            .threads
+            .iter_mut()
+            .filter_map(|it| (!it.stop()).then_some(()));
+        let panicked = panicked.count();
+        if let Some(preparing) = self.preparing.take() {
+            let _ = preparing.join(); // one that panicked has printed its message, and nothing is lost
+        }
+        match panicked {
+            0 => Ok(()),
+            _ => Err(Panicked(SENSING_THREAD)),
+        }
+    }
+}
