@@ -203,7 +203,7 @@ impl LiveFleet {
                 measurements,
                 &shared,
                 &clock,
-                &outputs,
+                &outputs.queues(),
                 reserved,
                 processors,
             )?);

@@ -27,6 +27,12 @@ impl Readers {
         first.push_of(column, output);
     }
 
+    /// The queues, for another thread that has something to say.
+    #[cfg(feature = "study")]
+    pub fn queues(&self) -> Vec<Arc<OutputQueues>> {
+        self.0.to_vec()
+    }
+
     pub fn notify(&self) {
         self.0.iter().for_each(|it| it.notify());
     }

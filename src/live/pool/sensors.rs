@@ -119,7 +119,7 @@ impl FleetSensing {
         measurements: FleetMeasurements,
         shared: &Arc<Shared>,
         clock: &Arc<dyn Clock>,
-        outputs: &Arc<OutputQueues>,
+        outputs: &[Arc<OutputQueues>],
         reserved: &[usize],
         processors: Option<CpuSet>,
     ) -> std::io::Result<Self> {
@@ -140,7 +140,7 @@ impl FleetSensing {
             });
             let surroundings = Surroundings {
                 clock: Arc::clone(clock),
-                outputs: vec![Arc::clone(outputs)],
+                outputs: outputs.to_vec(),
                 news: Arc::clone(news),
                 snapshot: Box::new(move |column| {
                     let (reply, answer) = Reply::channel();

@@ -9,7 +9,6 @@ use super::super::clock::{Clock, monotonic_nanos};
 use super::super::inbox::Request;
 use super::super::lateness::lateness;
 use super::super::notifier::Notifier;
-use super::super::queue::OutputQueues;
 use super::super::real_time::{Patience, Urgency};
 use super::super::solver::{MAX_CLOCK_STEP_BACK, MAX_CYCLES_COMPLETING, MAX_STEPS_AT_STOP};
 use super::MAX_FLEET_COMMANDS;
