@@ -179,7 +179,7 @@ impl LiveFleet {
             is_stopped: false,
         };
         let told = Arc::clone(&shared);
-        handle.computing = Some(background.start(processors.clone(), move || told.wake_one())?);
+        handle.computing = Some(background.start(processors, move || told.wake_one())?);
         let (sender, grants) = sync_channel(threads);
         for number in 0..threads {
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
