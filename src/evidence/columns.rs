@@ -16,6 +16,7 @@ use crate::messages::cdr;
 use crate::messages::column_twin::Measurement;
 use crate::outgoing::Topic;
 use crate::recording::Message;
+use crate::senses::SharedPreparations;
 use crate::twin::{Journal, Nanos};
 
 /// What verification knows of one column.
@@ -37,6 +38,7 @@ pub(super) struct Columns {
     /// The column of a fleet to which the verification is restricted.
     only: Option<String>,
     known: KnownResults,
+    prepared: SharedPreparations,
     keeps_outputs: bool,
     declares_losses: bool,
     /// The latest time of the columns' clock in an entry \[ns\].
@@ -52,6 +54,7 @@ impl Columns {
             fleet: None,
             only: only.map(str::to_owned),
             known: KnownResults::default(),
+            prepared: SharedPreparations::default(),
             keeps_outputs,
             declares_losses,
             latest: Nanos::MIN,
@@ -170,6 +173,7 @@ impl Columns {
             let mut replayer = replayer.of(of_fleet, self.known.clone());
             if of_fleet {
                 replayer.estimates.measured = Measured::of_fleet();
+                replayer.estimates.shared = Some(self.prepared.clone());
             }
             let mut column = Column {
                 inputs: Inputs::default(),

@@ -7,13 +7,17 @@ use super::comparison::{Difference, Place};
 use super::measured::Measured;
 use super::verification::Verification;
 use crate::parameters::Parameters;
-use crate::senses::{EstimateRecord, EventEvidence, NotRecomputed, Recomputation};
+use crate::senses::{
+    EstimateRecord, EventEvidence, NotRecomputed, Recomputation, SharedPreparations,
+};
 use crate::twin::{Command, MergedEvent};
 
 /// Checks the estimates of a recording.
 #[derive(Debug, Default)]
 pub(super) struct EstimateCheck {
     pub measured: Measured,
+    /// What is prepared for several columns of a fleet; `None` for a single twin.
+    pub shared: Option<SharedPreparations>,
     /// The parameters of the twin, and those before them: the estimator may not have followed the last change yet when an
     /// impact came.
     parameters: [Option<Arc<Parameters>>; 2],
@@ -116,10 +120,12 @@ impl EstimateCheck {
             // What was prepared for an earlier impact may hold for this one.
             let prepared = self.recomputation.take();
             let prepared = prepared.filter(|(of, _)| Arc::ptr_eq(of, parameters));
-            let (_, recomputation) = self.recomputation.insert(
-                prepared
-                    .unwrap_or_else(|| (Arc::clone(parameters), Recomputation::new(parameters))),
-            );
+            let new = || match &self.shared {
+                Some(shared) => Recomputation::sharing(parameters, shared.clone()),
+                None => Recomputation::new(parameters),
+            };
+            let prepared = prepared.unwrap_or_else(|| (Arc::clone(parameters), new()));
+            let (_, recomputation) = self.recomputation.insert(prepared);
             let outcome = recomputation.repeat(recorded, batch).map_err(why);
             let is_same = outcome
                 .as_ref()

@@ -21,6 +21,7 @@ mod real_time;
 mod recent_batches;
 #[cfg(feature = "study")]
 mod sensing;
+#[cfg(feature = "study")]
 mod sensing_news;
 mod solver;
 mod state_writer;
@@ -188,8 +189,6 @@ impl Live {
             parameters,
             #[cfg(feature = "study")]
             news: news.clone(),
-            #[cfg(not(feature = "study"))]
-            news: None,
             unnotified: false,
         };
         #[cfg(feature = "study")]

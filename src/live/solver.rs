@@ -9,6 +9,7 @@ use super::inbox::{Inbox, MAX_COMMANDS, Request};
 use super::lateness::lateness;
 use super::queue::OutputQueues;
 use super::real_time::{Patience, URGENT_BEFORE_DEADLINE, Urgency};
+#[cfg(feature = "study")]
 use super::sensing_news::SensingNews;
 use super::state_writer::StateWriter;
 use crate::parameters::Parameters;
@@ -330,6 +331,7 @@ pub(super) struct Sink {
     /// The parameters that hold. Readers hold the lock only while they copy the pointer; this thread takes it only for a change.
     pub parameters: Arc<RwLock<Arc<Parameters>>>,
     /// What the thread is told that feels impacts; `None` if there is none.
+    #[cfg(feature = "study")]
     pub news: Option<Arc<SensingNews>>,
     /// There are outputs of which the readers have not been notified.
     pub unnotified: bool,
@@ -345,6 +347,7 @@ impl Sink {
 
 impl Outputs for Sink {
     fn put(&mut self, output: Output) {
+        #[cfg(feature = "study")]
         if let Some(lost) = self.news.as_ref().and_then(|it| it.take(0, &output)) {
             self.put(Output::Notice(lost));
         }
@@ -420,6 +423,7 @@ mod tests {
                 queues: vec![Arc::clone(&queues)],
                 state_writer: None,
                 parameters: Arc::default(),
+                #[cfg(feature = "study")]
                 news: None,
                 unnotified: false,
             },

@@ -88,7 +88,7 @@ pub use probe::Probe;
 #[cfg(feature = "study")]
 pub use readings::{Readings, ReadingsError};
 #[cfg(feature = "study")]
-pub use recomputation::{NotRecomputed, Recomputation};
+pub use recomputation::{NotRecomputed, Recomputation, SharedPreparations};
 #[cfg(feature = "study")]
 pub use recorded::{RecordedImpact, estimate_recorded};
 #[cfg(feature = "study")]

@@ -1,5 +1,9 @@
 //! Estimates computed again from recorded measurements.
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
 use super::batch::Batch;
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
@@ -72,12 +76,65 @@ pub enum NotRecomputed {
 /// Most responses that are drawn for one estimate: more than a live estimator ever does.
 const MAX_DRAWN: u32 = 10_000;
 
+/// Most kinds of columns whose prepared responses are kept for further columns; the oldest is dropped.
+const MAX_KEPT_PREPARATIONS: usize = 8;
+
+/// Prepared responses that several recomputations of columns share which differ by their names only.
+#[derive(Debug, Clone, Default)]
+pub struct SharedPreparations(Rc<RefCell<VecDeque<Preparation>>>);
+
+#[derive(Debug)]
+struct Preparation {
+    parameters: Parameters,
+    column: StandingColumn,
+    estimator: Estimator,
+}
+
+impl SharedPreparations {
+    /// What was prepared for such a column of at most this many hypotheses, as many as possible.
+    fn find(
+        &self,
+        parameters: &Parameters,
+        column: &StandingColumn,
+        most: usize,
+    ) -> Option<Estimator> {
+        let known = self.0.borrow();
+        let suitable = known.iter().filter(|it| {
+            it.estimator.prepared() <= most
+                && it.column == *column
+                && it.parameters.differs_by_names_only(parameters)
+        });
+        let best = suitable.max_by_key(|it| it.estimator.prepared())?;
+        Some(best.estimator.clone())
+    }
+
+    /// Keeps what was prepared, unless it is known.
+    fn keep(&self, parameters: &Parameters, column: &StandingColumn, estimator: &Estimator) {
+        let prepared = estimator.prepared();
+        let known = self.find(parameters, column, prepared);
+        if known.is_some_and(|it| it.prepared() == prepared) {
+            return;
+        }
+        let mut kept = self.0.borrow_mut();
+        if kept.len() == MAX_KEPT_PREPARATIONS {
+            kept.pop_front();
+        }
+        kept.push_back(Preparation {
+            parameters: parameters.clone(),
+            column: column.clone(),
+            estimator: estimator.clone(),
+        });
+    }
+}
+
 /// Computes estimates again, one after another, with the data and the numbers of responses that their records name.
 #[derive(Debug)]
 pub struct Recomputation {
     parameters: Parameters,
     sensors: Vec<Sensor>,
     prepared: Option<(StandingColumn, Estimator)>,
+    /// What others have prepared.
+    shared: Option<SharedPreparations>,
     current: Option<Current>,
 }
 
@@ -99,7 +156,17 @@ impl Recomputation {
             sensors: corrected_sensors(parameters),
             parameters: parameters.clone(),
             prepared: None,
+            shared: None,
             current: None,
+        }
+    }
+
+    /// The same for one of many columns. What is prepared for an impact is shared, and not kept after its final estimate.
+    #[must_use]
+    pub fn sharing(parameters: &Parameters, shared: SharedPreparations) -> Self {
+        Self {
+            shared: Some(shared),
+            ..Self::new(parameters)
         }
     }
 
@@ -204,6 +271,9 @@ impl Recomputation {
             best,
             ..record.clone()
         };
+        if record.is_final && self.shared.is_some() {
+            self.prepared = None;
+        }
         self.current = Some(Current {
             begun,
             update: update.saturating_add(1),
@@ -223,12 +293,21 @@ impl Recomputation {
             .take_if(|(of, estimator)| of == column && estimator.prepared() <= wanted);
         let mut estimator = match usable {
             Some((_, estimator)) => estimator,
-            None => estimator_of(&self.parameters, column, &self.sensors)?,
+            None => {
+                let shared = self.shared.as_ref();
+                match shared.and_then(|it| it.find(&self.parameters, column, wanted)) {
+                    Some(estimator) => estimator,
+                    None => estimator_of(&self.parameters, column, &self.sensors)?,
+                }
+            }
         };
         while estimator.prepared() < wanted {
             if estimator.prepare() {
                 break;
             }
+        }
+        if let Some(shared) = &self.shared {
+            shared.keep(&self.parameters, column, &estimator);
         }
         let contact = &record.detection.contact;
         estimator.begin(contact.time, contact.deviation, &record.detection.zeros);

@@ -13,6 +13,7 @@ use column_twin::messages::column_twin::{
 };
 use column_twin::messages::diagnostic_msgs::DiagnosticArray;
 use column_twin::parameters::{Parameters, parse_override};
+use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::senses::{Readings, simulate_sensors};
 use column_twin::twin::RefusalCode;
@@ -235,7 +236,8 @@ fn columns_of_a_fleet_feel_their_impacts_and_the_recording_is_verified() {
         "{found}"
     );
     assert_eq!(found.unchecked, Vec::<String>::new(), "{found}");
-    let alone = verify_column(recording, "c1").expect("readable");
+    let reader = Reader::open(recording).expect("readable");
+    let alone = verify_column(&reader, "c1").expect("readable");
     assert!(alone.is_equal(), "{alone}");
     assert!(alone.estimates.compared > 3, "{alone}");
     assert_eq!(alone.estimates.compared, alone.estimates.recorded);

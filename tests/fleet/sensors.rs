@@ -77,7 +77,7 @@ fn readings(parameters: &Parameters, velocity: Option<f64>, seed: u64) -> Vec<Ve
         (0..12).map(|_| uniform(random.next_u32())).sum()
     };
     let mut still = |batches: usize| -> Vec<Vec<f32>> {
-        let each = |sensor: usize| -> Vec<f32> {
+        let mut each = |sensor: usize| -> Vec<f32> {
             (0..batches * SAMPLES)
                 .map(|_| (NOISE[sensor] * noise()) as f32)
                 .collect()
