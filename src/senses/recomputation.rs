@@ -1,6 +1,7 @@
 //! Estimates computed again from recorded measurements.
 
 use super::batch::Batch;
+use super::comparison::SensorComparison;
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
 use super::event_evidence::MAX_EVENTS;
@@ -210,6 +211,13 @@ impl Recomputation {
             batch: record.batches,
         });
         Ok(again)
+    }
+
+    /// What each sensor has read against what the estimate predicts that was computed again last; empty without one.
+    #[must_use]
+    pub fn comparisons(&self) -> Vec<SensorComparison> {
+        let estimator = self.prepared.as_ref().filter(|_| self.current.is_some());
+        estimator.map_or_else(Vec::new, |(_, it)| it.comparisons())
     }
 
     fn begin(
