@@ -222,6 +222,7 @@ fn fleet(count: usize) {
         threads: 1,
         state_files: Vec::new(),
         journals: false,
+        further_outputs: Vec::new(),
     };
     let (handle, _outputs) =
         LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

@@ -8,7 +8,8 @@ use super::measured::Measured;
 use super::verification::Verification;
 use crate::parameters::Parameters;
 use crate::senses::{
-    EstimateRecord, EventEvidence, NotRecomputed, Recomputation, SharedPreparations,
+    EstimateRecord, EventEvidence, NotRecomputed, Recomputation, SensorComparison,
+    SharedPreparations,
 };
 use crate::twin::{Command, MergedEvent};
 
@@ -25,6 +26,8 @@ pub(super) struct EstimateCheck {
     recomputation: Option<(Arc<Parameters>, Recomputation)>,
     /// The impact whose last estimate was computed again.
     compared: Option<Arc<str>>,
+    /// Whether that estimate is the recorded one, and nobody has been shown what it predicts.
+    is_new: bool,
     unchecked: Option<Unchecked>,
 }
 
@@ -56,6 +59,7 @@ impl EstimateCheck {
         found: &mut Verification,
     ) -> Command {
         found.estimates.recorded += 1;
+        self.is_new = false;
         let is_continued = self.compared.take().as_ref() == Some(&recorded.event_id);
         let outcome = match self.measured.unknown() {
             Some(why) => Err(Why::Unknown(why.to_owned())),
@@ -69,7 +73,9 @@ impl EstimateCheck {
                     events: events(recorded, merged),
                     ..computed
                 };
-                if let Some(difference) = place.first_difference(&**recorded, &computed) {
+                let difference = place.first_difference(&**recorded, &computed);
+                self.is_new = difference.is_none();
+                if let Some(difference) = difference {
                     found.estimates.differing += 1;
                     let field = format!("recorded estimate: {}", difference.field);
                     found.note_difference(Difference {
@@ -90,6 +96,15 @@ impl EstimateCheck {
             }
         }
         Command::Estimate(Arc::clone(recorded))
+    }
+
+    /// What each sensor has read against what the last estimate predicts, with the name of the impact; once, and only if the
+    /// estimate was computed again and is the recorded one.
+    pub fn take_comparisons(&mut self) -> Option<(Arc<str>, Vec<SensorComparison>)> {
+        let event_id = self.compared.clone().filter(|_| self.is_new)?;
+        self.is_new = false;
+        let (_, recomputation) = self.recomputation.as_ref()?;
+        Some((event_id, recomputation.comparisons()))
     }
 
     fn repeat(

@@ -16,6 +16,7 @@ use super::verification::Verification;
 use crate::endpoints::{self, Endpoint};
 use crate::outgoing::{Message, Topic};
 use crate::recording::{self, Reader, RecordingError};
+use crate::senses::SensorComparison;
 use crate::twin::{Journal, Output};
 
 /// The column of a single twin: its name is known from its first checkpoint only.
@@ -67,6 +68,14 @@ pub enum Observed<'a> {
     Entry(&'a JournalEntry),
     /// A state or a report that was recomputed.
     Recomputed(&'a Output),
+    /// What each sensor has read against what the estimate predicts that is the last entry; if it was computed again and is
+    /// the recorded one.
+    Compared {
+        /// Its impact.
+        event_id: &'a str,
+        /// Sensor by sensor.
+        comparisons: &'a [SensorComparison],
+    },
 }
 
 /// Recomputes a recording, given by its directory or its MCAP file, and compares every value.
@@ -432,6 +441,15 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         self.show_outputs();
         if let Some(observe) = self.observe.as_mut().filter(|_| is_wanted) {
             observe(Observed::Entry(&line.entry));
+            self.columns.in_each(&mut self.found, |column, _| {
+                if let Some((event_id, comparisons)) = column.replayer.estimates.take_comparisons()
+                {
+                    observe(Observed::Compared {
+                        event_id: &event_id,
+                        comparisons: &comparisons,
+                    });
+                }
+            });
         }
     }
 

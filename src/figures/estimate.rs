@@ -76,16 +76,33 @@ pub fn draw_estimate(
 pub fn estimate_svg(figures: &EstimateFigures<'_>) -> Result<Vec<(String, String)>, FigureError> {
     let contact = figures.impact.detection.contact.time;
     let estimates = TimedEstimate::all(&figures.impact.estimates, contact);
-    let mut all = vec![(FORECAST.to_owned(), forecast(figures.title, &estimates))];
-    let compared = figures.impact.comparisons.iter();
-    for comparison in compared.filter(|it| !it.means.is_empty()) {
-        if let Some(sensor) = figures.sensors.get(comparison.sensor) {
+    let mut all = vec![(
+        FORECAST.to_owned(),
+        forecast_svg(figures.title, &estimates)?,
+    )];
+    let compared = &figures.impact.comparisons;
+    all.extend(comparison_svg(figures.title, figures.sensors, compared)?);
+    Ok(all)
+}
+
+/// For each sensor that has read something what it has read, and what is predicted for it, as SVG, by its name: `sensor_NAME`.
+/// `title` describes the column and the data.
+///
+/// # Errors
+/// The plotting library fails.
+pub fn comparison_svg(
+    title: &str,
+    sensors: &[Sensor],
+    comparisons: &[SensorComparison],
+) -> Result<Vec<(String, String)>, FigureError> {
+    let compared = comparisons.iter().filter(|it| !it.means.is_empty());
+    let known = compared.filter_map(|it| Some((sensors.get(it.sensor)?, it)));
+    known
+        .map(|(sensor, comparison)| {
             let name = format!("sensor_{}", sensor.name);
-            all.push((name, figures.sensor(sensor, comparison)));
-        }
-    }
-    all.into_iter()
-        .map(|(name, svg)| drawn(&name, svg).map(|svg| (name, svg)))
+            let svg = drawn(&name, compared_sensor(title, sensor, comparison))?;
+            Ok((name, svg))
+        })
         .collect()
 }
 
@@ -97,77 +114,78 @@ pub fn forecast_svg(title: &str, estimates: &[TimedEstimate<'_>]) -> Result<Stri
     drawn(FORECAST, forecast(title, estimates))
 }
 
-impl EstimateFigures<'_> {
-    /// What one sensor has read, and what is predicted for it.
-    fn sensor(&self, sensor: &Sensor, comparison: &SensorComparison) -> Drawn<String> {
-        let means = &comparison.means;
-        let values = means
-            .iter()
-            .flat_map(|it| [it.measured, it.predicted.low, it.predicted.high]);
-        let largest = values
-            .filter(|it| it.is_finite())
-            .fold(0.0, |largest: f64, it| largest.max(it.abs()));
-        let inside = means.iter().filter(|it| is_inside(it)).count();
-        let reservation = match comparison.counts {
-            true => "",
-            false => "; does not count, because it contradicts the other sensors",
-        };
-        let key = format!(
-            "{} of {} means are within the band{reservation}",
-            inside,
-            means.len()
-        );
-        let title = format!("Sensor {}: measured and predicted", sensor.name);
-        let points =
-            |of: fn(&ComparedMean) -> f64| means.iter().map(|it| (it.time, of(it))).collect();
-        TimeChart {
-            title: &title,
-            lines: [self.title, &key],
-            quantity: &sensor.quantity.word().replace('_', " "),
-            unit: Unit::of_sensor(sensor.quantity, largest),
-            span: (
-                means.first().map_or(0.0, |it| it.time),
-                means.last().map_or(0.0, |it| it.time),
-            ),
-            bands: vec![Band {
-                name: "predicted, 90 % interval".to_owned(),
-                points: means
-                    .iter()
-                    .map(|it| (it.time, it.predicted.low, it.predicted.high))
-                    .collect(),
-                colour: PEAK_BAND,
-            }],
-            curves: vec![
-                Curve::line(
-                    "predicted",
-                    points(|it| it.predicted.mean),
-                    Stroke::solid(colour::IMPACT_POINT, 14),
-                ),
-                // It gives the axis its range; what is seen are the rings.
-                Curve::line(
-                    "",
-                    points(|it| it.measured),
-                    Stroke::solid(colour::FAINT, 4),
-                ),
-            ],
-            marks: means
+/// What one sensor has read, and what is predicted for it.
+fn compared_sensor(
+    sub_title: &str,
+    sensor: &Sensor,
+    comparison: &SensorComparison,
+) -> Drawn<String> {
+    let means = &comparison.means;
+    let values = means
+        .iter()
+        .flat_map(|it| [it.measured, it.predicted.low, it.predicted.high]);
+    let largest = values
+        .filter(|it| it.is_finite())
+        .fold(0.0, |largest: f64, it| largest.max(it.abs()));
+    let inside = means.iter().filter(|it| is_inside(it)).count();
+    let reservation = match comparison.counts {
+        true => "",
+        false => "; does not count, because it contradicts the other sensors",
+    };
+    let key = format!(
+        "{} of {} means are within the band{reservation}",
+        inside,
+        means.len()
+    );
+    let title = format!("Sensor {}: measured and predicted", sensor.name);
+    let points = |of: fn(&ComparedMean) -> f64| means.iter().map(|it| (it.time, of(it))).collect();
+    TimeChart {
+        title: &title,
+        lines: [sub_title, &key],
+        quantity: &sensor.quantity.word().replace('_', " "),
+        unit: Unit::of_sensor(sensor.quantity, largest),
+        span: (
+            means.first().map_or(0.0, |it| it.time),
+            means.last().map_or(0.0, |it| it.time),
+        ),
+        bands: vec![Band {
+            name: "predicted, 90 % interval".to_owned(),
+            points: means
                 .iter()
-                .map(|it| Mark {
-                    time: it.time,
-                    value: it.measured,
-                    colour: colour::IMPACTOR,
-                    text: None,
-                })
+                .map(|it| (it.time, it.predicted.low, it.predicted.high))
                 .collect(),
-            arrows: Vec::new(),
-            keys: vec![(
-                LegendKey::Ring(colour::IMPACTOR),
-                "measured, means over 1 ms and longer".to_owned(),
-            )],
-            events: Vec::new(),
-        }
-        .draw()
+            colour: PEAK_BAND,
+        }],
+        curves: vec![
+            Curve::line(
+                "predicted",
+                points(|it| it.predicted.mean),
+                Stroke::solid(colour::IMPACT_POINT, 14),
+            ),
+            // It gives the axis its range; what is seen are the rings.
+            Curve::line(
+                "",
+                points(|it| it.measured),
+                Stroke::solid(colour::FAINT, 4),
+            ),
+        ],
+        marks: means
+            .iter()
+            .map(|it| Mark {
+                time: it.time,
+                value: it.measured,
+                colour: colour::IMPACTOR,
+                text: None,
+            })
+            .collect(),
+        arrows: Vec::new(),
+        keys: vec![(
+            LegendKey::Ring(colour::IMPACTOR),
+            "measured, means over 1 ms and longer".to_owned(),
+        )],
+        events: Vec::new(),
     }
+    .draw()
 }
 
 /// Largest and remaining displacement over the time up to which data were used.

@@ -33,7 +33,9 @@ use crate::column::HINGE_NAMES;
 use crate::whole_file;
 
 pub use damage_map::MapFigures;
-pub use estimate::{EstimateFigures, TimedEstimate, draw_estimate, estimate_svg, forecast_svg};
+pub use estimate::{
+    EstimateFigures, TimedEstimate, comparison_svg, draw_estimate, estimate_svg, forecast_svg,
+};
 pub use push_down::{PushDownCurves, push_down_svg};
 pub use response_history::ResponseHistory;
 pub use risk::{draw_risk, risk_svg};

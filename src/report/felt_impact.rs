@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::senses::{EstimateRecord, Sensor};
+use crate::senses::{EstimateRecord, Sensor, SensorComparison};
 use crate::twin::{Decision, EstimateOutput};
 
 /// An impact that the sensors have felt.
@@ -14,6 +14,8 @@ pub struct FeltImpact {
     pub decisions: Vec<FeltDecision>,
     /// The sensors of the twin.
     pub sensors: Vec<Sensor>,
+    /// What each sensor has read against what the last estimate predicts; by the recomputation, and empty without it.
+    pub comparisons: Vec<SensorComparison>,
 }
 
 /// What has become of an impact that was felt.

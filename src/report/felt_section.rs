@@ -8,7 +8,7 @@ use super::felt_impact::{FeltDecision, FeltImpact};
 use super::reported_impact::ReportedImpact;
 use super::words::{outcome_in_words, short};
 use crate::figures::units::{Unit, significant};
-use crate::figures::{FigureError, TimedEstimate, forecast_svg};
+use crate::figures::{FigureError, TimedEstimate, comparison_svg, forecast_svg};
 use crate::parameters::RIGID;
 use crate::recording::instant;
 use crate::senses::EstimateRecord;
@@ -48,6 +48,7 @@ fn impact(felt: &FeltImpact, impacts: &[ReportedImpact]) -> Result<Markup, Figur
         .collect();
     let title = format!("impact \"{}\", felt by the sensors", last.event_id);
     let drawing = forecast_svg(&title, &estimates)?;
+    let compared = comparison_svg(&title, &felt.sensors, &felt.comparisons)?;
     let caption = "Largest and remaining displacement of the impact point, over the time up to which data were used.";
     Ok(html! {
         h3 { "Impact " (last.event_id) }
@@ -77,11 +78,34 @@ fn impact(felt: &FeltImpact, impacts: &[ReportedImpact]) -> Result<Markup, Figur
             }
         }
         (estimate_section::content(&estimates))
+        (figure(&drawing, caption))
+        @if compared.is_empty() {
+            p.note {
+                "What the last estimate predicts for each sensor is not known, because it could not be computed again from the \
+                 recorded measurements."
+            }
+        } @else {
+            h3 { "Measured and predicted" }
+            p {
+                "What each sensor has read, and what the last estimate says that it reads, computed again from the recorded \
+                 measurements. The same readings have weighed the predictions: a band shows how well they are explained, not \
+                 how well they were foreseen."
+            }
+            @for (name, drawing) in &compared {
+                (figure(drawing, &format!("Readings of {} against what the weighted responses say that it reads.",
+                    name.strip_prefix("sensor_").unwrap_or(name))))
+            }
+        }
+    })
+}
+
+fn figure(drawing: &str, caption: &str) -> Markup {
+    html! {
         figure role="img" aria-label=(caption) {
             (PreEscaped(drawing))
             figcaption { (caption) }
         }
-    })
+    }
 }
 
 /// When it was felt, and by which sensor.

@@ -321,6 +321,15 @@ impl Gathered {
                     felt.decide(output, &mut self.decided_by);
                 }
             }
+            Observed::Compared {
+                event_id,
+                comparisons,
+            } => {
+                let last = self.felt.back_mut();
+                if let Some(felt) = last.filter(|it| it.event_id() == Some(event_id)) {
+                    felt.comparisons = comparisons.to_vec();
+                }
+            }
             Observed::Entry(_) | Observed::Recomputed(_) => {}
         }
     }
@@ -439,7 +448,10 @@ impl Gathered {
         }
         let event_id = Some(&*record.event_id);
         match self.felt.back_mut().filter(|it| it.event_id() == event_id) {
-            Some(felt) => felt.estimates.push(Arc::clone(record)),
+            Some(felt) => {
+                felt.estimates.push(Arc::clone(record));
+                felt.comparisons.clear();
+            }
             None => {
                 let parameters = self.at_rest.as_ref();
                 let sensors = parameters.map(|twin| twin.parameters().sensors());
@@ -447,6 +459,7 @@ impl Gathered {
                     estimates: vec![Arc::clone(record)],
                     decisions: Vec::new(),
                     sensors: sensors.unwrap_or_default(),
+                    comparisons: Vec::new(),
                 });
             }
         }

@@ -42,7 +42,7 @@ pub(super) struct BlockMean {
     pub mean: f64,
     /// Variance of the mean by noise and by the learned zero.
     pub variance: f64,
-    /// Largest magnitude of such means so far.
+    /// Largest magnitude of such means so far; of an acceleration that of the samples.
     pub largest: f64,
     /// Whether hinges have probably yielded.
     pub yielded: bool,
@@ -67,6 +67,8 @@ struct Channel {
     range: f64,
     sums: Vec<f64>,
     counts: Vec<u32>,
+    /// Largest magnitude of the samples of each block, relative to the zero.
+    peaks: Vec<f64>,
     /// The first sample of each block, until one differs from it.
     only: Vec<Option<f64>>,
     /// Block from which on the gauge no longer reads the elastic bar.
@@ -101,6 +103,7 @@ impl Blocks {
                 zero_variance: deviation * deviation,
                 sums: vec![0.0; layout.len()],
                 counts: vec![0; layout.len()],
+                peaks: vec![0.0; layout.len()],
                 range: sensor.range,
                 only: vec![None; layout.len()],
                 lost_from: usize::MAX,
@@ -137,6 +140,7 @@ impl Blocks {
         let reading = value - channel.zero;
         channel.sums[index] += reading;
         channel.counts[index] += 1;
+        channel.peaks[index] = channel.peaks[index].max(reading.abs());
         let only = &mut channel.only[index];
         *only = if channel.counts[index] == 1 {
             Some(value)
@@ -163,8 +167,9 @@ impl Blocks {
             return None;
         }
         let mean = channel.mean(index)?;
-        let means = (0..=index).filter_map(|index| channel.mean(index));
-        let largest = means.fold(0.0, |largest: f64, mean| largest.max(mean.abs()));
+        let largest = (0..=index).fold(0.0, |largest: f64, index| {
+            largest.max(channel.largest(index))
+        });
         let count = f64::from(channel.counts[index]);
         let yielded = self.channels.iter().any(|other| {
             other.is_strain()
@@ -188,6 +193,16 @@ impl Channel {
             self.quantity,
             Quantity::BendingStrain | Quantity::AxialStrain
         )
+    }
+
+    /// The largest reading of a block. Of an acceleration it is a sample: the waves that the model does not have change its sign
+    /// within a block, so that its mean shows neither their size nor what a clipped sample has lost.
+    fn largest(&self, index: usize) -> f64 {
+        match (self.mean(index), self.quantity) {
+            (None, _) => 0.0,
+            (Some(_), Quantity::Acceleration) => self.peaks[index],
+            (Some(mean), _) => mean.abs(),
+        }
     }
 
     fn mean(&self, index: usize) -> Option<f64> {

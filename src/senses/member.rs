@@ -82,28 +82,38 @@ impl Fit {
 }
 
 impl Sums {
-    /// Takes consecutive blocks, for one instant of contact and group of sensors.
+    /// Takes the blocks from `first` on, for one instant of contact and group of sensors.
     fn take(
         &mut self,
         blocks: &[WeighedBlock],
+        first: usize,
         shift: usize,
         group: usize,
         prediction: &Prediction,
     ) {
-        let Some(first) = blocks.first() else { return };
+        // The errors of the block before are what those of the first one follow.
+        let from = first.saturating_sub(1);
+        let Some(begin) = blocks.get(from) else {
+            return;
+        };
         let integrals = |place: &[Place; SHIFTS]| prediction.integrals(group, place[shift]);
         // The integral up to the end of a block is that up to the beginning of the next one.
-        let mut start = integrals(&first.start);
-        for block in blocks {
+        let mut start = integrals(&begin.start);
+        let (mut last_error, mut last_predicted) = (ZERO, ZERO);
+        for (index, block) in blocks.iter().enumerate().skip(from) {
             let end = integrals(&block.end);
-            let [means, precisions] = &block.terms[group];
+            let terms = &block.terms[group];
+            let counts = if index < first { 0.0 } else { 1.0 };
             for k in 0..WIDTH {
                 let predicted = (end[k] - start[k]) / block.length;
-                let error = means[k] - predicted;
-                let weighed = precisions[k] * error;
-                self.squares[k] += weighed * error;
-                self.cross[k] += weighed * predicted;
-                self.predicted[k] += precisions[k] * predicted * predicted;
+                let error = terms.means[k] - predicted;
+                let new_error = error - terms.carried[k] * last_error[k];
+                let new_predicted = predicted - terms.carried[k] * last_predicted[k];
+                let weighed = counts * terms.precisions[k] * new_error;
+                self.squares[k] += weighed * new_error;
+                self.cross[k] += weighed * new_predicted;
+                self.predicted[k] += counts * terms.precisions[k] * new_predicted * new_predicted;
+                (last_error[k], last_predicted[k]) = (error, predicted);
             }
             start = end;
         }
@@ -173,29 +183,29 @@ impl Member {
 
     /// Takes all blocks that are not in the sums yet.
     pub fn weigh(&mut self, weighing: &Weighing) {
-        let until = weighing.blocks.len();
-        let blocks = &weighing.blocks[self.seen.min(until)..];
+        let blocks = &weighing.blocks;
         let groups = self.sums.len() / SHIFTS;
         for (shift, sums) in self.sums.chunks_exact_mut(groups).enumerate() {
             for (group, sums) in sums.iter_mut().enumerate() {
-                sums.take(blocks, shift, group, &self.prediction);
+                sums.take(blocks, self.seen, shift, group, &self.prediction);
             }
         }
-        self.seen = until;
+        self.seen = blocks.len();
         self.conclude(weighing);
     }
 
     /// A first impression by the last `count` blocks only, before any were taken: the likelihood is hardly larger with all of them, because
     /// more data never make it larger.
     pub fn screen(&mut self, weighing: &Weighing, count: usize) {
-        let blocks = &weighing.blocks[weighing.blocks.len().saturating_sub(count)..];
+        let blocks = &weighing.blocks;
+        let first = blocks.len().saturating_sub(count);
         let groups = self.sums.len() / SHIFTS;
         let mut best = f64::NEG_INFINITY;
         for shift in (0..SHIFTS).step_by(SCREENED_SHIFTS) {
             let mut log = weighing.log_delays[shift];
             for (group, sensors) in (0..groups).zip(weighing.sensors.chunks(WIDTH)) {
                 let mut sums = NO_SUMS;
-                sums.take(blocks, shift, group, &self.prediction);
+                sums.take(blocks, first, shift, group, &self.prediction);
                 for (lane, sensor) in sensors.iter().enumerate() {
                     if !sensor.is_ignored {
                         let [squares, cross, predicted] = sums.of(lane);

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::batch::Batch;
+use super::comparison::SensorComparison;
 use super::estimate_record::EstimateRecord;
 use super::estimator::{Estimator, EstimatorError};
 use super::event_evidence::MAX_EVENTS;
@@ -280,6 +281,13 @@ impl Recomputation {
             batch: record.batches,
         });
         Ok(again)
+    }
+
+    /// What each sensor has read against what the estimate predicts that was computed again last; empty without one.
+    #[must_use]
+    pub fn comparisons(&self) -> Vec<SensorComparison> {
+        let estimator = self.prepared.as_ref().filter(|_| self.current.is_some());
+        estimator.map_or_else(Vec::new, |(_, it)| it.comparisons())
     }
 
     fn begin(

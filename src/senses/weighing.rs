@@ -36,9 +36,26 @@ pub(super) struct WeighedBlock {
     pub start: [Place; SHIFTS],
     pub end: [Place; SHIFTS],
     pub length: f64,
-    /// For each group of sensors the means over the block, and their precisions; 0 where there is no mean.
-    pub terms: Vec<[Lanes; 2]>,
+    /// For each group of sensors what the likelihood needs of the block.
+    pub terms: Vec<Terms>,
 }
+
+/// What the likelihood needs of a block and a group of sensors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Terms {
+    /// Means over the block.
+    pub means: Lanes,
+    /// Precisions of their errors, once the error in the block before is known; 0 where there is no mean.
+    pub precisions: Lanes,
+    /// The error that is expected, relative to that in the block before.
+    pub carried: Lanes,
+}
+
+const NO_TERMS: Terms = Terms {
+    means: ZERO,
+    precisions: ZERO,
+    carried: ZERO,
+};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WeighedSensor {
@@ -65,15 +82,20 @@ impl Weighing {
             .iter()
             .map(|sensor| ModelError::of(sensor.quantity))
             .collect();
-        let blocks = observed.iter().map(|(block, means)| {
-            let mut terms = vec![[ZERO; 2]; lanes(sensors.len()).len()];
+        let mut before: Option<&Observed> = None;
+        let blocks = observed.iter().map(|of_block| {
+            let (block, means) = of_block;
+            let mut terms = vec![NO_TERMS; lanes(sensors.len()).len()];
             let until = block.start + block.length;
+            let before = before.replace(of_block);
             for (sensor, (mean, error)) in means.iter().zip(&errors).enumerate() {
                 if let Some(it) = mean {
-                    let model = error.variance(until, block.length, it.largest, it.yielded);
-                    let [means, precisions] = &mut terms[sensor / WIDTH];
-                    means[sensor % WIDTH] = it.mean;
-                    precisions[sensor % WIDTH] = 1.0 / (it.variance + model).max(f64::MIN_POSITIVE);
+                    let last = before.and_then(|(block, means)| Some((*block, means[sensor]?)));
+                    let (carried, variance) = error.given(last.as_ref(), &(*block, *it));
+                    let (terms, lane) = (&mut terms[sensor / WIDTH], sensor % WIDTH);
+                    terms.means[lane] = it.mean;
+                    terms.precisions[lane] = 1.0 / variance.max(f64::MIN_POSITIVE);
+                    terms.carried[lane] = carried;
                 }
             }
             WeighedBlock {

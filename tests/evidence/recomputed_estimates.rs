@@ -9,6 +9,7 @@ use column_twin::messages::column_twin::Measurement;
 use column_twin::messages::std_msgs::{self, Header};
 use column_twin::parameters::{RecordMode, Value};
 use column_twin::recording::RecorderOptions;
+use column_twin::report::ReportDocument;
 use column_twin::senses::{EstimateRecord, EventEvidence, Readings, Sensing, StandingColumn, Work};
 use column_twin::twin::{Command, Nanos};
 
@@ -225,6 +226,35 @@ fn estimates_are_computed_again_bit_for_bit_and_forged_records_are_found() {
     assert_eq!(field, "recorded estimate");
     let field = forged(3, |it| it.batches -= 3);
     assert!(field.starts_with("recorded estimate: "), "{field}");
+}
+
+/// The environment variable `COLUMN_TWIN_KEEP_REPORTS` names a folder that keeps the report.
+#[test]
+fn a_report_shows_what_each_sensor_has_read_against_what_the_last_estimate_predicts() {
+    let html = |recording: &Finished| {
+        let document = ReportDocument::of_recording(&recording.path(), None, None);
+        document.expect("a report").html().expect("figures")
+    };
+    let shown = html(&recorded(&[], &|_, _| {}));
+    if let Some(folder) = std::env::var_os("COLUMN_TWIN_KEEP_REPORTS") {
+        let path = std::path::Path::new(&folder).join("felt_recording.html");
+        std::fs::write(path, &shown).expect("a folder");
+    }
+    let unknown = "What the last estimate predicts for each sensor is not known";
+    for sensor in ["a_impact", "v1", "bend_base"] {
+        // One for each of the two impacts.
+        let title = format!("Sensor {sensor}: measured and predicted");
+        assert_eq!(shown.matches(&title).count(), 2, "{sensor}");
+        let caption = format!("Readings of {sensor} against what the weighted responses say");
+        assert!(shown.contains(&caption), "{sensor}");
+    }
+    assert!(!shown.contains(unknown));
+
+    // An estimate that rests on a batch which was lost is not computed again, and nor are the later ones of its impact.
+    let lost = html(&recorded(&[3 * 163 + 2], &|_, _| {}));
+    assert_eq!(lost.matches(unknown).count(), 1);
+    let title = "Sensor v1: measured and predicted";
+    assert_eq!(lost.matches(title).count(), 1);
 }
 
 #[test]

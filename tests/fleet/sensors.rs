@@ -131,6 +131,7 @@ impl Fleet {
             threads: 2,
             state_files: Vec::new(),
             journals: false,
+            further_outputs: Vec::new(),
         };
         let (handle, receiver) =
             LiveFleet::start(twins, Arc::clone(&clock) as _, options).expect("starts");

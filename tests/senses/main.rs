@@ -3,5 +3,6 @@
 mod detection;
 mod estimation;
 mod live;
+mod made_impacts;
 mod readings;
 mod signals;

@@ -85,40 +85,8 @@ impl Signal {
 
     /// The sensors with the preset `industrial`, in the order of the columns.
     pub fn industrial(&self) -> Vec<Sensor> {
-        let height = self.truth["column"]["La"].as_f64().expect("La");
-        let sensor = |name: &str, quantity, height, range, noise| Sensor {
-            name: name.to_owned(),
-            quantity,
-            height,
-            range,
-            noise,
-            bias: 0.0,
-            gain_error: 0.01,
-            rate: 1.0 / PERIOD,
-            bandwidth: 0.5 / PERIOD,
-            reversed: false,
-            fibre: 0.11,
-        };
-        let accelerometer = |name, height| Sensor {
-            bias: 0.05 * GRAVITY,
-            ..sensor(
-                name,
-                Quantity::Acceleration,
-                height,
-                50.0 * GRAVITY,
-                0.0022 * GRAVITY,
-            )
-        };
-        vec![
-            accelerometer("a_025L", 1.0),
-            accelerometer("a_impact", height),
-            accelerometer("a_075L", 3.0),
-            sensor("v1", Quantity::Displacement, height, 0.0, 1e-4),
-            sensor("bend_base", Quantity::BendingStrain, 0.022, 0.0, 1e-6),
-            sensor("bend_mid", Quantity::BendingStrain, 2.0, 0.0, 1e-6),
-            sensor("axial_base", Quantity::AxialStrain, 0.1, 0.0, 1e-6),
-            sensor("axial_mid", Quantity::AxialStrain, 2.0, 0.0, 1e-6),
-        ]
+        let length = |name: &str| self.truth["column"][name].as_f64().expect(name);
+        industrial(length("La"), length("La") + length("Lb"))
     }
 
     /// What the chosen sensors read, with their errors by this seed.
@@ -148,6 +116,44 @@ impl Signal {
         }
         (sensors, readings)
     }
+}
+
+/// The sensors of the signals with the preset `industrial`, on a column of any length \[m\] with the impact point at a height
+/// \[m\].
+pub fn industrial(height: f64, length: f64) -> Vec<Sensor> {
+    let sensor = |name: &str, quantity, height, range, noise| Sensor {
+        name: name.to_owned(),
+        quantity,
+        height,
+        range,
+        noise,
+        bias: 0.0,
+        gain_error: 0.01,
+        rate: 1.0 / PERIOD,
+        bandwidth: 0.5 / PERIOD,
+        reversed: false,
+        fibre: 0.11,
+    };
+    let accelerometer = |name, height| Sensor {
+        bias: 0.05 * GRAVITY,
+        ..sensor(
+            name,
+            Quantity::Acceleration,
+            height,
+            50.0 * GRAVITY,
+            0.0022 * GRAVITY,
+        )
+    };
+    vec![
+        accelerometer("a_025L", 0.25 * length),
+        accelerometer("a_impact", height),
+        accelerometer("a_075L", 0.75 * length),
+        sensor("v1", Quantity::Displacement, height, 0.0, 1e-4),
+        sensor("bend_base", Quantity::BendingStrain, 0.022, 0.0, 1e-6),
+        sensor("bend_mid", Quantity::BendingStrain, 0.5 * length, 0.0, 1e-6),
+        sensor("axial_base", Quantity::AxialStrain, 0.1, 0.0, 1e-6),
+        sensor("axial_mid", Quantity::AxialStrain, 0.5 * length, 0.0, 1e-6),
+    ]
 }
 
 /// The clock of the twin at the first sample \[ns\].
