@@ -540,8 +540,7 @@ fn an_impact_whose_responses_are_prepared_late_is_estimated_later_from_the_same_
         sensing.push(number, batch);
     }
     // Seconds pass in which the column is at rest.
-    let mut number = given.len() as u64;
-    for second in 0..3 {
+    for (number, second) in (given.len() as u64..).zip(0..3) {
         let values = vec![0.0_f32; 10_000];
         let values = values.into();
         sensing.push(
@@ -553,7 +552,6 @@ fn an_impact_whose_responses_are_prepared_late_is_estimated_later_from_the_same_
                 values,
             },
         );
-        number += 1;
     }
     assert!(sensing.has_detected());
     while !sensing.prepare_one() {}
