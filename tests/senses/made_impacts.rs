@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use column_twin::column::{
-    ColumnProperties, CrushCurve, CrushSpring, Impact, Model, Outcome, Vehicle, simulate,
+    ColumnProperties, CrushCurve, CrushSpring, Impact, Outcome, Vehicle, simulate,
 };
 use column_twin::parameters::{Parameters, parse_override};
 use column_twin::senses::{
@@ -62,10 +62,10 @@ fn real_column(known: &ColumnProperties, normal: &mut Normal) -> ColumnPropertie
     }
 }
 
-/// A rigid mass of about 1.5 t at about 6 m/s.
+/// A rigid mass of about 1.5 t at about 5 m/s, which no column here collapses under.
 fn rigid(normal: &mut Normal) -> Impact {
-    let mass = 1500.0 * (0.4 * normal.next().clamp(-1.5, 1.5)).exp();
-    Impact::rigid(mass, 6.0 * (0.4 * normal.next().clamp(-1.5, 1.5)).exp())
+    let mass = 1500.0 * (0.25 * normal.next().clamp(-1.5, 1.5)).exp();
+    Impact::rigid(mass, 5.0 * (0.3 * normal.next().clamp(-1.5, 1.5)).exp())
 }
 
 /// A mass of about 2 t at about 8 m/s behind a spring of about 400 kN/m.
