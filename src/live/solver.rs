@@ -481,8 +481,8 @@ mod tests {
             queues,
             state_writer: None,
             parameters: Arc::default(),
-            column_changes: Arc::default(),
-            merged_events: None,
+            #[cfg(feature = "study")]
+            news: None,
             unnotified: false,
         };
         let mut twin = Twin::new(Parameters::default(), None, Box::new(|| 0), 0).expect("stands");
