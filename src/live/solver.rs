@@ -463,6 +463,7 @@ mod tests {
             queues,
             state_writer: None,
             parameters: Arc::default(),
+            #[cfg(feature = "study")]
             news: None,
             unnotified: false,
         };
