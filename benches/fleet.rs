@@ -104,6 +104,7 @@ fn main() {
         at_rest(columns, kind == "equal");
     }
     memory();
+    critical_velocities();
     hit();
 }
 
@@ -277,6 +278,18 @@ fn memory() {
     row(
         "bytes of each idle column",
         [number(each), number(each / BYTES)],
+    );
+}
+
+/// What the thread in the background has to do for each different column.
+fn critical_velocities() {
+    let twins = make_twins(&columns(1), &[], || 0, 0).expect("stand");
+    let task = twins[0].critical_velocity_task().expect("at rest");
+    let before = thread_time();
+    task.compute(&mut || true).expect("not abandoned");
+    row(
+        "critical velocities of one column [s of processor time]",
+        [number(thread_time() - before)],
     );
 }
 

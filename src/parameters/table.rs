@@ -846,7 +846,7 @@ pub const PARAMETERS: &[Parameter] = &[
         default: DefaultValue::Integer(0),
         admissible: Admissible::Integer { min: 0, max: 64 },
         applies: Applies::Restart,
-        meaning: "solver threads of a fleet; 0: one less than processors, at least one. A single twin has one",
+        meaning: "solver threads of a fleet; 0: as many as processors. A single twin has one",
     },
     Parameter {
         name: "record.mode",

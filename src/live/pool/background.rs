@@ -58,13 +58,13 @@ pub struct Background {
 }
 
 impl Background {
-    /// For a fleet of so many columns, each of which wants at most one result at a time.
+    /// For a fleet of so many columns, each of which wants at most one result of each queue at a time.
     pub fn new(columns: usize) -> Self {
         Self {
             hit: ArrayQueue::new(columns.max(1)),
             others: ArrayQueue::new(columns.max(1)),
             unknown: AtomicUsize::new(0),
-            known: ArrayQueue::new(columns.max(1)),
+            known: ArrayQueue::new(2 * columns.max(1)),
             notifier: Notifier::default(),
             stop: AtomicBool::new(false),
         }
@@ -147,6 +147,10 @@ impl Background {
                     let Some(vehicles) = task.compute(go_on) else {
                         return;
                     };
+                    if is_damaged {
+                        // It took no part of the others' time.
+                        rested = processor_time();
+                    }
                     if found.len() == MAX_KNOWN {
                         found.pop_front();
                     }
@@ -154,7 +158,7 @@ impl Background {
                     vehicles
                 }
             };
-            // There is room: a column wants nothing more before it has taken its result.
+            // There is room: a column wants nothing more of a queue before it has taken its result.
             let _ = self.known.push(Box::new((column, task, vehicles)));
             self.unknown.fetch_sub(1, Ordering::Relaxed);
             tell();

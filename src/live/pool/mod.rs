@@ -15,7 +15,7 @@ mod worker;
 
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::{self, JoinHandle};
@@ -127,8 +127,8 @@ impl LiveFleet {
         let processors = sched_getaffinity(None).ok();
         let background = Arc::new(Background::new(twins.len()));
         let mut agreed = Agreed::new();
-        let now = clock.now();
-        for column in 0..twins.len() {
+        let (now, columns) = (clock.now(), twins.len());
+        for column in 0..columns {
             // Its first status, and what is to be computed for it.
             let plan = Plan {
                 deadline: Some(now),
@@ -165,7 +165,10 @@ impl LiveFleet {
             background: Arc::clone(&background),
             #[cfg(feature = "study")]
             news,
-            counters: Counters::default(),
+            counters: Counters {
+                active: AtomicUsize::new(columns),
+                ..Counters::default()
+            },
         });
         let mut handle = FleetHandle {
             shared: Arc::clone(&shared),

@@ -40,8 +40,9 @@ pub struct Slot {
     pub twin: Twin,
     /// Jumps of the clock that it knows.
     jumps: u64,
-    /// Its critical velocities are being computed.
-    wants_limits: bool,
+    /// Its critical velocities are being computed: as it was before an impact, and as one has left it. Those of a column that was
+    /// hit do not wait for those of before.
+    wants_limits: [bool; 2],
     /// It has executed a command since the start.
     is_touched: bool,
     /// With its forecast.
@@ -53,7 +54,7 @@ impl Slot {
         Self {
             twin,
             jumps: 0,
-            wants_limits: false,
+            wants_limits: [false; 2],
             is_touched: false,
             patience: Patience::default(),
         }
@@ -324,8 +325,8 @@ impl Shared {
             }
             Input::Request(Request::Snapshot { reply }) => reply.send(slot.twin.snapshot()),
             Input::Known(known) => {
-                slot.wants_limits = false;
                 let (_, task, vehicles) = *known;
+                slot.wants_limits[usize::from(task.is_damaged())] = false;
                 if slot.twin.awaits(&task) {
                     let command = Command::CriticalVelocities { vehicles };
                     // The twin takes it in every state.
@@ -359,10 +360,11 @@ impl Shared {
                 has_spare: twin.is_looking_ahead() && !twin.awaits_forecast(),
             };
         }
-        if !slot.wants_limits
-            && let Some(task) = twin.critical_velocity_task()
-        {
-            slot.wants_limits = self.background.want(column, task);
+        if let Some(task) = twin.critical_velocity_task() {
+            let is_wanted = &mut slot.wants_limits[usize::from(task.is_damaged())];
+            if !*is_wanted {
+                *is_wanted = self.background.want(column, task);
+            }
         }
         twin.forget_what_is_too_old(now);
         Plan {

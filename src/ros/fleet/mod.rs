@@ -1,6 +1,7 @@
 //! The node of a fleet: many columns in one process, one participant and one node, with topics that they share.
 //!
-//! The number of endpoints does not depend on the number of columns. Every message has a `column_id`; messages for columns that
+//! The number of endpoints does not depend on the number of columns, apart from those of columns to which somebody listens in
+//! their namespaces. Every message has a `column_id`; messages for columns that
 //! are elsewhere are ignored and counted. A column that is at rest publishes nothing but its line in `fleet_status`.
 
 mod column_topics;

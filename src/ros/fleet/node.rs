@@ -1,4 +1,5 @@
-//! The node of a fleet: its endpoints, in the same threads as the node of a single twin.
+//! The node of a fleet: its endpoints, in the same threads as the node of a single twin, and one that creates the topics of single
+//! columns.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

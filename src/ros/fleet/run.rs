@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+
 use crate::parameters::{FleetColumns, FleetSources};
 
 use super::super::NODE_NAME;
@@ -16,6 +18,9 @@ use super::super::security::protection;
 use super::super::signals::StopSignals;
 use super::live_fleet::{FleetTwin, FleetTwinError};
 use super::node::FleetNode;
+
+/// Files that a fleet may have open: those of the shared endpoints and of all columns that may have topics of their own.
+const WANTED_FILES: u64 = 4096;
 
 /// The command line and the environment of a fleet.
 #[derive(Debug, Clone, Default)]
@@ -38,6 +43,7 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
     let FleetRunOptions {
         ros, environment, ..
     } = options;
+    raise_file_limit();
     let mut signals = StopSignals::listen().map_err(|error| RunError::Process(error.into()))?;
     let names = Names::new(&environment.namespace, NODE_NAME, &ros.remap_rules)?;
     let sources = FleetSources {
@@ -93,4 +99,19 @@ pub fn run_fleet(options: &FleetRunOptions) -> Result<RunEnd, RunError> {
         lost_in_recording: recording.stop(health.dropped_recording),
         has_panicked: health.has_panicked || dds_threads.has_panicked(),
     })
+}
+
+/// Lets the process open as many files as [`WANTED_FILES`], if the system allows it: each endpoint takes two, and many columns may
+/// have topics of their own.
+fn raise_file_limit() {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let wanted = maximum.map_or(WANTED_FILES, |it| it.min(WANTED_FILES));
+    if current.is_some_and(|it| it < wanted) {
+        let raised = Rlimit {
+            current: Some(wanted),
+            maximum,
+        };
+        // Without it, an endpoint that cannot be created is an error that names the limit.
+        let _ = setrlimit(Resource::Nofile, raised);
+    }
 }

@@ -13,7 +13,9 @@ use crate::{
     protocol_id::ProtocolId,
     protocol_version::ProtocolVersion,
     submessages::{
-      elements::{parameter::Parameter, parameter_list::ParameterList},
+      elements::{
+        parameter::Parameter, parameter_list::ParameterList, serialized_payload::SerializedPayload,
+      },
       submessage_flag::endianness_flag,
       submessages::*,
     },
@@ -28,6 +30,7 @@ use crate::{
     sequence_number::{FragmentNumber, SequenceNumber, SequenceNumberSet},
     time::Timestamp,
   },
+  RepresentationIdentifier,
 };
 #[cfg(feature = "security")]
 use crate::{
@@ -165,6 +168,21 @@ pub(crate) struct MessageBuilder {
   submessages: Vec<Submessage>,
 }
 
+/// The GUID that a built-in writer disposes of, which is its key hash: the only
+/// parameter of the key. `None` for other writers and keys.
+fn disposed_guid(writer: EntityId, key: &SerializedPayload) -> Option<Vec<u8>> {
+  const GUID_BYTES: usize = 16;
+  // Parameter id and length, then the value.
+  const VALUE_AT: usize = 4;
+  let is_list = key.representation_identifier == RepresentationIdentifier::PL_CDR_LE;
+  let has_guid = key.value.get(2..VALUE_AT) == Some(&(GUID_BYTES as u16).to_le_bytes()[..]);
+  if !(writer.kind().is_built_in() && is_list && has_guid) {
+    return None;
+  }
+  let guid = key.value.get(VALUE_AT..VALUE_AT + GUID_BYTES)?;
+  Some(guid.to_vec())
+}
+
 impl MessageBuilder {
   pub fn new() -> Self {
     Self::default()
@@ -278,7 +296,15 @@ impl MessageBuilder {
     match cache_change.data_value {
       DDSData::Data { .. } => (), // data sample, not dispose
 
-      DDSData::DisposeByKey { .. } => {
+      DDSData::DisposeByKey { ref key, .. } => {
+        // Fast DDS ignores a serialized key of more than 16 bytes, and so would know
+        // endpoints for ever that are disposed of here.
+        if let Some(guid) = disposed_guid(writer_entity_id, key) {
+          param_list.push(Parameter {
+            parameter_id: ParameterId::PID_KEY_HASH,
+            value: guid,
+          });
+        }
         param_list.push(Parameter::create_pid_status_info_parameter(
           /* disposed */ true, /* unregistered */ true, /* filtered */ false,
         ));
