@@ -308,7 +308,7 @@ fn send_labels(
             may_move: marks[index].is_notable() || newest == Some(index as u32),
         })
         .collect();
-    let placed = place_labels(&wanted, geometry.radius + 2.0, VIEW);
+    let placed = place_labels(&wanted, geometry.radius, VIEW);
     let texts = placed.iter().map(|it| wanted[it.index].text.as_str());
     // The viewer draws a label a little below its point.
     let labels = Points2D::update_fields()
