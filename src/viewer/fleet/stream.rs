@@ -38,6 +38,8 @@ pub struct FleetStream {
     newest: Option<u32>,
     /// The selected columns, and after them that of the newest impact.
     in_full: Vec<InFull>,
+    /// Of which columns the plan shows that something is known.
+    known: Vec<bool>,
     /// The latest moment that was shown.
     latest: Moment,
     /// The marks have changed since they were sent.
@@ -66,6 +68,7 @@ impl FleetStream {
             geometry,
             marks,
             newest: None,
+            known: Vec::new(),
             in_full: Vec::new(),
             has_new_marks: true,
             has_new_layout: true,
@@ -206,6 +209,7 @@ impl FleetStream {
             &self.geometry,
             &self.marks,
             self.newest,
+            &mut self.known,
             self.latest,
         )?;
         let told = panel::panel(&self.fleet, &self.marks, self.newest);
