@@ -384,7 +384,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
             "absent.yaml",
         ),
         (with(&["--columns", "bad.csv"]), "bad.csv:2"),
-        (with(&["--select", "a9,/hall/*"]), "has no a9, /hall/*"),
+        (with(&["--select", "a9,/roof/*"]), "has no a9, /roof/*"),
         (
             with(&[
                 "--ros-args",
