@@ -101,16 +101,22 @@ fn main() {
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     println!("load {}", load.trim());
     for kind in ["equal", "different"] {
-        at_rest(columns, kind == "equal");
+        at_rest(columns, kind == "equal", false);
+    }
+    if cfg!(feature = "viewer") {
+        at_rest(columns, true, true);
     }
     memory();
     critical_velocities();
     hit();
 }
 
-/// A table of columns, which differ by their names only or also by their loads.
-fn write_fleet(folder: &Path, columns: usize, equal: bool) {
-    let yaml = "/**:\n  ros__parameters: {state.directory: states}\n";
+/// A table of columns, which differ by their names only or also by their loads, with or without a file for the viewer.
+fn write_fleet(folder: &Path, columns: usize, equal: bool, is_shown: bool) {
+    let mode = if is_shown { "save" } else { "\"off\"" };
+    let yaml = format!(
+        "/**:\n  ros__parameters: {{state.directory: states, viewer.mode: {mode}, viewer.directory: shown}}\n"
+    );
     fs::write(folder.join("fleet.yaml"), yaml).expect("written");
     let mut table = "namespace,column_id,top.load\n".to_owned();
     for number in 0..columns {
@@ -142,9 +148,9 @@ fn packets(id: u32) -> Option<f64> {
     line.split_whitespace().nth(9)?.parse().ok()
 }
 
-fn at_rest(columns: usize, equal: bool) {
+fn at_rest(columns: usize, equal: bool, is_shown: bool) {
     let folder = tempfile::tempdir().expect("a folder");
-    write_fleet(folder.path(), columns, equal);
+    write_fleet(folder.path(), columns, equal, is_shown);
     let binary = env!("CARGO_BIN_EXE_column-twin");
     // A network of its own, so that the packets are those of the fleet.
     let domain = Domain::fresh();
@@ -185,8 +191,13 @@ fn at_rest(columns: usize, equal: bool) {
         .map(|(after, before)| after - before);
     let sent = sent.filter(|_| can_unshare).unwrap_or(f64::NAN);
     let kind = if equal { "equal" } else { "different" };
+    let shown = if is_shown {
+        ", with the viewer in mode save"
+    } else {
+        ""
+    };
     println!(
-        "\n{columns} {kind} columns at rest over {} s; critical velocities took {computed}",
+        "\n{columns} {kind} columns at rest over {} s{shown}; critical velocities took {computed}",
         AT_REST.as_secs()
     );
     row("", ["found".into(), "/ aim".into()]);
@@ -206,7 +217,7 @@ fn at_rest(columns: usize, equal: bool) {
         row(name, [number(found), number(found / aim)]);
     }
     program.terminate();
-    if equal {
+    if equal && !is_shown {
         discovery(columns, folder.path(), binary);
     }
 }

@@ -78,7 +78,7 @@ struct Counts {
 
 pub fn traffic(traffic: &Traffic) {
     let folder = tempfile::tempdir().expect("a folder");
-    write_fleet(folder.path(), traffic.columns, true);
+    write_fleet(folder.path(), traffic.columns, true, false);
     let domain = Domain::fresh();
     let mut command = Process::new(env!("CARGO_BIN_EXE_column-twin"));
     arguments(&mut command);

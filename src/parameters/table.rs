@@ -31,23 +31,6 @@ pub const PARAMETERS: &[Parameter] = &[
         meaning: "coordinate frame of the column in messages, with its origin at the base",
     },
     Parameter {
-        name: "site.x",
-        unit: "m",
-        default: DefaultValue::Double(0.0),
-        admissible: SITE,
-        applies: Applies::Restart,
-        meaning: "position of the column in the plan of its fleet, to the right; columns of a fleet that share a position with another \
-                  one, or give none, are shown in rows below the plan",
-    },
-    Parameter {
-        name: "site.y",
-        unit: "m",
-        default: DefaultValue::Double(0.0),
-        admissible: SITE,
-        applies: Applies::Restart,
-        meaning: "position of the column in the plan of its fleet, upwards in the picture; see `site.x`",
-    },
-    Parameter {
         name: "publish_rate",
         unit: "Hz",
         default: DefaultValue::Double(1000.0),
@@ -73,6 +56,23 @@ pub const PARAMETERS: &[Parameter] = &[
         admissible: Admissible::Switch,
         applies: Applies::Restart,
         meaning: "offer the service ~/get_type_description, as every ROS 2 node does",
+    },
+    Parameter {
+        name: "site.x",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: SITE,
+        applies: Applies::Restart,
+        meaning: "position of the column in the plan of its fleet, to the right; columns of a fleet that share a position with another \
+                  one, or give none, are shown in rows below the plan",
+    },
+    Parameter {
+        name: "site.y",
+        unit: "m",
+        default: DefaultValue::Double(0.0),
+        admissible: SITE,
+        applies: Applies::Restart,
+        meaning: "position of the column in the plan of its fleet, upwards in the picture; see `site.x`",
     },
     Parameter {
         name: "geometry.length_below",

@@ -149,7 +149,7 @@ impl ViewerItem {
     }
 }
 
-pub(super) fn twin_phase(code: u8) -> TwinPhase {
+fn twin_phase(code: u8) -> TwinPhase {
     match code {
         ColumnState::IDLE => TwinPhase::Idle,
         ColumnState::APPROACH => TwinPhase::Approach,

@@ -17,6 +17,7 @@ mod camera;
 mod colour;
 mod connection;
 mod curve_styles;
+mod curves;
 mod damage_map;
 mod destination;
 mod error;

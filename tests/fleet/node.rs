@@ -388,10 +388,7 @@ fn bad_input_ends_the_command_with_what_to_do() {
             "absent.yaml",
         ),
         (with(&["--columns", "bad.csv"]), "bad.csv:2"),
-        (
-            with(&["--ros-args", "-p", "viewer.mode:=serve"]),
-            "viewer.mode is serve, but a fleet has no viewer",
-        ),
+        (with(&["--select", "a9,/roof/*"]), "has no a9, /roof/*"),
         (
             with(&[
                 "--ros-args",

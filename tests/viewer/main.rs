@@ -7,6 +7,7 @@
 #[path = "../ros/domain.rs"]
 mod domain;
 mod felt;
+mod fleet;
 mod live;
 #[path = "../../examples/viewer_moments.rs"]
 mod moments;

@@ -165,7 +165,7 @@ fn a_restarted_viewer_receives_everything() {
 }
 
 /// The contents of a file, as the viewer prints them.
-fn printed(program: &Path, recording: &Path) -> String {
+pub fn printed(program: &Path, recording: &Path) -> String {
     let print = viewer(program)
         .args(["rrd", "print", "-vvv"])
         .arg(recording)
@@ -284,7 +284,7 @@ impl Drop for KilledByFile<'_> {
 }
 
 /// Takes a picture of a file with the real viewer.
-fn photograph(program: &Path, recording: &Path, picture: &Path) {
+pub fn photograph(program: &Path, recording: &Path, picture: &Path) {
     let status = viewer(program)
         .arg(recording)
         .args(["--headless", "--window-size", WINDOW, "--bind", "127.0.0.1"])
@@ -297,7 +297,7 @@ fn photograph(program: &Path, recording: &Path, picture: &Path) {
 }
 
 /// The pixels of a picture.
-fn pixels(path: &Path) -> Vec<u8> {
+pub fn pixels(path: &Path) -> Vec<u8> {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
     let mut reader = png::Decoder::new(file).read_info().expect("a picture");
     let size = reader.output_buffer_size().expect("fits");

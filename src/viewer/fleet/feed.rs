@@ -173,3 +173,140 @@ impl FleetFeed {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assessment::Severity;
+    use crate::column::Sample;
+    use crate::messages::column_twin::{ImpactReport, TwinStatus};
+    use crate::parameters::FleetColumn;
+    use crate::twin::{StateOutput, TwinPhase};
+
+    fn feed(columns: usize, selected: Vec<u32>) -> FleetFeed {
+        let columns: Vec<_> = (0..columns)
+            .map(|number| FleetColumn {
+                name: format!("/hall/c{number}"),
+                parameters: Arc::new(
+                    Parameters::from_values([("column_id", format!("c{number}").as_str().into())])
+                        .expect("admissible"),
+                ),
+            })
+            .collect();
+        FleetFeed::new(Arc::new(ShownFleet::new(&columns, selected)))
+    }
+
+    fn state(column: u32, event_id: &str) -> (u32, Fact) {
+        let state = StateOutput {
+            stamp: 0,
+            event_id: event_id.into(),
+            phase: TwinPhase::Contact,
+            sample: Sample::default(),
+            lengths: None,
+            vehicle: None,
+        };
+        (column, Fact::Item(ViewerItem::State(state)))
+    }
+
+    fn forecast(column: u32, event_id: &str, severity: u8) -> (u32, Fact) {
+        let announcement = Announcement {
+            stamp: 7,
+            event_id: event_id.into(),
+            report: Box::new(ImpactReport {
+                severity,
+                ..ImpactReport::default()
+            }),
+        };
+        (column, Fact::Item(ViewerItem::Forecast(announcement)))
+    }
+
+    fn mark(column: u32, phase: TwinPhase) -> (u32, Fact) {
+        let mark = ColumnMark {
+            severity: Some(Severity::None),
+            phase,
+            ..ColumnMark::default()
+        };
+        (column, Fact::Mark(7, mark))
+    }
+
+    /// What kinds of items there are, with their columns.
+    fn kinds(items: &[FleetItem]) -> Vec<(&'static str, u32)> {
+        let kind = |item: &FleetItem| match item {
+            FleetItem::Mark { column, .. } => ("mark", *column),
+            FleetItem::Newest { column, .. } => ("newest", *column),
+            FleetItem::Column(column, ViewerItem::State(_)) => ("state", *column),
+            FleetItem::Column(column, ViewerItem::Forecast(_)) => ("forecast", *column),
+            FleetItem::Column(column, _) => ("other", *column),
+            FleetItem::Line { .. } => ("line", 0),
+        };
+        items.iter().map(kind).collect()
+    }
+
+    #[test]
+    fn the_last_column_that_is_hit_is_shown_and_a_selected_one() {
+        let mut feed = feed(5, vec![4]);
+        let items = feed.take(vec![
+            state(1, "a"),
+            state(2, "b"),
+            state(1, "a"),
+            state(4, "c"),
+        ]);
+        // All are hit at once: the last one counts, and only selected columns are shown besides.
+        assert_eq!(kinds(&items), [("newest", 4), ("state", 4)]);
+        let items = feed.take(vec![state(2, "b"), state(4, "c")]);
+        assert_eq!(kinds(&items), [("state", 4)], "these responses go on");
+        let items = feed.take(vec![state(2, "d"), state(1, "a"), state(2, "d")]);
+        assert_eq!(kinds(&items), [("newest", 2), ("state", 2), ("state", 2)]);
+    }
+
+    #[test]
+    fn a_column_that_becomes_the_newest_is_told_what_it_missed() {
+        let mut feed = feed(3, Vec::new());
+        let items = feed.take(vec![forecast(1, "a", TwinStatus::SEVERITY_PROP)]);
+        assert_eq!(kinds(&items), [("line", 0)]);
+        let items = feed.take(vec![state(1, "a")]);
+        assert_eq!(
+            kinds(&items),
+            [("newest", 1), ("forecast", 1), ("state", 1)]
+        );
+    }
+
+    #[test]
+    fn a_mark_comes_when_it_changes_and_foresees_the_severity_of_a_response() {
+        let mut feed = feed(3, Vec::new());
+        assert_eq!(
+            kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])),
+            [("mark", 1)]
+        );
+        assert_eq!(kinds(&feed.take(vec![mark(1, TwinPhase::Idle)])), []);
+        let items = feed.take(vec![
+            mark(1, TwinPhase::Contact),
+            forecast(1, "a", TwinStatus::SEVERITY_PROP),
+            mark(1, TwinPhase::Free),
+        ]);
+        let foreseen: Vec<_> = items
+            .iter()
+            .filter_map(|it| match it {
+                FleetItem::Mark { mark, .. } => Some((mark.worst(), mark.is_notable())),
+                _ => None,
+            })
+            .collect();
+        let prop = Some(Severity::Prop);
+        assert_eq!(
+            foreseen,
+            [(Some(Severity::None), true), (prop, true), (prop, true)]
+        );
+        let items = feed.take(vec![mark(1, TwinPhase::Idle)]);
+        let [FleetItem::Mark { mark, .. }] = &items[..] else {
+            panic!("{items:?}");
+        };
+        assert_eq!((mark.foreseen, mark.is_notable()), (None, false));
+    }
+
+    #[test]
+    fn columns_that_do_not_exist_are_ignored() {
+        let mut feed = feed(2, Vec::new());
+        let items = feed.take(vec![state(2, "a"), mark(9, TwinPhase::Idle)]);
+        assert!(items.is_empty());
+    }
+}

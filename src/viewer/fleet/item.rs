@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::super::item::{ViewerItem, twin_phase};
+use super::super::item::ViewerItem;
 use crate::assessment::Severity;
 use crate::fleet::Plan;
-use crate::messages::column_twin::{ColumnStatus, TwinStatus};
+use crate::messages::column_twin::TwinStatus;
 use crate::parameters::{FleetColumn, Parameters};
 use crate::twin::{NoticeLevel, Status, TwinPhase};
 
@@ -124,19 +124,6 @@ impl From<&Status> for ColumnMark {
             impacts: status.impacts_since_reset,
             residual_v1: status.residual_v1,
             reserve: assessed.and_then(|it| it.remaining.reserve),
-        }
-    }
-}
-
-impl From<&ColumnStatus> for ColumnMark {
-    fn from(status: &ColumnStatus) -> Self {
-        Self {
-            severity: severity_of(status.severity),
-            foreseen: None,
-            phase: twin_phase(status.phase),
-            impacts: status.impacts_since_reset,
-            residual_v1: status.residual_v1,
-            reserve: Some(status.reserve).filter(|it| it.is_finite()),
         }
     }
 }

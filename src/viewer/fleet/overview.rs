@@ -1,4 +1,4 @@
-//! The plan of a fleet in a Rerun stream: all columns as one batch of points, whose colours alone change.
+//! The plan of a fleet in a Rerun stream: all columns as one batch of points, and over it the few to which something has happened.
 
 use rerun::components::DrawOrder;
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
@@ -15,7 +15,9 @@ use crate::shape::{round_number, severity_colour};
 /// The entities of the plan. No column can have this name, which ROS does not admit.
 pub(super) const PLAN: &str = "overview/plan";
 const COLUMNS: &str = "overview/plan/columns";
+const OUTLINES: &str = "overview/plan/outlines";
 const RINGS: &str = "overview/plan/rings";
+const MARKS: &str = "overview/plan/marks";
 const LABELS: &str = "overview/plan/labels";
 const LEADERS: &str = "overview/plan/leaders";
 const NEWEST: &str = "overview/plan/newest";
@@ -46,9 +48,15 @@ const VIEW: [f64; 2] = [690.0, 540.0];
 /// Margin around the columns \[points\].
 const MARGIN: f64 = 42.0;
 
+/// Room for the scale below them \[points\].
+const BELOW: f64 = 34.0;
+
 /// Radius of a mark as a part of the distance between columns, and its limits \[points\].
 const RADIUS_PER_SPACING: f64 = 0.28;
 const RADII: [f64; 2] = [2.5, 13.0];
+
+/// The same for a column that somebody has to look at: it is seen among 2000.
+const NOTABLE_RADIUS: f64 = 5.0;
 
 /// Most columns whose names are shown although nothing has happened to them.
 const MAX_NAMED: usize = 60;
@@ -74,14 +82,14 @@ impl Geometry {
     #[must_use]
     pub fn of(fleet: &ShownFleet) -> Self {
         let [left, right, bottom, top] = fleet.plan.extent();
-        let inner = VIEW.map(|it| it - 2.0 * MARGIN);
+        let inner = [VIEW[0] - 2.0 * MARGIN, VIEW[1] - 2.0 * MARGIN - BELOW];
         let least = fleet.plan.spacing / VIEW[1];
         let metres_per_point = ((right - left) / inner[0])
             .max((top - bottom) / inner[1])
             .max(least);
         let corner = [
             0.5 * (left + right) - 0.5 * VIEW[0] * metres_per_point,
-            -0.5 * (top + bottom) - 0.5 * VIEW[1] * metres_per_point,
+            -0.5 * (top + bottom) - 0.5 * (VIEW[1] - BELOW) * metres_per_point,
         ];
         let spacing = fleet.plan.spacing / metres_per_point;
         Self {
@@ -97,6 +105,11 @@ impl Geometry {
         let [left, top] = self.corner;
         let [width, height] = VIEW.map(|it| it * self.metres_per_point);
         [left, left + width, top, top + height]
+    }
+
+    /// Radius of the mark of a column that somebody has to look at \[points\].
+    fn notable_radius(&self) -> f64 {
+        self.radius.max(NOTABLE_RADIUS)
     }
 
     /// A place of the plan in points of the view.
@@ -150,10 +163,17 @@ pub(super) fn send_statics(
         .with_show_labels(false)
         .with_draw_order(order(30.0));
     stream.log_static(COLUMNS, &columns)?;
-    stream.log_static(
-        RINGS,
-        &Points2D::update_fields().with_draw_order(order(20.0)),
-    )?;
+    let outlines = Points2D::new(places())
+        .with_radii([points(geometry.radius + 0.7)])
+        .with_colors([color(OUTLINE)])
+        .with_draw_order(order(15.0));
+    stream.log_static(OUTLINES, &outlines)?;
+    let rings = Points2D::update_fields().with_draw_order(order(32.0));
+    stream.log_static(RINGS, &rings)?;
+    let marks = Points2D::update_fields()
+        .with_show_labels(false)
+        .with_draw_order(order(35.0));
+    stream.log_static(MARKS, &marks)?;
     let labels = Points2D::update_fields()
         .with_radii([points(0.0)])
         .with_show_labels(true)
@@ -238,7 +258,8 @@ pub(super) fn legend_bounds() -> [f64; 4] {
     [-0.6, (items - 1.0) * LEGEND_STEP + 0.6, -0.2, 0.5]
 }
 
-/// Sends the marks of all columns at one moment.
+/// Sends the marks of the columns at one moment. Those to which nothing has happened are sent when one of them becomes known, which
+/// `known` remembers; the others are few, so that an impact on one of 2000 columns costs little.
 ///
 /// # Errors
 /// The stream rejects the data.
@@ -248,27 +269,48 @@ pub(super) fn send(
     geometry: &Geometry,
     marks: &[ColumnMark],
     newest: Option<u32>,
+    known: &mut Vec<bool>,
     moment: Moment,
 ) -> RecordingStreamResult<()> {
     let times = || time_columns([moment]);
-    let colours = marks.iter().map(|it| color(colour_of(it.worst())));
-    let columns = Points2D::update_fields().with_colors(colours);
-    stream.send_columns(COLUMNS, times(), columns.columns([marks.len()])?)?;
+    let known_now: Vec<bool> = marks.iter().map(|it| it.severity.is_some()).collect();
+    if *known != known_now {
+        let colours = known_now.iter().map(|it| match it {
+            true => severity_colour(Severity::None),
+            false => UNKNOWN,
+        });
+        let columns = Points2D::update_fields().with_colors(colours.map(color));
+        stream.send_columns(COLUMNS, times(), columns.columns([marks.len()])?)?;
+        *known = known_now;
+    }
 
     let place = |index: usize| geometry.points(fleet.plan.positions[index]);
-    let r = geometry.radius;
+    let r = geometry.notable_radius();
+    // Colour and radius of the ring, radius of the mark within it.
     let ring = |mark: &ColumnMark| match mark {
-        it if it.is_responding() => (RESPONDING, 1.75 * r + 2.0),
-        it if it.is_out_of_service() => (OUT_OF_SERVICE, 1.5 * r + 1.5),
-        it if it.impacts > 0 => (HIT, r + 1.8),
-        _ => (OUTLINE, r + 0.7),
+        it if it.is_responding() => Some((RESPONDING, 1.75 * r + 2.0, r)),
+        it if it.is_out_of_service() => Some((OUT_OF_SERVICE, 1.5 * r + 1.5, r)),
+        it if it.is_notable() => Some((HIT, r + 1.8, r)),
+        it if it.impacts > 0 => Some((HIT, geometry.radius + 1.8, geometry.radius)),
+        _ => None,
     };
-    let rings = || marks.iter().map(ring);
+    let touched: Vec<_> = marks
+        .iter()
+        .enumerate()
+        .filter_map(|(index, mark)| Some((index, colour_of(mark.worst()), ring(mark)?)))
+        .collect();
+    let places = || touched.iter().map(|(it, ..)| geometry.drawn(place(*it)));
+    let rings = Points2D::update_fields()
+        .with_positions(places())
+        .with_colors(touched.iter().map(|(_, _, (rgb, ..))| color(*rgb)))
+        .with_radii(touched.iter().map(|(_, _, (_, radius, _))| points(*radius)));
+    stream.send_columns(RINGS, times(), rings.columns([touched.len()])?)?;
     let shapes = Points2D::update_fields()
-        .with_positions((0..marks.len()).map(|it| geometry.drawn(place(it))))
-        .with_colors(rings().map(|(rgb, _)| color(rgb)))
-        .with_radii(rings().map(|(_, radius)| points(radius)));
-    stream.send_columns(RINGS, times(), shapes.columns([marks.len()])?)?;
+        .with_positions(places())
+        .with_colors(touched.iter().map(|(_, rgb, _)| color(*rgb)))
+        .with_radii(touched.iter().map(|(_, _, (_, _, radius))| points(*radius)))
+        .with_labels(touched.iter().map(|(it, ..)| short(&fleet.ids[*it])));
+    stream.send_columns(MARKS, times(), shapes.columns([touched.len()])?)?;
 
     let cross = newest.map(|it| place(it as usize)).map(|[x, y]| {
         let [width, height] = VIEW;
@@ -308,7 +350,7 @@ fn send_labels(
             may_move: marks[index].is_notable() || newest == Some(index as u32),
         })
         .collect();
-    let placed = place_labels(&wanted, geometry.radius + 2.0, VIEW);
+    let placed = place_labels(&wanted, geometry.notable_radius(), VIEW);
     let texts = placed.iter().map(|it| wanted[it.index].text.as_str());
     // The viewer draws a label a little below its point.
     let labels = Points2D::update_fields()
@@ -354,5 +396,85 @@ fn label(fleet: &ShownFleet, mark: &ColumnMark, index: usize) -> String {
     match mark.worst() {
         None | Some(Severity::None) => id,
         severity => format!("{id} {}", word(severity)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{FleetColumn, Parameters};
+
+    fn fleet(places: &[[f64; 2]]) -> ShownFleet {
+        let column = |(number, [x, y]): (usize, &[f64; 2])| {
+            let id = format!("c{number}");
+            let values = [
+                ("column_id", id.as_str().into()),
+                ("site.x", (*x).into()),
+                ("site.y", (*y).into()),
+            ];
+            FleetColumn {
+                name: format!("/{id}"),
+                parameters: Parameters::from_values(values).expect("admissible").into(),
+            }
+        };
+        let columns: Vec<_> = places.iter().enumerate().map(column).collect();
+        ShownFleet::new(&columns, Vec::new())
+    }
+
+    /// A hall, a row, a wall and a single column.
+    #[test]
+    fn all_columns_are_in_the_view_with_room_for_names_and_above_is_above() {
+        let hall: Vec<_> = (0..2_000)
+            .map(|it| [6.0 * f64::from(it % 50), 8.0 * f64::from(it / 50)])
+            .collect();
+        let row: Vec<_> = (0..30).map(|it| [5.0 * f64::from(it), 1e4]).collect();
+        let wall: Vec<_> = (0..30).map(|it| [-1e5, 5.0 * f64::from(it)]).collect();
+        for places in [hall, row, wall, vec![[3.0, 4.0]]] {
+            let fleet = fleet(&places);
+            let geometry = Geometry::of(&fleet);
+            let [left, right, top, bottom] = geometry.bounds();
+            for place in &fleet.plan.positions {
+                let [x, y] = geometry.points(*place);
+                assert!(
+                    (MARGIN - 1e-6..=VIEW[0] - MARGIN + 1e-6).contains(&x),
+                    "{x}"
+                );
+                assert!(
+                    (MARGIN - 1e-6..=VIEW[1] - MARGIN - BELOW + 1e-6).contains(&y),
+                    "{y}"
+                );
+                let [x, y] = geometry.drawn([x, y]).map(f64::from);
+                assert!((left..=right).contains(&x) && (top..=bottom).contains(&y));
+            }
+            let [_, low] = geometry.points([0.0, 0.0]);
+            let [_, high] = geometry.points([0.0, 1.0]);
+            assert!(high < low, "y points upwards");
+            assert!((RADII[0]..=RADII[1]).contains(&geometry.radius));
+        }
+    }
+
+    #[test]
+    fn names_are_shown_of_few_columns_and_of_those_that_matter() {
+        let places = |count: u32| {
+            (0..count)
+                .map(|it| [f64::from(it), 0.0])
+                .collect::<Vec<_>>()
+        };
+        let prop = ColumnMark {
+            severity: Some(Severity::Prop),
+            ..ColumnMark::default()
+        };
+        for (count, expected) in [(12, 12), (200, 2)] {
+            let fleet = fleet(&places(count));
+            let mut marks = vec![ColumnMark::default(); count as usize];
+            marks[7] = prop;
+            let labelled = labelled(&fleet, &marks, Some(5));
+            assert_eq!(labelled.len(), expected);
+            assert_eq!(labelled[..2], [5, 7]);
+            assert_eq!(label(&fleet, &prop, 7), "c7 PROP");
+            assert_eq!(label(&fleet, &ColumnMark::default(), 8), "c8");
+        }
+        let all = vec![prop; 200];
+        assert_eq!(labelled(&fleet(&places(200)), &all, None).len(), MAX_LABELS);
     }
 }

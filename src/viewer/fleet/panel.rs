@@ -110,3 +110,46 @@ pub(super) fn panel(fleet: &ShownFleet, marks: &[ColumnMark], newest: Option<u32
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::FleetColumn;
+    use std::sync::Arc;
+
+    #[test]
+    fn the_worst_columns_come_first_and_names_are_no_markdown() {
+        let column = |number: usize| FleetColumn {
+            name: format!("/c{number}"),
+            parameters: Arc::default(),
+        };
+        let columns: Vec<_> = (0..20).map(column).collect();
+        let mut fleet = ShownFleet::new(&columns, Vec::new());
+        fleet.ids[4] = "a|b".into();
+        let of = |severity, residual_v1| ColumnMark {
+            severity: Some(severity),
+            residual_v1,
+            impacts: 1,
+            ..ColumnMark::default()
+        };
+        let mut marks = vec![of(Severity::None, 0.0); 20];
+        assert!(panel(&fleet, &marks, None).starts_with("## 20 columns, none with a warning"));
+        marks[2] = of(Severity::Inspect, 0.03);
+        marks[3] = of(Severity::Prop, 0.01);
+        marks[4] = of(Severity::Prop, -0.02);
+        marks[5].phase = TwinPhase::Severed;
+        assert_eq!(worst_first(&marks), [5, 4, 3, 2]);
+        let text = panel(&fleet, &marks, Some(3));
+        assert!(
+            text.starts_with("## 4 of 20 columns need attention"),
+            "{text}"
+        );
+        assert!(text.contains("| a\\|b | PROP | -20.0 mm |"), "{text}");
+        assert!(text.contains("in rows"), "no column has a position: {text}");
+        marks.fill(of(Severity::Inspect, 0.03));
+        let text = panel(&fleet, &marks, None);
+        assert_eq!(text.matches(" inspect |").count(), MAX_LISTED);
+        assert!(text.contains("and 8 more columns"), "{text}");
+        assert_eq!(short(&"x".repeat(300)).len(), MAX_CHARACTERS + 1);
+    }
+}

@@ -2,9 +2,6 @@
 
 use super::super::labels;
 
-/// Distance of a label from its mark \[points of the screen\].
-const GAP: f64 = 3.0;
-
 /// How many times the first distance a label may be away from its mark, with a line to it.
 const MAX_RINGS: usize = 6;
 
@@ -47,7 +44,8 @@ fn candidates(
 ) -> impl Iterator<Item = ([f64; 2], bool)> {
     let rings = if may_move { MAX_RINGS } else { 0 };
     (0..=rings).flat_map(move |ring| {
-        let away = radius + GAP + ring as f64 * RING;
+        // The viewer leaves a gap of its own.
+        let away = radius + ring as f64 * RING;
         let beside = 0.5 * width + away;
         let has_line = ring > 0;
         [
@@ -142,7 +140,7 @@ mod tests {
         assert_eq!(placed.len(), 1);
         assert_eq!(
             (placed[0].place, placed[0].has_line),
-            ([300.0, 258.0], false)
+            ([300.0, 255.0], false)
         );
     }
 

@@ -38,6 +38,8 @@ pub struct FleetStream {
     newest: Option<u32>,
     /// The selected columns, and after them that of the newest impact.
     in_full: Vec<InFull>,
+    /// Of which columns the plan shows that something is known.
+    known: Vec<bool>,
     /// The latest moment that was shown.
     latest: Moment,
     /// The marks have changed since they were sent.
@@ -66,6 +68,7 @@ impl FleetStream {
             geometry,
             marks,
             newest: None,
+            known: Vec::new(),
             in_full: Vec::new(),
             has_new_marks: true,
             has_new_layout: true,
@@ -158,7 +161,8 @@ impl FleetStream {
 
     /// Shows a column in full as that of the newest impact.
     fn follow(&mut self, column: u32, parameters: &Arc<Parameters>) -> RecordingStreamResult<()> {
-        if self.newest.replace(column) == Some(column) {
+        let is_known = (column as usize) < self.marks.len();
+        if !is_known || self.newest.replace(column) == Some(column) {
             return Ok(());
         }
         self.has_new_marks = true;
@@ -205,6 +209,7 @@ impl FleetStream {
             &self.geometry,
             &self.marks,
             self.newest,
+            &mut self.known,
             self.latest,
         )?;
         let told = panel::panel(&self.fleet, &self.marks, self.newest);
@@ -249,5 +254,129 @@ impl FleetStream {
         let text = TextLog::new(text).with_level(log_level(level));
         let data = text.columns_of_unit_batches()?;
         self.stream.send_columns(LOG, time_columns([moment]), data)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assessment::Severity;
+    use crate::parameters::FleetColumn;
+    use rerun::RecordingStreamBuilder;
+    use rerun::external::re_log_types::LogMsg;
+    use rerun::log::Chunk;
+
+    fn fleet(columns: usize) -> Arc<ShownFleet> {
+        let columns: Vec<_> = (0..columns)
+            .map(|number| FleetColumn {
+                name: format!("/hall/c{number}"),
+                parameters: Arc::default(),
+            })
+            .collect();
+        Arc::new(ShownFleet::new(&columns, Vec::new()))
+    }
+
+    /// The entities of the data in these messages, without what the viewer adds.
+    fn entities(messages: &[LogMsg]) -> Vec<String> {
+        let chunks = messages.iter().filter_map(|message| match message {
+            LogMsg::ArrowMsg(_, data) => Chunk::from_arrow_msg(data).ok(),
+            _ => None,
+        });
+        let paths = chunks.map(|it| it.entity_path().to_string());
+        let mut paths: Vec<_> = paths
+            .filter(|it| it.starts_with("/overview") || it.starts_with("/hall"))
+            .collect();
+        paths.sort();
+        paths.dedup();
+        paths
+    }
+
+    fn options() -> StreamOptions {
+        StreamOptions {
+            frame_period: 1_000_000,
+            budget: None,
+            curves_period: 0,
+            follows: true,
+            ranges: Ranges::default(),
+        }
+    }
+
+    fn shown(columns: usize) -> (FleetStream, rerun::sink::MemorySinkStorage) {
+        let (stream, storage) = RecordingStreamBuilder::new("test")
+            .enabled(true)
+            .memory()
+            .expect("a stream");
+        let marks = vec![ColumnMark::default(); columns];
+        let shown = FleetStream::new(stream, fleet(columns), marks, options());
+        (shown.expect("written"), storage)
+    }
+
+    fn taken(shown: &FleetStream, storage: &rerun::sink::MemorySinkStorage) -> Vec<LogMsg> {
+        shown.stream().flush_blocking().expect("flushed");
+        storage.take()
+    }
+
+    #[test]
+    fn many_columns_are_as_few_entities_as_one() {
+        let entities_of = |columns: usize| {
+            let (mut shown, storage) = shown(columns);
+            shown.show([]).expect("shown");
+            entities(&taken(&shown, &storage))
+        };
+        let one = entities_of(1);
+        assert!(
+            one.contains(&"/overview/plan/columns".to_owned()),
+            "{one:?}"
+        );
+        assert_eq!(one, entities_of(2_000));
+    }
+
+    #[test]
+    fn nothing_is_sent_while_nothing_changes() {
+        let (mut shown, storage) = shown(12);
+        shown.show([]).expect("shown");
+        taken(&shown, &storage);
+        let mark = FleetItem::Mark {
+            column: 3,
+            stamp: 5,
+            mark: ColumnMark {
+                severity: Some(Severity::Prop),
+                ..ColumnMark::default()
+            },
+        };
+        shown.show([mark.clone()]).expect("shown");
+        let sent = entities(&taken(&shown, &storage));
+        assert!(
+            sent.contains(&PANEL.replacen("overview", "/overview", 1)),
+            "{sent:?}"
+        );
+        shown.show([mark]).expect("shown");
+        shown.show([]).expect("shown");
+        assert_eq!(entities(&taken(&shown, &storage)), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_column_of_the_newest_impact_has_the_place_of_the_one_before() {
+        let (mut shown, storage) = shown(12);
+        let newest = |column| FleetItem::Newest {
+            column,
+            parameters: Arc::default(),
+        };
+        shown.show([newest(3)]).expect("shown");
+        let has =
+            |messages: &[LogMsg], entity: &str| entities(messages).iter().any(|it| it == entity);
+        assert!(has(&taken(&shown, &storage), "/hall/c3/ghost"));
+        shown.show([newest(5)]).expect("shown");
+        assert!(has(&taken(&shown, &storage), "/hall/c5/ghost"));
+        let columns: Vec<_> = shown
+            .in_full
+            .iter()
+            .map(|it| (it.column, it.slot))
+            .collect();
+        assert_eq!(columns, [(5, NEWEST_SLOT)]);
+        shown.show([newest(5)]).expect("shown");
+        assert!(!has(&taken(&shown, &storage), "/hall/c5/ghost"));
+        // A column that the fleet does not have.
+        shown.show([newest(12)]).expect("ignored");
     }
 }

@@ -1,0 +1,199 @@
+//! A fleet in the viewer: what a file contains of it, and with the real viewer what can be seen.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use column_twin::assessment::Severity;
+use column_twin::column::ImpactSpecification;
+use column_twin::fleet::make_twins;
+use column_twin::live::{Clock, FleetOptions, LiveFleet, RealTime, Receiver, SystemClock};
+use column_twin::parameters::{FleetColumn, Parameters, Value};
+use column_twin::shape::severity_colour;
+use column_twin::twin::{Command, ImpactCommand, Output};
+use column_twin::viewer::{LiveViewer, ShownFleet, VIEWER_QUEUE, ViewerLogger, fleet_output_queue};
+
+use super::real_viewer::{photograph, pixels, printed};
+use super::twin::PATIENCE;
+use super::wheel::program;
+
+/// Most pictures that are taken of a file until one shows all of it.
+const MAX_PICTURES: usize = 10;
+
+/// Columns in rows of ten, six metres apart, whose responses are short.
+fn columns(count: usize) -> Vec<FleetColumn> {
+    let column = |number: usize| {
+        let name = format!("c{number}");
+        let values = [
+            ("column_id", Value::from(name.as_str())),
+            ("site.x", Value::from(6.0 * (number % 10) as f64)),
+            ("site.y", Value::from(6.0 * (number / 10) as f64)),
+            ("solver.dt", Value::from(1e-4)),
+            ("response.duration", Value::from(0.2)),
+        ];
+        FleetColumn {
+            name: format!("/hall/{name}"),
+            parameters: Arc::new(Parameters::from_values(values).expect("admissible")),
+        }
+    };
+    (0..count).map(column).collect()
+}
+
+/// Waits for an output of a column.
+fn wait_for(outputs: &mut Receiver, column: u32, is: fn(&Output) -> bool) {
+    let given_up = Instant::now() + PATIENCE;
+    loop {
+        assert!(Instant::now() < given_up, "nothing of column {column}");
+        match outputs.try_next_of() {
+            Some((of, output)) if of == column && is(&output) => return,
+            Some(_) => {}
+            None => outputs.wait(Duration::from_millis(10)),
+        }
+    }
+}
+
+/// Lets cars hit some columns of a fleet, one after another, and returns the file that the viewer's thread has written.
+fn file_of_fleet(folder: &Path, count: usize, hits: &[(u32, f64)], selected: Vec<u32>) -> PathBuf {
+    let columns = columns(count);
+    let clock = Arc::new(SystemClock::new());
+    let twins = make_twins(&columns, &[], || 0, clock.now()).expect("stand");
+    let options = FleetOptions {
+        real_time: RealTime::none(),
+        threads: 1,
+        state_files: Vec::new(),
+        journals: false,
+        further_outputs: vec![fleet_output_queue(count)],
+    };
+    let (handle, mut outputs) = LiveFleet::start(twins, clock.clone(), options).expect("starts");
+    let directory = folder.to_str().expect("a name");
+    let node = Parameters::from_values([
+        ("viewer.mode", Value::from("save")),
+        ("viewer.directory", Value::from(directory)),
+    ]);
+    let log: ViewerLogger = Arc::new(|level, text| println!("{level:?}: {text}"));
+    let viewer = LiveViewer::start_of_fleet(
+        &node.expect("admissible"),
+        ShownFleet::new(&columns, selected),
+        handle.outputs(VIEWER_QUEUE).expect("there"),
+        clock.now(),
+        log,
+    );
+    let viewer = viewer.expect("starts").expect("it is on");
+    for (number, (column, velocity)) in hits.iter().enumerate() {
+        let impact = ImpactSpecification {
+            mass: 1500.0,
+            velocity: *velocity,
+            gap: Some(0.0),
+            restitution: None,
+            height: None,
+        };
+        let command = ImpactCommand {
+            event_id: format!("hit-{number}"),
+            column_id: columns[*column as usize]
+                .parameters
+                .settings()
+                .column_id
+                .clone(),
+            stamp: clock.now(),
+            vehicle: String::new(),
+            impact,
+        };
+        handle
+            .execute(*column, Command::Impact(command))
+            .expect("accepted");
+        wait_for(&mut outputs, *column, |it| matches!(it, Output::Report(_)));
+        wait_for(
+            &mut outputs,
+            *column,
+            |it| matches!(it, Output::Status(status) if status.impacts_since_reset > 0 && status.assessed.is_some()),
+        );
+    }
+    handle.stop().expect("no panic");
+    viewer.stop();
+    let mut files = std::fs::read_dir(folder).expect("there");
+    files.next().expect("a file").expect("readable").path()
+}
+
+fn has_name(path: &Path) -> bool {
+    path.file_name()
+        .and_then(|it| it.to_str())
+        .is_some_and(|it| it.starts_with("fleet_"))
+}
+
+/// Without the real viewer: a file is written, whose size depends little on the number of columns that nothing has hit.
+#[test]
+fn a_fleet_becomes_a_file() {
+    let size = |count: usize| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = file_of_fleet(folder.path(), count, &[(3, 4.0)], Vec::new());
+        assert!(has_name(&file), "{}", file.display());
+        let content = std::fs::read(&file).expect("there");
+        assert_eq!(&content[..4], b"RRF2");
+        content.len()
+    };
+    let (few, many) = (size(20), size(1_000));
+    println!("20 columns: {few} B, 1000 columns: {many} B");
+    // In full a column takes 200 kB and more.
+    assert!(few > 100_000 && many < few + 1_000_000);
+}
+
+/// The part of a picture that has this colour.
+fn part_of(picture: &[u8], [red, green, blue]: [u8; 3]) -> f64 {
+    let near = |one: u8, other: u8| one.abs_diff(other) <= 2;
+    let has = |it: &&[u8]| near(it[0], red) && near(it[1], green) && near(it[2], blue);
+    let count = picture.chunks(4).filter(has).count();
+    count as f64 / (picture.len() / 4) as f64
+}
+
+/// The real viewer shows the struck column in the colour of its severity, which no other has, and it and the selected column in full.
+#[test]
+#[ignore = "slow: installs and runs the real viewer"]
+fn the_real_viewer_shows_the_struck_column_and_the_selected_one() {
+    let program = program();
+    let folder = tempfile::tempdir().expect("a folder");
+    let file_of = |name: &str, hits: &[(u32, f64)], selected: Vec<u32>| {
+        let within = folder.path().join(name);
+        std::fs::create_dir(&within).expect("made");
+        file_of_fleet(&within, 200, hits, selected)
+    };
+    // The viewer takes the picture whether it has read all of the file or not.
+    let picture_with = |file: &Path, is_complete: &dyn Fn(&[u8]) -> bool| {
+        let picture = folder.path().join("picture.png");
+        let mut pictures = (0..MAX_PICTURES).map(|_| {
+            photograph(&program, file, &picture);
+            pixels(&picture)
+        });
+        let complete = pictures.find(|it| is_complete(it));
+        complete.expect("a picture of everything that the file contains")
+    };
+    let none = severity_colour(Severity::None);
+    let evacuate = severity_colour(Severity::Evacuate);
+    // The legend shows every colour once or a few times, the plan that of the columns without damage 200 times.
+    let before = file_of("before", &[], Vec::new());
+    let before = picture_with(&before, &|it| {
+        part_of(it, none) > 10.0 * part_of(it, evacuate)
+    });
+    let file = file_of("after", &[(57, 25.0)], vec![3]);
+    let after = picture_with(&file, &|it| {
+        part_of(it, evacuate) > part_of(&before, evacuate)
+    });
+    for (name, picture) in [("before", &before), ("after", &after)] {
+        let parts = Severity::ALL.map(|it| part_of(picture, severity_colour(it)));
+        println!("parts of the picture {name} by severity: {parts:?}");
+    }
+    let content = printed(&program, &file);
+    for entity in [
+        "/overview/plan/columns",
+        "/overview/plan/rings",
+        "/overview/plan/labels",
+        "/overview/panel",
+        "/overview/log",
+        "/hall/c57/column/steel",
+        "/hall/c57/plots/energy",
+        "/hall/c3/column/steel",
+        "c57: result of hit-0",
+    ] {
+        assert!(content.contains(entity), "{entity} is missing");
+    }
+    assert!(!content.contains("/hall/c58"), "it is in the plan only");
+}
