@@ -307,6 +307,16 @@ impl DamageMap {
         self.judged(variant, places, values, StudyColumn::severity)
     }
 
+    /// Whether there is an impact at these values: a column, and a vehicle of this mass. No response is computed.
+    pub(super) fn admits(
+        &self,
+        variant: usize,
+        places: [Option<u64>; 2],
+        values: [AxisValue<'_>; 2],
+    ) -> Result<(), String> {
+        self.judged(variant, places, values, |_, _| Ok(()))
+    }
+
     fn judged<T>(
         &self,
         variant: usize,
