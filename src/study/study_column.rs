@@ -16,8 +16,7 @@ const NEAR_LIMIT: f64 = 1e-2;
 /// By how much the steps of a fine response are shorter than those of a quick one, whose error they divide by four.
 const FINENESS: f64 = 2.0;
 
-/// What a response in long steps can promise. The bounds are those of the errors that the maps of the tests have, and of maps
-/// of other vehicles, with a margin.
+/// What a response in long steps can promise. The bounds are those of the errors on the maps of the tests, with a margin.
 #[derive(Debug, Clone, Copy)]
 struct Promise {
     /// Sum of the yield function of an elastic response above which another response decides whether the column yields. Near
@@ -27,7 +26,7 @@ struct Promise {
     /// depends on the rate and that a compliant vehicle strikes \[rad\].
     sensitive_with_rate: f64,
     /// When a column tears whose strength does not depend on the rate.
-    tear: Option<Tear>,
+    tear: Tear,
     /// The same of a column whose strength depends on the rate and that a compliant vehicle strikes; `None`: it can promise
     /// nothing. A rigid mass begins with the greatest rates, and no long step follows them well enough.
     tear_with_rate: Option<Tear>,
@@ -47,10 +46,10 @@ struct Tear {
 const QUICK: Promise = Promise {
     near_yield: 0.98,
     sensitive_with_rate: 5e-3,
-    tear: Some(Tear {
+    tear: Tear {
         uncertain_step: 8e-4,
         instant_error: 0.08,
-    }),
+    },
     tear_with_rate: None,
 };
 
@@ -58,10 +57,10 @@ const QUICK: Promise = Promise {
 const FINE: Promise = Promise {
     near_yield: 0.995,
     sensitive_with_rate: 0.0,
-    tear: Some(Tear {
+    tear: Tear {
         uncertain_step: 8e-4,
         instant_error: 0.06,
-    }),
+    },
     tear_with_rate: Some(Tear {
         uncertain_step: 7e-4,
         instant_error: 0.2,
@@ -233,7 +232,8 @@ impl StudyColumn {
 
     /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on virgin columns.
     fn has_long_steps(&self) -> bool {
-        self.model.properties.scheme == Scheme::ConservingMidpoint && self.rest.plastic == PerBar::default()
+        self.model.properties.scheme == Scheme::ConservingMidpoint
+            && self.rest.plastic == PerBar::default()
     }
 
     /// The severity after a quick response; `None` if the plain one might have another.
@@ -375,7 +375,7 @@ enum Certainty {
 fn settle_torn(model: &Model, promise: &Promise, response: &mut StudyResponse) -> bool {
     let tear = match model.properties.rate {
         Some(_) => promise.tear_with_rate,
-        None => promise.tear,
+        None => Some(promise.tear),
     };
     let (Some(tear), Some(share)) = (tear, response.torn_after) else {
         return false;

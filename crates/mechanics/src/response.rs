@@ -152,8 +152,8 @@ impl Response {
         self.observed_stride::<true>(model, state, 1)
     }
 
-    /// Advances the state by `steps` steps that are made as one, for a study: without the residual of the ledger, the
-    /// utilisations and the dynamic factors, which would take a tenth of its time.
+    /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and
+    /// the dynamic factors, which it does not need, stay as they were.
     ///
     /// # Errors
     /// As [`Response::advance`].

@@ -83,8 +83,8 @@ impl StudyModel {
         Ok(Self::of_model(Model::new(properties)?, fineness))
     }
 
-    /// A column that makes the steps of its model and no longer ones: the same response as [`Response`] follows, bit for bit, but
-    /// it ends as soon as nothing can change any more.
+    /// A column that makes the steps of its model and no longer ones: those of [`Response`], bit for bit, but the response ends
+    /// as soon as nothing can change any more.
     #[must_use]
     pub fn stepwise(model: Model) -> Self {
         Self {
