@@ -582,8 +582,8 @@ fn ctrl_c_leaves_what_is_finished() {
     );
 }
 
-/// A car of 2 t there is, and a lorry whose front masses are heavier there is not: both kinds of map leave out the same
-/// cells, and the boundaries are those of the others.
+/// A car may weigh 2 t, but no lorry less than its front masses: both kinds of map leave out the same cells, and the
+/// boundaries are those of the other cells.
 #[test]
 fn the_part_of_a_row_that_can_be_computed_has_its_boundaries() {
     const POINTS: u64 = 15;

@@ -307,7 +307,8 @@ impl DamageMap {
         self.judged(variant, places, values, StudyColumn::severity)
     }
 
-    /// Whether there is an impact at these values: a column, and a vehicle of this mass. No response is computed.
+    /// Whether the impact at these values can be computed: the column is admissible, and so is the vehicle with its mass. No
+    /// response is computed.
     pub(super) fn admits(
         &self,
         variant: usize,

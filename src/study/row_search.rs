@@ -201,11 +201,11 @@ impl<'a> Row<'a> {
         })
     }
 
-    /// Restricts the row to the part whose impacts there are, in one piece: a vehicle with less than its front masses is none.
-    /// Returns why the rest cannot be computed, if there is a rest.
+    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no vehicle weighs less than its
+    /// front masses, for example. Returns why the rest cannot be computed, if there is a rest.
     ///
     /// # Errors
-    /// There is no impact at any place of a scan.
+    /// No place of a scan can be computed.
     pub(super) fn restrict(&mut self) -> Result<Option<RefineError>, RefineError> {
         let admits = |row: &Self, at: f64| row.at(at, DamageMap::admits);
         let [low, high] = self.scale.ends;
