@@ -581,3 +581,61 @@ fn ctrl_c_leaves_what_is_finished() {
             .all(|(number, row)| row["cell"] == number.to_string())
     );
 }
+
+/// A car may weigh 2 t, but no lorry less than its front masses: both kinds of map leave out the same cells, and the
+/// boundaries are those of the other cells.
+#[test]
+fn the_part_of_a_row_that_can_be_computed_has_its_boundaries() {
+    const POINTS: u64 = 15;
+    let axes = [
+        MapAxis::parse("vehicle=mid_car,lorry_8t").expect("an axis"),
+        MapAxis::parse("mass=2000:16000:15").expect("an axis"),
+    ];
+    let velocity = [("impact.velocity", ParameterValue::Double(8.0))];
+    let parameters = Parameters::default()
+        .with_changes(velocity)
+        .expect("admissible");
+    let map = DamageMap::new(&parameters, None, axes).expect("a map");
+    let refined = map.refine(&Batch::default()).expect("boundaries");
+    let table = map.table(&Batch::default()).expect("a table");
+    let cell = |row: u64, column: u64| &table.result[(row * POINTS + column) as usize];
+    assert!(cell(0, 0).is_ok() && cell(1, 0).is_err() && cell(1, POINTS - 1).is_ok());
+
+    let [fault] = &refined.faults[..] else {
+        panic!("{:?}", refined.faults);
+    };
+    assert_eq!(fault.row, 1);
+    let least = fault.computed.expect("a part of the row")[0];
+    assert!((5500.0..5600.0).contains(&least), "{least}");
+    let mut between = 0;
+    for (boundary, class) in refined.boundaries.iter().zip(SEVERITIES) {
+        assert_eq!(boundary.points.len(), 2);
+        for point in &boundary.points {
+            let holds = |mass: f64| {
+                let column = ((mass - 2000.0) / 1000.0) as u64;
+                let result = cell(point.row, column).as_ref();
+                result.expect("a result").severity >= class
+            };
+            let lightest = if point.row == 0 { 2000.0 } else { 6000.0 };
+            match point.place {
+                RowBoundary::Between { below, at, rising } => {
+                    assert!(at <= 1.0101 * below && below >= least.min(lightest));
+                    let upper = (at / 1000.0).ceil() * 1000.0;
+                    assert_eq!(holds(upper), rising, "{point:?}");
+                    if below >= lightest {
+                        assert_eq!(
+                            holds((below / 1000.0).floor() * 1000.0),
+                            !rising,
+                            "{point:?}"
+                        );
+                    }
+                    between += 1;
+                }
+                RowBoundary::Always => assert!(holds(lightest) && holds(16_000.0)),
+                RowBoundary::Never => assert!(!holds(lightest) && !holds(16_000.0)),
+                RowBoundary::Infeasible => panic!("{:?}", refined.faults),
+            }
+        }
+    }
+    assert!(between > 0, "{:?}", refined.boundaries);
+}

@@ -169,6 +169,19 @@ fn maps_of_a_column_with_strain_rate_agree_with_simulate() {
     compare(&parameters, "mid_car", 13);
 }
 
+/// Other loads, vehicles and steps than those on whose maps the bounds of the quick and of the fine response were found.
+#[test]
+fn maps_of_other_columns_and_vehicles_agree_with_simulate() {
+    let loaded = parameters("heb220_paper.yaml", &["top.load:=1.0e6"]);
+    let outcomes = compare(&loaded, "van", 12);
+    assert!(outcomes[Outcome::Severed as usize] + outcomes[Outcome::Collapsed as usize] > 20);
+    let rated = parameters("heb220_s355.yaml", &["top.load:=3.0e5"]);
+    let outcomes = compare(&rated, "suv", 12);
+    assert!(outcomes[Outcome::Plastic as usize] > 10);
+    assert!(outcomes[Outcome::Severed as usize] > 20);
+    compare(&rated, "lorry_8t", 8);
+}
+
 fn screenings(column: &StudyColumn, batch: &Batch) -> Vec<Option<Screening>> {
     let mut all = Vec::new();
     let compute = |index| {

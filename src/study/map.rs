@@ -307,6 +307,17 @@ impl DamageMap {
         self.judged(variant, places, values, StudyColumn::severity)
     }
 
+    /// Whether the impact at these values can be computed: the column is admissible, and so is the vehicle with its mass. No
+    /// response is computed.
+    pub(super) fn admits(
+        &self,
+        variant: usize,
+        places: [Option<u64>; 2],
+        values: [AxisValue<'_>; 2],
+    ) -> Result<(), String> {
+        self.judged(variant, places, values, |_, _| Ok(()))
+    }
+
     fn judged<T>(
         &self,
         variant: usize,

@@ -24,7 +24,7 @@ const CLASSES: usize = SEVERITIES.len();
 pub struct RefinedMap {
     /// One for each variant and each of [`SEVERITIES`], variant by variant.
     pub boundaries: Vec<ClassBoundary>,
-    /// The rows that cannot be computed, in the order in which they were found.
+    /// The rows that cannot be computed, or not in whole, in the order in which they were found.
     pub faults: Vec<RowFault>,
     /// Number of responses.
     pub responses: u64,
@@ -32,8 +32,8 @@ pub struct RefinedMap {
     pub complete: bool,
 }
 
-/// A row that cannot be computed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// A row that cannot be computed in whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RowFault {
     /// Number of the variant.
     pub variant: usize,
@@ -41,6 +41,9 @@ pub struct RowFault {
     pub row: u64,
     /// The first of its impacts that cannot be computed, and why.
     pub reason: String,
+    /// The lowest and the highest value on the axis of the columns between which the boundaries of the row were searched;
+    /// `None` where it is infeasible.
+    pub computed: Option<[f64; 2]>,
 }
 
 /// The boundary of one class: along it, the severity changes between less than `severity` and at least `severity`.
@@ -135,6 +138,13 @@ type Known = [Vec<(u64, RowBoundary)>; CLASSES];
 /// What one job has found: for each class the boundary, and whether it is where it was expected.
 type Found = [Option<(RowBoundary, bool)>; CLASSES];
 
+/// A row that was searched.
+struct Searched {
+    found: Found,
+    /// Where only a part of the row can be computed: why not the rest, and the values between which it was searched.
+    rest: Option<(RefineError, [f64; 2])>,
+}
+
 /// A row to compute.
 struct Job {
     variant: usize,
@@ -166,7 +176,8 @@ impl DamageMap {
     /// An interrupted batch leaves the boundaries that are known, and `complete` is false.
     ///
     /// # Errors
-    /// An axis of columns that is not a range. Rows with an impact that cannot be computed are in [`RefinedMap::faults`].
+    /// An axis of columns that is not a range. Rows with impacts that cannot be computed are in [`RefinedMap::faults`]: their
+    /// boundaries are those of the part that can.
     ///
     /// ```
     /// use column_twin::assessment::Severity;
@@ -204,18 +215,10 @@ impl DamageMap {
         let mut faults = Vec::new();
         let always_halved = last.div_ceil(LEAST_INTERVALS);
         while !jobs.is_empty() && complete {
-            let mut found: Vec<Result<Found, RefineError>> = Vec::with_capacity(jobs.len());
+            let mut found: Vec<Result<Searched, RefineError>> = Vec::with_capacity(jobs.len());
             let compute = |index: u64| {
                 let job = &jobs[index as usize];
-                let mut row = Row {
-                    map: self,
-                    responses: &responses,
-                    scale,
-                    variant: job.variant,
-                    row: job.row,
-                    known: Vec::new(),
-                };
-                job.run(&mut row)
+                job.run(&mut Row::new(self, &responses, scale, job.variant, job.row))
             };
             let end = batch.run(jobs.len() as u64, compute, |part| {
                 found.extend(part);
@@ -223,18 +226,28 @@ impl DamageMap {
             })?;
             complete = end == BatchEnd::Complete;
             for (job, found) in jobs.iter().zip(found) {
-                let found = match found {
+                let (found, fault) = match found {
                     Err(fault @ RefineError::Impact { .. }) => {
-                        faults.push(RowFault {
-                            variant: job.variant,
-                            row: job.row,
-                            reason: fault.to_string(),
-                        });
-                        job.infeasible()
+                        (job.infeasible(), Some((fault, None)))
                     }
-                    found => found?,
+                    searched => {
+                        let Searched { found, rest } = searched?;
+                        (found, rest.map(|(fault, ends)| (fault, Some(ends))))
+                    }
                 };
-                traces[job.variant].take(job, found, always_halved);
+                let (variant, row) = (job.variant, job.row);
+                let is_new = |it: &RowFault| (it.variant, it.row) != (variant, row);
+                if let Some((fault, computed)) = fault
+                    && faults.iter().all(is_new)
+                {
+                    faults.push(RowFault {
+                        variant,
+                        row,
+                        reason: fault.to_string(),
+                        computed,
+                    });
+                }
+                traces[variant].take(job, found, always_halved);
             }
             if rows.scale.is_none() {
                 break;
@@ -313,7 +326,8 @@ impl Job {
         })
     }
 
-    fn run(&self, row: &mut Row<'_>) -> Result<Found, RefineError> {
+    fn run(&self, row: &mut Row<'_>) -> Result<Searched, RefineError> {
+        let rest = row.restrict()?.map(|fault| (fault, row.computed()));
         let mut found = [None; CLASSES];
         if self.scan {
             row.scan()?;
@@ -331,7 +345,7 @@ impl Job {
                 None => None,
             };
         }
-        Ok(found)
+        Ok(Searched { found, rest })
     }
 }
 

@@ -16,6 +16,8 @@ const SCAN_RATIO: f64 = 1.2;
 /// Places below a boundary, each 2 % or two hundredths of the axis from the next, at which a class that has bands is looked for
 /// once more.
 const BAND_PROBES: u32 = 8;
+/// Part of the width of a narrow bracket to which the end of the part of a row that can be computed is known.
+const EDGE_SHARE: f64 = 0.01;
 
 /// Where the class changes along a row, seen from its lowest value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,11 +32,12 @@ pub enum RowBoundary {
         /// Whether the severity is reached at the upper value, and not at the lower one.
         rising: bool,
     },
-    /// The severity is reached in the whole row, as far as it was looked at.
+    /// The severity is reached in the whole row, or in the part of it that can be computed, as far as it was looked at.
     Always,
     /// The severity is not reached in the row, as far as it was looked at.
     Never,
-    /// An impact of the row cannot be computed, such as one of a vehicle with less than its front masses.
+    /// No impact of the row can be computed, such as those of a vehicle with less than its front masses, or one between others
+    /// that can.
     Infeasible,
 }
 
@@ -139,43 +142,126 @@ pub(super) struct Row<'a> {
     /// Responses of all rows.
     pub(super) responses: &'a AtomicU64,
     /// The axis of the columns.
-    pub(super) scale: Scale,
-    pub(super) variant: usize,
-    pub(super) row: u64,
-    pub(super) known: Vec<(f64, Severity)>,
+    scale: Scale,
+    /// The part of the row that can be computed, on the scale.
+    ends: [f64; 2],
+    variant: usize,
+    row: u64,
+    known: Vec<(f64, Severity)>,
 }
 
-impl Row<'_> {
+impl<'a> Row<'a> {
+    /// A row of which nothing is known.
+    pub(super) fn new(
+        map: &'a DamageMap,
+        responses: &'a AtomicU64,
+        scale: Scale,
+        variant: usize,
+        row: u64,
+    ) -> Self {
+        Self {
+            map,
+            responses,
+            scale,
+            ends: scale.ends,
+            variant,
+            row,
+            known: Vec::new(),
+        }
+    }
+
     /// The severity at a place, computed unless it is known.
     fn severity(&mut self, at: f64) -> Result<Severity, RefineError> {
-        let at = at.clamp(self.scale.ends[0], self.scale.ends[1]);
+        let at = at.clamp(self.ends[0], self.ends[1]);
         let place = self.known.partition_point(|(known, _)| *known < at);
         if let Some((_, severity)) = self.known.get(place).filter(|(known, _)| *known == at) {
             return Ok(*severity);
         }
-        let value = self.value(at);
-        let (rows, columns) = (self.map.rows(), self.map.columns());
-        let values = [rows.value(self.row), AxisValue::Number(value)];
-        let severity = self
-            .map
-            .severity(self.variant, [Some(self.row), None], values)
-            .map_err(|fault| RefineError::Impact {
-                label: self.map.variants()[self.variant].label.clone(),
-                row: format!("{} {}", rows.quantity().name(), values[0]),
-                column: format!("{} {}", columns.quantity().name(), values[1]),
-                fault,
-            })?;
+        let severity = self.at(at, DamageMap::severity)?;
         self.responses.fetch_add(1, Ordering::Relaxed);
         self.known.insert(place, (at, severity));
         Ok(severity)
     }
 
+    /// Asks the map about the impact at a place.
+    fn at<T>(
+        &self,
+        at: f64,
+        ask: fn(&DamageMap, usize, [Option<u64>; 2], [AxisValue<'_>; 2]) -> Result<T, String>,
+    ) -> Result<T, RefineError> {
+        let (rows, columns) = (self.map.rows(), self.map.columns());
+        let values = [rows.value(self.row), AxisValue::Number(self.value(at))];
+        ask(self.map, self.variant, [Some(self.row), None], values).map_err(|fault| {
+            RefineError::Impact {
+                label: self.map.variants()[self.variant].label.clone(),
+                row: format!("{} {}", rows.quantity().name(), values[0]),
+                column: format!("{} {}", columns.quantity().name(), values[1]),
+                fault,
+            }
+        })
+    }
+
+    /// Restricts the row to the part that can be computed, which is taken to be in one piece: no vehicle weighs less than its
+    /// front masses, for example. Returns why the rest cannot be computed, if there is a rest.
+    ///
+    /// # Errors
+    /// No place of a scan can be computed.
+    pub(super) fn restrict(&mut self) -> Result<Option<RefineError>, RefineError> {
+        let admits = |row: &Self, at: f64| row.at(at, DamageMap::admits);
+        let [low, high] = self.scale.ends;
+        let fault = match (admits(self, low), admits(self, high)) {
+            (Ok(()), Ok(())) => return Ok(None),
+            (Err(fault), _) | (Ok(()), Err(fault)) => fault,
+        };
+        let places: Vec<f64> = self.scan_places().collect();
+        let is_admitted: Vec<bool> = places.iter().map(|at| admits(self, *at).is_ok()).collect();
+        let first = is_admitted.iter().position(|it| *it);
+        let last = is_admitted.iter().rposition(|it| *it);
+        let (Some(first), Some(last)) = (first, last) else {
+            return Err(fault);
+        };
+        let edge = |row: &Self, mut outside: f64, mut inside: f64| {
+            while (inside - outside).abs() > EDGE_SHARE * row.scale.tolerance() {
+                let middle = 0.5 * (outside + inside);
+                match admits(row, middle) {
+                    Ok(()) => inside = middle,
+                    Err(_) => outside = middle,
+                }
+            }
+            inside
+        };
+        self.ends = [
+            match first {
+                0 => low,
+                _ => edge(self, places[first - 1], places[first]),
+            },
+            match places.get(last + 1) {
+                None => high,
+                Some(beyond) => edge(self, *beyond, places[last]),
+            },
+        ];
+        Ok(Some(fault))
+    }
+
+    /// The lowest and the highest value that can be computed.
+    pub(super) fn computed(&self) -> [f64; 2] {
+        self.ends.map(|end| self.value(end))
+    }
+
+    /// The places of a scan.
+    fn scan_places(&self) -> impl Iterator<Item = f64> + use<> {
+        let [low, high] = self.ends;
+        let intervals = self.scale.scan_intervals();
+        (0..=intervals).map(move |number| match number {
+            number if number == intervals => high,
+            number => low + f64::from(number) / f64::from(intervals) * (high - low),
+        })
+    }
+
     /// Goes through the whole row until every class has changed.
     pub(super) fn scan(&mut self) -> Result<(), RefineError> {
-        let intervals = self.scale.scan_intervals();
-        for number in 0..=intervals {
-            let part = f64::from(number) / f64::from(intervals);
-            self.severity(self.scale.ends[0] + part * self.scale.extent())?;
+        for place in self.scan_places() {
+            self.severity(place)?;
             if SEVERITIES
                 .iter()
                 .all(|severity| self.first_change(*severity).is_some())
@@ -254,7 +340,7 @@ impl Row<'_> {
             let mut lower = None;
             for _ in 0..BAND_PROBES {
                 let at = below - step;
-                if at <= self.scale.ends[0] {
+                if at <= self.ends[0] {
                     break;
                 }
                 if self.severity(at)? >= severity {
@@ -268,10 +354,10 @@ impl Row<'_> {
             };
             // The places that were probed above it do not have the class; a place below it has not, either, sooner or later.
             let (mut below, mut upper) = (at - step, at);
-            while below > self.scale.ends[0] && self.severity(below)? >= severity {
+            while below > self.ends[0] && self.severity(below)? >= severity {
                 (below, upper) = (below - step, below);
             }
-            let below = below.max(self.scale.ends[0]);
+            let below = below.max(self.ends[0]);
             if self.severity(below)? >= severity {
                 return Ok(RowBoundary::Always);
             }
@@ -284,7 +370,7 @@ impl Row<'_> {
     pub(super) fn scanned(&mut self, severity: Severity) -> Result<RowBoundary, RefineError> {
         match self.first_change(severity) {
             Some(bracket) => self.narrowed(severity, bracket),
-            None => self.unchanged(severity, self.scale.ends[0]),
+            None => self.unchanged(severity, self.ends[0]),
         }
     }
 
@@ -301,7 +387,7 @@ impl Row<'_> {
         severity: Severity,
         expected: Expected,
     ) -> Result<(RowBoundary, bool), RefineError> {
-        let [low, high] = self.scale.ends;
+        let [low, high] = self.ends;
         let (centre, rising, is_certain) = match expected {
             // Where neither row beside has a boundary, the end at which it would come in is enough.
             Expected::Unchanged(holds) => {

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::assessment::{AssessedResponse, PreparedAssessment, Severity};
 use crate::column::{
-    CapacityError, End, HINGES, Impact, ImpactSpecification, Model, Outcome, PerBar, Progress,
-    Response, SimulationError, State, StudyModel, StudyResponse, residual_state,
+    CapacityError, End, HINGES, Impact, ImpactSpecification, Model, Outcome, PerBar, Scheme,
+    SimulationError, State, StudyModel, StudyResponse,
 };
 use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 
@@ -13,24 +13,63 @@ use crate::parameters::{CatalogueVehicle, Parameters, VehicleFault};
 /// response.
 const NEAR_LIMIT: f64 = 1e-2;
 
-/// Sum of the yield function of an elastic response above which the plain one decides whether the column yields. Near the
-/// surface it grows about twice as fast as the displacement.
-const NEAR_YIELD: f64 = 0.98;
+/// By how much the steps of a fine response are shorter than those of a quick one, whose error they divide by four.
+const FINENESS: f64 = 2.0;
+
+/// What a response in long steps can promise. The bounds are those of the errors on the maps of the tests, with a margin.
+#[derive(Debug, Clone, Copy)]
+struct Promise {
+    /// Sum of the yield function of an elastic response above which another response decides whether the column yields. Near
+    /// the surface it grows about twice as fast as the displacement.
+    near_yield: f64,
+    /// Plastic rotation below which many small flows at the crests of a vibration make a column too sensitive whose strength
+    /// depends on the rate and that a compliant vehicle strikes \[rad\].
+    sensitive_with_rate: f64,
+    /// When a column tears whose strength does not depend on the rate.
+    tear: Tear,
+    /// The same of a column whose strength depends on the rate and that a compliant vehicle strikes; `None`: it can promise
+    /// nothing. A rigid mass begins with the greatest rates, and no long step follows them well enough.
+    tear_with_rate: Option<Tear>,
+}
+
+/// How well a response in long steps knows when a column tears.
+#[derive(Debug, Clone, Copy)]
+struct Tear {
+    /// Part of the largest displacement by which half of the last step of the model may move the column without a closer
+    /// look.
+    uncertain_step: f64,
+    /// Error of the instant, relative to the length of a stride.
+    instant_error: f64,
+}
+
+/// A quick response.
+const QUICK: Promise = Promise {
+    near_yield: 0.98,
+    sensitive_with_rate: 5e-3,
+    tear: Tear {
+        uncertain_step: 8e-4,
+        instant_error: 0.08,
+    },
+    tear_with_rate: None,
+};
+
+/// A fine response.
+const FINE: Promise = Promise {
+    near_yield: 0.995,
+    sensitive_with_rate: 0.0,
+    tear: Tear {
+        uncertain_step: 8e-4,
+        instant_error: 0.06,
+    },
+    tear_with_rate: Some(Tear {
+        uncertain_step: 7e-4,
+        instant_error: 0.2,
+    }),
+};
 
 /// Plastic rotation below which the plain response decides whether the column yields \[rad\]: a tenth of a per cent of the
 /// yield rotation of a stocky column.
 const BARELY_PLASTIC: f64 = 2e-5;
-
-/// Plastic rotation below which many small flows at the crests of a vibration make a column sensitive whose strength depends
-/// on the rate \[rad\].
-const SENSITIVE_WITH_RATE: f64 = 5e-3;
-
-/// Part of the largest displacement by which half of the last step of a torn column may move it without a closer look.
-const UNCERTAIN_STEP: f64 = 8e-4;
-
-/// Bound of the error of the instant at which a column tears, relative to the length of a stride, found on the maps of the
-/// tests.
-const INSTANT_ERROR: f64 = 0.08;
 
 /// A column that is prepared once for many impacts.
 #[derive(Debug, Clone)]
@@ -38,6 +77,10 @@ pub struct StudyColumn {
     parameters: Parameters,
     model: Model,
     study_model: StudyModel,
+    /// The same with shorter steps, where those are not certain.
+    fine_model: StudyModel,
+    /// The same with the steps of the model, where those are not, either.
+    stepwise_model: StudyModel,
     /// The column at rest, as each impact finds it.
     rest: State,
     assessment: PreparedAssessment,
@@ -98,12 +141,15 @@ impl StudyColumn {
     /// # Errors
     /// An imperfection out of its range.
     pub fn at_rest(parameters: &Parameters, model: Model, rest: State) -> Result<Self, StudyError> {
-        let study_model = StudyModel::of_model(model, 1.0);
+        let [study_model, fine_model] =
+            [1.0, FINENESS].map(|fineness| StudyModel::of_model(model, fineness));
         let assessment = PreparedAssessment::new(parameters, &model)?;
         Ok(Self {
             parameters: parameters.clone(),
             model,
             study_model,
+            fine_model,
+            stepwise_model: StudyModel::stepwise(model),
             rest,
             assessment,
         })
@@ -146,17 +192,23 @@ impl StudyColumn {
     ///
     /// Severity, deciding criterion and outcome are those of the plain simulation with its full assessment; the largest
     /// displacement agrees with it within 1e-3, the largest contact force within 3e-3. The remaining capacity is that of the
-    /// residual state found and agrees within 1e-3. Where the quick response cannot promise the severity, and for a column that is damaged before the impact, the plain one is computed.
+    /// residual state found and agrees within 1e-3. Where the quick response cannot promise that, a finer one is computed, and
+    /// where that cannot either, and for a column that is damaged before the impact, the plain one.
     ///
     /// # Errors
     /// An impact that is out of range, or a step that does not converge. A collapse is a result.
     pub fn screen(&self, impact: &Impact) -> Result<Screening, StudyError> {
-        // The rules of the quick response were validated on virgin columns.
-        if self.rest.plastic == PerBar::default()
-            && let Ok(quick) = self.respond_quickly(impact)
-            && let Some(screening) = self.certain(impact, quick)?
-        {
-            return Ok(screening);
+        if self.has_long_steps() {
+            for (model, promise) in [(&self.study_model, &QUICK), (&self.fine_model, &FINE)] {
+                let Ok(response) = self.respond_with(model, impact) else {
+                    break;
+                };
+                match self.certain(impact, model, promise, response)? {
+                    Certainty::Certain(screening) => return Ok(screening),
+                    Certainty::CloserLook => {}
+                    Certainty::PlainOnly => break,
+                }
+            }
         }
         let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
         Ok(screening)
@@ -168,14 +220,20 @@ impl StudyColumn {
     /// # Errors
     /// As [`screen`](Self::screen).
     pub fn severity(&self, impact: &Impact) -> Result<Severity, StudyError> {
-        if self.rest.plastic == PerBar::default()
-            && let Ok(quick) = self.respond_quickly(impact)
+        if self.has_long_steps()
+            && let Ok(quick) = self.respond_with(&self.study_model, impact)
             && let Some(severity) = self.certain_severity(impact, &quick)?
         {
             return Ok(severity);
         }
         let (screening, _) = self.judged(impact, &self.respond(impact)?)?;
         Ok(screening.severity)
+    }
+
+    /// Whether there are responses in long steps: the paper's scheme has none, and their bounds were found on virgin columns.
+    fn has_long_steps(&self) -> bool {
+        self.model.properties.scheme == Scheme::ConservingMidpoint
+            && self.rest.plastic == PerBar::default()
     }
 
     /// The severity after a quick response; `None` if the plain one might have another.
@@ -186,7 +244,7 @@ impl StudyColumn {
     ) -> Result<Option<Severity>, StudyError> {
         let at_limit = match quick.outcome {
             Outcome::Collapsed | Outcome::Severed => return Ok(Some(Severity::Evacuate)),
-            Outcome::Elastic => quick.utilisation_sum > NEAR_YIELD,
+            Outcome::Elastic => quick.utilisation_sum > QUICK.near_yield,
             Outcome::Plastic => largest(&quick.plastic_rotation) < BARELY_PLASTIC,
         };
         let Some(rest) = quick
@@ -204,86 +262,57 @@ impl StudyColumn {
         Ok(assessment.severity(&self.model, impact, &response, &rest, NEAR_LIMIT)?)
     }
 
-    /// The response in long steps, which ends as soon as nothing can change any more.
-    fn respond_quickly(&self, impact: &Impact) -> Result<StudyResponse, SimulationError> {
-        let duration = self.parameters.response_duration();
-        self.study_model.respond(&self.rest, impact, duration)
+    /// The response, which ends as soon as nothing can change any more.
+    fn respond_with(
+        &self,
+        model: &StudyModel,
+        impact: &Impact,
+    ) -> Result<StudyResponse, SimulationError> {
+        model.respond(&self.rest, impact, self.parameters.response_duration())
     }
 
-    /// The screening by a quick response; `None` if the plain one might have another result.
+    /// The screening by a response in long steps, if the plain one would have the same.
     fn certain(
         &self,
         impact: &Impact,
-        mut quick: StudyResponse,
-    ) -> Result<Option<Screening>, StudyError> {
-        let at_limit = match quick.outcome {
+        model: &StudyModel,
+        promise: &Promise,
+        mut response: StudyResponse,
+    ) -> Result<Certainty, StudyError> {
+        if response.end == End::DurationReached {
+            return Ok(Certainty::PlainOnly);
+        }
+        let rates = model.model().properties.rate.is_some();
+        let at_limit = match response.outcome {
             // Its largest displacement has no limit for short steps.
-            Outcome::Collapsed => true,
-            Outcome::Severed => !self.settle_torn(&mut quick),
-            Outcome::Elastic => quick.utilisation_sum > NEAR_YIELD,
+            Outcome::Collapsed => return Ok(Certainty::PlainOnly),
+            Outcome::Severed if rates && impact.vehicle.is_none() => {
+                return Ok(Certainty::PlainOnly);
+            }
+            Outcome::Severed => !settle_torn(model.model(), promise, &mut response),
+            Outcome::Elastic => response.utilisation_sum > promise.near_yield,
             Outcome::Plastic => {
-                let largest = largest(&quick.plastic_rotation);
-                let rates = self.study_model.model().properties.rate.is_some();
+                let largest = largest(&response.plastic_rotation);
                 largest < BARELY_PLASTIC
-                    || (rates && impact.vehicle.is_some() && largest < SENSITIVE_WITH_RATE)
+                    || (rates && impact.vehicle.is_some() && largest < promise.sensitive_with_rate)
             }
         };
-        if at_limit || quick.end == End::DurationReached {
-            return Ok(None);
+        if at_limit {
+            return Ok(Certainty::CloserLook);
         }
-        let response = Ended {
-            response: AssessedResponse {
-                outcome: quick.outcome,
-                plastic_rotation: quick.plastic_rotation,
-                max_v1: quick.max_v1,
+        let (screening, least_margin) = self.judged(impact, &Ended::from(&response))?;
+        Ok(
+            match least_margin > NEAR_LIMIT || response.outcome == Outcome::Severed {
+                true => Certainty::Certain(screening),
+                false => Certainty::PlainOnly,
             },
-            rest: quick.rest,
-            peak_contact_force: quick.peak_contact_force,
-        };
-        let (screening, least_margin) = self.judged(impact, &response)?;
-        Ok((least_margin > NEAR_LIMIT || quick.outcome == Outcome::Severed).then_some(screening))
+        )
     }
 
-    /// The largest displacement of a column that is torn is where the step ends in which that happens, so that it depends on
-    /// how the instants of the steps lie. Where a step moves the column little, the middle of what is possible is taken, at
-    /// most half a step away; otherwise the instant must be certain. `false` if it is not, or if the displacement at which a
-    /// hinge tears depends on the rate.
-    fn settle_torn(&self, quick: &mut StudyResponse) -> bool {
-        let model = self.study_model.model();
-        let Some(share) = quick.torn_after.filter(|_| model.properties.rate.is_none()) else {
-            return false;
-        };
-        let moved = quick.end_rate * model.step_secs;
-        if 0.5 * moved.abs() <= UNCERTAIN_STEP * quick.max_v1 {
-            // It has moved by `1 - share` of a step since, and may move by anything between nothing and a whole one.
-            quick.max_v1 += (share - 0.5) * moved;
-            return true;
-        }
-        let error = INSTANT_ERROR * quick.stride_secs / model.step_secs;
-        share.min(1.0 - share) > error
-    }
-
-    /// The plain response.
+    /// The response in the steps of the model, as the plain simulation has it.
     fn respond(&self, impact: &Impact) -> Result<Ended, SimulationError> {
-        let model = &self.model;
-        let mut state = self.rest;
-        let duration = self.parameters.response_duration();
-        let mut response = Response::begin(model, &mut state, *impact, duration)?;
-        let report = loop {
-            if let Progress::Over(end) = response.advance(model, &mut state, u64::MAX)? {
-                break response.report(model, &state, end);
-            }
-        };
-        let stands = matches!(report.outcome, Outcome::Elastic | Outcome::Plastic);
-        Ok(Ended {
-            response: AssessedResponse {
-                outcome: report.outcome,
-                plastic_rotation: report.hinges.map(|hinge| hinge.plastic_rotation),
-                max_v1: report.max_v1,
-            },
-            rest: stands.then(|| residual_state(model, &state)).flatten(),
-            peak_contact_force: report.peak_contact_force,
-        })
+        let response = self.respond_with(&self.stepwise_model, impact)?;
+        Ok(Ended::from(&response))
     }
 
     /// The screening of a response, and the least margin of its criteria.
@@ -309,11 +338,56 @@ impl StudyColumn {
     }
 }
 
-/// A response that is over, quick or plain.
+/// A response that is over.
 struct Ended {
     response: AssessedResponse,
     rest: Option<State>,
     peak_contact_force: f64,
+}
+
+impl From<&StudyResponse> for Ended {
+    fn from(response: &StudyResponse) -> Self {
+        Self {
+            response: AssessedResponse {
+                outcome: response.outcome,
+                plastic_rotation: response.plastic_rotation,
+                max_v1: response.max_v1,
+            },
+            rest: response.rest,
+            peak_contact_force: response.peak_contact_force,
+        }
+    }
+}
+
+/// What a response in long steps says of the plain one.
+enum Certainty {
+    /// It would lead to the same.
+    Certain(Screening),
+    /// Shorter steps may tell.
+    CloserLook,
+    /// Only the plain one tells.
+    PlainOnly,
+}
+
+/// The largest displacement of a column that is torn is where the step ends in which that happens, so that it depends on how
+/// the instants of the steps lie. Where a step moves the column little, the middle of what is possible is taken, at most half
+/// a step away; otherwise the instant must be certain. `false` if it is not.
+fn settle_torn(model: &Model, promise: &Promise, response: &mut StudyResponse) -> bool {
+    let tear = match model.properties.rate {
+        Some(_) => promise.tear_with_rate,
+        None => Some(promise.tear),
+    };
+    let (Some(tear), Some(share)) = (tear, response.torn_after) else {
+        return false;
+    };
+    let moved = response.end_rate * model.step_secs;
+    if 0.5 * moved.abs() <= tear.uncertain_step * response.max_v1 {
+        // It has moved by `1 - share` of a step since, and may move by anything between nothing and a whole one.
+        response.max_v1 += (share - 0.5) * moved;
+        return true;
+    }
+    let error = tear.instant_error * response.stride_secs / model.step_secs;
+    share.min(1.0 - share) > error
 }
 
 /// The largest absolute plastic rotation \[rad\].

@@ -129,7 +129,8 @@ impl Response {
             max_sum: [0.0; HINGES],
             max_dynamic_factor: [1.0; HINGES],
         };
-        response.record_extremes(model, state);
+        response.record_displacements_and_force(model, state);
+        response.record_residual_and_sums(model, state);
         Ok(response)
     }
 
@@ -148,15 +149,26 @@ impl Response {
             self.counted_from = model.time_of_step(state.step);
             return Ok(Progress::Running);
         }
-        self.stride(model, state, 1)
+        self.observed_stride::<true>(model, state, 1)
     }
 
-    /// Advances the state by `steps` steps that are made as one.
+    /// Advances the state by `steps` steps that are made as one, for a study: the residual of the ledger, the utilisations and
+    /// the dynamic factors, which it does not need, stay as they were.
     ///
     /// # Errors
     /// As [`Response::advance`].
     #[inline]
     pub(crate) fn stride(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        steps: u32,
+    ) -> Result<Progress, StepError> {
+        self.observed_stride::<false>(model, state, steps)
+    }
+
+    #[inline]
+    fn observed_stride<const IN_FULL: bool>(
         &mut self,
         model: &Model,
         state: &mut State,
@@ -171,7 +183,7 @@ impl Response {
             plastic: state.plastic,
         };
         let made = stepping::stride(model, state, steps);
-        self.record(model, &before, state);
+        self.record::<IN_FULL>(model, &before, state);
         match made {
             Ok(()) if is_severed(model, state) => Ok(Progress::Over(End::Severed)),
             Ok(()) => Ok(self.progress(model, state)),
@@ -234,15 +246,18 @@ impl Response {
             })
     }
 
-    fn record(&mut self, model: &Model, before: &StepStart, state: &State) {
+    fn record<const IN_FULL: bool>(&mut self, model: &Model, before: &StepStart, state: &State) {
         let now = model.time_of_step(state.step);
         let touching = state.impactor.as_ref().is_some_and(|i| i.closed);
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
         self.record_peak_between(model, before, state);
-        self.record_extremes(model, state);
-        if model.strength.is_some() {
+        self.record_displacements_and_force(model, state);
+        if IN_FULL {
+            self.record_residual_and_sums(model, state);
+        }
+        if IN_FULL && model.strength.is_some() {
             let factors = over_hinges(&state.strength, |hinge| hinge.factors.dynamic);
             for (max, factor) in self.max_dynamic_factor.iter_mut().zip(factors) {
                 *max = max.max(factor);
@@ -272,7 +287,7 @@ impl Response {
         }
     }
 
-    fn record_extremes(&mut self, model: &Model, state: &State) {
+    fn record_displacements_and_force(&mut self, model: &Model, state: &State) {
         if state.displacement.v1 > self.max_v1 {
             self.max_v1 = state.displacement.v1;
             self.max_v1_time = model.time_of_step(state.step);
@@ -282,6 +297,9 @@ impl Response {
             self.peak_force = state.contact_force;
             self.peak_force_time = Some(model.time_of_step(state.step));
         }
+    }
+
+    fn record_residual_and_sums(&mut self, model: &Model, state: &State) {
         self.worst_residual = self.worst_residual.max(state.ledger_residual(model).abs());
         let strengths = model.strength.as_ref().map(|_| &state.strength);
         for (max, sum) in

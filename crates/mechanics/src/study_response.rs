@@ -83,15 +83,22 @@ impl StudyModel {
         Ok(Self::of_model(Model::new(properties)?, fineness))
     }
 
-    /// As [`new`](Self::new), of a column whose model is known.
+    /// A column that makes the steps of its model and no longer ones: those of [`Response`], bit for bit, but the response ends
+    /// as soon as nothing can change any more.
     #[must_use]
-    pub fn of_model(mut model: Model, fineness: f64) -> Self {
-        let plain = Self {
+    pub fn stepwise(model: Model) -> Self {
+        Self {
             polygons: elastic_reach::polygons(&model.frame),
             model,
             stride: 1,
             motion: None,
-        };
+        }
+    }
+
+    /// As [`new`](Self::new), of a column whose model is known.
+    #[must_use]
+    pub fn of_model(mut model: Model, fineness: f64) -> Self {
+        let plain = Self::stepwise(model);
         if model.scheme() == Scheme::Midpoint {
             // The penetration that a step of the paper's scheme leaves behind is part of its result.
             return plain;

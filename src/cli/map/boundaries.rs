@@ -156,7 +156,11 @@ pub(super) fn show_boundaries(map: &DamageMap, refined: &RefinedMap) -> String {
             };
             let _ = write!(text, "  {value:<24}");
             for class in 0..SEVERITIES.len() {
-                let ends = map.columns().ends().unwrap_or([f64::NAN; 2]);
+                // Of a row that cannot be computed in whole, the ends of its part.
+                let computed = (refined.faults.iter())
+                    .find(|it| (it.variant, it.row) == (variant, row))
+                    .and_then(|it| it.computed);
+                let ends = computed.or(map.columns().ends()).unwrap_or([f64::NAN; 2]);
                 let shown = match place(class, row) {
                     Some(RowBoundary::Between {
                         at, rising: true, ..

@@ -302,7 +302,7 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
     }
     if let Some(fault) = refined.faults.first() {
         missing.push(format!(
-            "{} of the rows could not be computed; the first one: {}",
+            "{} of the rows could not be computed, or not in whole; the first one: {}",
             refined.faults.len(),
             fault.reason
         ));
