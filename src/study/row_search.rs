@@ -150,6 +150,9 @@ pub(super) struct Row<'a> {
     known: Vec<(f64, Severity)>,
 }
 
+/// What a map is asked about one of its impacts: its variant, the numbers of its row and column if it is a cell, and its values.
+type Question<T> = fn(&DamageMap, usize, [Option<u64>; 2], [AxisValue<'_>; 2]) -> Result<T, String>;
+
 impl<'a> Row<'a> {
     /// A row of which nothing is known.
     pub(super) fn new(
@@ -184,11 +187,7 @@ impl<'a> Row<'a> {
     }
 
     /// Asks the map about the impact at a place.
-    fn at<T>(
-        &self,
-        at: f64,
-        ask: fn(&DamageMap, usize, [Option<u64>; 2], [AxisValue<'_>; 2]) -> Result<T, String>,
-    ) -> Result<T, RefineError> {
+    fn at<T>(&self, at: f64, ask: Question<T>) -> Result<T, RefineError> {
         let (rows, columns) = (self.map.rows(), self.map.columns());
         let values = [rows.value(self.row), AxisValue::Number(self.value(at))];
         ask(self.map, self.variant, [Some(self.row), None], values).map_err(|fault| {

@@ -11,6 +11,7 @@ use crate::twin::{NoticeLevel, Output};
 
 /// Something that a column has given out.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant)] // most are states, which shall not be allocated one by one
 pub enum Fact {
     /// Something that is shown of a column in full.
     Item(ViewerItem),
