@@ -4,7 +4,8 @@
 //! [`ViewerItem`]s are what can be shown; they come from a running twin, a simulation or a recording. A [`ViewerStream`]
 //! writes them to a Rerun stream: the scene ([`Drawing`], plain numbers), the curves ([`plots`]), the log and the blueprint.
 //! [`write_rrd`] writes them to a file, [`serve`] shows them to viewers that connect, and [`LiveViewer`] shows a running twin
-//! from a thread of its own, at the destination that `viewer.mode` selects.
+//! from a thread of its own, at the destination that `viewer.mode` selects. A [`FleetStream`] shows the plan of a fleet, and some
+//! of its columns in full.
 //!
 //! Nothing flows back: a viewer that is slow, stopped or gone loses frames, which are counted, and never delays the solver.
 //! The code guards against these properties of Rerun 0.36.3: a client without a viewer buffers data and then blocks for
