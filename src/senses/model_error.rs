@@ -144,15 +144,15 @@ mod tests {
     fn two_blocks_weigh_as_their_joint_normal_law() {
         let error = ModelError::of(Quantity::Displacement);
         let noise = 1e-4;
-        let (first, second) = (block(3e-3, 0.010, noise), block(4e-3, 0.013, noise));
+        let (first, second) = (block(1e-3, 0.010, noise), block(2e-3, 0.013, noise));
         let (none, v1) = error.given(None, &first);
         let (carried, v2) = error.given(Some(&first), &second);
         assert!(none.abs() < f64::EPSILON);
         let (s1, s2) = (
-            error.deviation(3.5e-3, 0.010, false),
-            error.deviation(4.5e-3, 0.013, false),
+            error.deviation(1.5e-3, 0.010, false),
+            error.deviation(2.5e-3, 0.013, false),
         );
-        let covariance = 1.5 * f64::exp(-0.5) * s1 * s2;
+        let covariance = 1.5 * libm::exp(-0.5) * s1 * s2;
         let [a, b] = [s1 * s1 + noise * noise, s2 * s2 + noise * noise];
         for [e1, e2] in [[1e-3, 1e-3], [1e-3, -1e-3], [0.0, 5e-4]] {
             let joint = (b * e1 * e1 - 2.0 * covariance * e1 * e2 + a * e2 * e2)
