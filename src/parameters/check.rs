@@ -411,7 +411,7 @@ mod tests {
                 (min, true),
                 (max, true),
                 (max.next_up(), false),
-                (-1.0, false),
+                (min.min(0.0) - 1.0, false),
                 (f64::NAN, false),
                 (f64::INFINITY, false),
                 (f64::NEG_INFINITY, false),

@@ -444,14 +444,7 @@ impl Channel {
                 self.learn(reading);
                 return false;
             }
-            let onset = Onset {
-                time: self.departure(noise),
-                deviation: if self.is_level {
-                    2.0 * LEAST_DEVIATION
-                } else {
-                    LEAST_DEVIATION
-                },
-            };
+            let onset = self.departure(noise);
             self.onset = self.onset.filter(|_| !is_new).or(Some(onset));
             self.candidate = Some(Candidate {
                 opened_at: time,
@@ -489,17 +482,24 @@ impl Channel {
         (value - before).abs() > limit
     }
 
-    /// The middle between the last sample within the noise and the next one, among those averaged now and before.
-    fn departure(&self, noise: f64) -> f64 {
+    /// The middle between the last sample within the noise and the next one, among those averaged now and before. The instant may
+    /// be anywhere between them, which matters where samples are missing.
+    fn departure(&self, noise: f64) -> Onset {
         let limit = QUIET * noise * (self.averaging as f64).sqrt();
         let samples: Vec<_> = self.previous.iter().chain(&self.group).collect();
         let quiet = samples
             .iter()
             .rposition(|(_, value)| (value - self.zero).abs() <= limit);
-        match quiet.map(|index| (samples[index], samples.get(index + 1))) {
-            Some((before, Some(after))) => 0.5 * (before.0 + after.0),
-            Some((before, None)) => before.0,
-            None => samples[0].0,
+        let (before, after) = match quiet.map(|index| (samples[index], samples.get(index + 1))) {
+            Some((before, Some(after))) => (before.0, after.0),
+            Some((before, None)) => (before.0, before.0),
+            None => (samples[0].0, samples[0].0),
+        };
+        let least = LEAST_DEVIATION * if self.is_level { 2.0 } else { 1.0 };
+        Onset {
+            time: 0.5 * (before + after),
+            // That of a uniform distribution.
+            deviation: least.max((after - before) / 12.0_f64.sqrt()),
         }
     }
 

@@ -63,6 +63,9 @@ pub struct Connection<P: Picture> {
     stream: Option<(P, Arc<GrpcSink>)>,
     /// Time of the last successful connection.
     connected: Instant,
+    /// Whether the connection was found alive after [`RETRY_PERIOD`]. A thread that was delayed does not know how long one that is
+    /// gone has lasted.
+    has_lasted: bool,
     /// Whether the peer closed the last connection at once.
     hangs_up: bool,
     next_try: Instant,
@@ -106,6 +109,7 @@ impl<P: Picture + Send + 'static> Connection<P> {
             max_history: usize::try_from(limit).unwrap_or(usize::MAX).max(1),
             stream: None,
             connected: Instant::now(),
+            has_lasted: false,
             hangs_up: false,
             next_try: Instant::now(),
             absence_reported: false,
@@ -143,9 +147,9 @@ impl<P: Picture + Send + 'static> Connection<P> {
         let Some((_, sink)) = &self.stream else {
             return;
         };
-        let lasts = self.connected.elapsed() >= RETRY_PERIOD;
         let gone = matches!(sink.status(), GrpcSinkConnectionState::Disconnected(_));
-        match (gone, lasts) {
+        self.has_lasted |= !gone && self.connected.elapsed() >= RETRY_PERIOD;
+        match (gone, self.has_lasted) {
             (false, true) if self.hangs_up => {
                 self.hangs_up = false;
                 self.report_connected();
@@ -231,6 +235,7 @@ impl<P: Picture + Send + 'static> Connection<P> {
             Ok(stream) => {
                 self.stream = Some(stream);
                 self.connected = Instant::now();
+                self.has_lasted = false;
                 if !self.hangs_up {
                     self.report_connected();
                 }
