@@ -150,7 +150,7 @@ impl Columns {
             JournalEntry::Sensors { sensors } => (sensors.clone(), column),
             _ => return,
         };
-        // What else is to be said of another column is said with the entry.
+        // Nobody asked for this column, or it is unknown, which the handling of the entry itself reports.
         if self.fleet.is_some() && !self.is_verified(column) {
             return;
         }

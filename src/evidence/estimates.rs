@@ -26,7 +26,7 @@ pub(super) struct EstimateCheck {
     recomputation: Option<(Arc<Parameters>, Recomputation)>,
     /// The impact whose last estimate was computed again.
     compared: Option<Arc<str>>,
-    /// Whether that estimate is the recorded one, and nobody has been shown what it predicts.
+    /// Whether that estimate equals the recorded one, and its predictions have not been returned yet.
     is_new: bool,
     unchecked: Option<Unchecked>,
 }

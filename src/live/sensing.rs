@@ -43,7 +43,7 @@ const ATTEMPT_PERIOD: Nanos = 100_000_000;
 /// Most columns that a thread asks for between two slices of work.
 const MAX_ATTEMPTS_PER_SLICE: usize = 16;
 
-/// Most impacts that a thread estimates at once, each of which takes some megabytes; the data of others wait.
+/// Maximum number of impacts that a thread estimates at once. Each takes some megabytes; the data of further impacts wait.
 pub const MAX_ESTIMATED_AT_ONCE: usize = 32;
 
 /// Takes an estimate, or says why not. The estimates come in the order in which they are made; it must not block for long.
@@ -486,8 +486,8 @@ impl Loop {
 }
 
 /// The next slice of an impact that was detected on a column that shares its responses: the first estimate begins with what is
-/// prepared for all such columns. If nothing is yet, the thread prepares the first responses for this impact; if nothing will be,
-/// because there are too many different columns, all of them, and `late` says so.
+/// prepared for all such columns. If nothing is prepared yet, the thread prepares the first responses for this impact. If nothing will
+/// be prepared, because there are too many different columns, it prepares all responses, and puts the reason for the delay into `late`.
 fn step_detected(
     sensing: &mut Sensing,
     libraries: &Libraries,

@@ -1,8 +1,8 @@
 //! The one thread that computes the critical velocities of all columns of a fleet at rest, with the lowest priority.
 //!
 //! Columns that differ by their names only have the same critical velocities, which are computed once. Columns that have been hit
-//! come first. For the others, of which there are many after the start, the thread takes only a part of a processor: nobody waits
-//! for them. The solver threads and this one share lock-free queues only: a thread with the lowest priority must not hold a lock
+//! come first. For the others, of which there are many after the start, the thread takes only a part of a processor, because they
+//! are not urgent. The solver threads and this one share lock-free queues only: a thread with the lowest priority must not hold a lock
 //! that they need.
 
 use std::collections::VecDeque;

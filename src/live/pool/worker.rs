@@ -124,7 +124,7 @@ pub struct Shared {
     pub journals: bool,
     pub parameters: Box<[RwLock<Arc<Parameters>>]>,
     pub background: Arc<Background>,
-    /// What the threads that feel impacts are told; `None` without sensors.
+    /// News for the threads that feel impacts; `None` without sensors.
     #[cfg(feature = "study")]
     pub news: Option<super::sensors::FleetNews>,
     pub counters: Counters,

@@ -227,7 +227,7 @@ impl Creator {
         }
     }
 
-    /// `false` if there is nobody to tell.
+    /// Creates the topics of a column. Returns `false` if the publishing thread has ended.
     fn open(&mut self, column: u32) -> bool {
         let name = Arc::clone(&self.names[column as usize]);
         match self.create(column, &name) {
