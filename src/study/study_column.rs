@@ -25,46 +25,22 @@ struct Promise {
     /// Plastic rotation below which many small flows at the crests of a vibration make a column too sensitive whose strength
     /// depends on the rate and that a compliant vehicle strikes \[rad\].
     sensitive_with_rate: f64,
-    /// When a column tears whose strength does not depend on the rate.
-    tear: Tear,
-    /// The same of a column whose strength depends on the rate and that a compliant vehicle strikes; `None`: it can promise
-    /// nothing. A rigid mass begins with the greatest rates, and no long step follows them well enough.
-    tear_with_rate: Option<Tear>,
-}
-
-/// How well a response in long steps knows when a column tears.
-#[derive(Debug, Clone, Copy)]
-struct Tear {
-    /// Part of the largest displacement by which half of the last step of the model may move the column without a closer
-    /// look.
-    uncertain_step: f64,
-    /// Error of the instant, relative to the length of a stride.
-    instant_error: f64,
+    /// Whether it knows how far a column has moved whose strength depends on the rate when a hinge tears.
+    tears_with_rate: bool,
 }
 
 /// A quick response.
 const QUICK: Promise = Promise {
     near_yield: 0.98,
     sensitive_with_rate: 5e-3,
-    tear: Tear {
-        uncertain_step: 8e-4,
-        instant_error: 0.08,
-    },
-    tear_with_rate: None,
+    tears_with_rate: false,
 };
 
 /// A fine response.
 const FINE: Promise = Promise {
     near_yield: 0.995,
     sensitive_with_rate: 0.0,
-    tear: Tear {
-        uncertain_step: 8e-4,
-        instant_error: 0.06,
-    },
-    tear_with_rate: Some(Tear {
-        uncertain_step: 7e-4,
-        instant_error: 0.2,
-    }),
+    tears_with_rate: true,
 };
 
 /// Plastic rotation below which the plain response decides whether the column yields \[rad\]: a tenth of a per cent of the
@@ -277,7 +253,7 @@ impl StudyColumn {
         impact: &Impact,
         model: &StudyModel,
         promise: &Promise,
-        mut response: StudyResponse,
+        response: StudyResponse,
     ) -> Result<Certainty, StudyError> {
         if response.end == End::DurationReached {
             return Ok(Certainty::PlainOnly);
@@ -289,7 +265,7 @@ impl StudyColumn {
             Outcome::Severed if rates && impact.vehicle.is_none() => {
                 return Ok(Certainty::PlainOnly);
             }
-            Outcome::Severed => !settle_torn(model.model(), promise, &mut response),
+            Outcome::Severed => rates && !promise.tears_with_rate,
             Outcome::Elastic => response.utilisation_sum > promise.near_yield,
             Outcome::Plastic => {
                 let largest = largest(&response.plastic_rotation);
@@ -367,27 +343,6 @@ enum Certainty {
     CloserLook,
     /// Only the plain one tells.
     PlainOnly,
-}
-
-/// The largest displacement of a column that is torn is where the step ends in which that happens, so that it depends on how
-/// the instants of the steps lie. Where a step moves the column little, the middle of what is possible is taken, at most half
-/// a step away; otherwise the instant must be certain. `false` if it is not.
-fn settle_torn(model: &Model, promise: &Promise, response: &mut StudyResponse) -> bool {
-    let tear = match model.properties.rate {
-        Some(_) => promise.tear_with_rate,
-        None => Some(promise.tear),
-    };
-    let (Some(tear), Some(share)) = (tear, response.torn_after) else {
-        return false;
-    };
-    let moved = response.end_rate * model.step_secs;
-    if 0.5 * moved.abs() <= tear.uncertain_step * response.max_v1 {
-        // It has moved by `1 - share` of a step since, and may move by anything between nothing and a whole one.
-        response.max_v1 += (share - 0.5) * moved;
-        return true;
-    }
-    let error = tear.instant_error * response.stride_secs / model.step_secs;
-    share.min(1.0 - share) > error
 }
 
 /// The largest absolute plastic rotation \[rad\].

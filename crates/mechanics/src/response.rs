@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::bar::{Bar, BarForces, PerBar, PlasticFlow};
 use super::elastic_motion::Glimpse;
 use super::frame::Frame;
+use super::geometry::Displacement;
 use super::impact::{Impact, ImpactError};
 use super::ledger::Ledger;
 use super::model::{Model, ModelError};
@@ -129,7 +130,7 @@ impl Response {
             max_sum: [0.0; HINGES],
             max_dynamic_factor: [1.0; HINGES],
         };
-        response.record_displacements_and_force(model, state);
+        response.record_extremes(&Extremes::of(state), 0.0);
         response.record_residual_and_sums(model, state);
         Ok(response)
     }
@@ -177,15 +178,17 @@ impl Response {
         let before = StepStart {
             step: state.step,
             secs: f64::from(steps) * model.step_secs,
-            v1: state.displacement.v1,
+            displacement: state.displacement,
             v1_rate: state.velocity.v1,
+            contact_force: state.contact_force,
             forces: state.forces,
             plastic: state.plastic,
         };
         let made = stepping::stride(model, state, steps);
-        self.record::<IN_FULL>(model, &before, state);
+        let torn_after = made.ok().and_then(|()| share_until_torn(model, &before.plastic, &state.plastic));
+        self.record::<IN_FULL>(model, &before, state, torn_after);
         match made {
-            Ok(()) if is_severed(model, state) => Ok(Progress::Over(End::Severed)),
+            Ok(()) if torn_after.is_some() => Ok(Progress::Over(End::Severed)),
             Ok(()) => Ok(self.progress(model, state)),
             Err(StepError::Collapsed(_)) => Ok(Progress::Over(End::Collapsed)),
             Err(error) => Err(error),
@@ -246,14 +249,28 @@ impl Response {
             })
     }
 
-    fn record<const IN_FULL: bool>(&mut self, model: &Model, before: &StepStart, state: &State) {
+    /// Takes what a step led to. Of a step in which a hinge tears only the share `torn_after` counts for the extremes: the model
+    /// does not know how the column moves without that hinge.
+    fn record<const IN_FULL: bool>(
+        &mut self,
+        model: &Model,
+        before: &StepStart,
+        state: &State,
+        torn_after: Option<f64>,
+    ) {
         let now = model.time_of_step(state.step);
         let touching = state.impactor.as_ref().is_some_and(|i| i.closed);
         if touching || state.percussion > 0.0 {
             self.last_contact = now;
         }
-        self.record_peak_between(model, before, state);
-        self.record_displacements_and_force(model, state);
+        self.record_peak_between(model, before, state, torn_after.unwrap_or(1.0));
+        match torn_after {
+            None => self.record_extremes(&Extremes::of(state), now),
+            Some(share) => {
+                let instant = model.time_of_step(before.step) + share * before.secs;
+                self.record_extremes(&before.extremes_after(share, state), instant);
+            }
+        }
         if IN_FULL {
             self.record_residual_and_sums(model, state);
         }
@@ -272,30 +289,38 @@ impl Response {
         }
     }
 
-    /// Both schemes move with the mean of the velocities at both ends of a step: between them `v1` is a parabola.
-    fn record_peak_between(&mut self, model: &Model, before: &StepStart, state: &State) {
+    /// Both schemes move with the mean of the velocities at both ends of a step: between them `v1` is a parabola, of which the
+    /// share `until` counts.
+    fn record_peak_between(
+        &mut self,
+        model: &Model,
+        before: &StepStart,
+        state: &State,
+        until: f64,
+    ) {
         let (rate, next_rate) = (before.v1_rate, state.velocity.v1);
         if state.percussion > 0.0 || !(rate > 0.0 && next_rate < 0.0) {
             return;
         }
         let share = rate / (rate - next_rate);
         let secs = share * before.secs;
-        let peak = before.v1 + 0.5 * rate * secs;
-        if peak > self.max_v1 {
+        let peak = before.displacement.v1 + 0.5 * rate * secs;
+        if peak > self.max_v1 && share <= until {
             self.max_v1 = peak;
             self.max_v1_time = model.time_of_step(before.step) + secs;
         }
     }
 
-    fn record_displacements_and_force(&mut self, model: &Model, state: &State) {
-        if state.displacement.v1 > self.max_v1 {
-            self.max_v1 = state.displacement.v1;
-            self.max_v1_time = model.time_of_step(state.step);
+    /// Takes what is true at the instant `now` \[s\].
+    fn record_extremes(&mut self, found: &Extremes, now: f64) {
+        if found.v1 > self.max_v1 {
+            self.max_v1 = found.v1;
+            self.max_v1_time = now;
         }
-        self.max_u2 = self.max_u2.max(state.displacement.u2);
-        if state.contact_force > self.peak_force {
-            self.peak_force = state.contact_force;
-            self.peak_force_time = Some(model.time_of_step(state.step));
+        self.max_u2 = self.max_u2.max(found.u2);
+        if found.contact_force > self.peak_force {
+            self.peak_force = found.contact_force;
+            self.peak_force_time = Some(now);
         }
     }
 
@@ -483,18 +508,71 @@ fn vehicle_report(state: &State) -> VehicleReport {
 struct StepStart {
     step: u64,
     secs: f64,
-    v1: f64,
+    displacement: Displacement,
     v1_rate: f64,
+    contact_force: f64,
     forces: PerBar<BarForces>,
     plastic: PerBar<PlasticFlow>,
 }
 
-/// Whether the plastic rotation of a hinge exceeds the ultimate rotation.
-fn is_severed(model: &Model, state: &State) -> bool {
+/// The quantities whose largest values a response keeps.
+struct Extremes {
+    v1: f64,
+    u2: f64,
+    contact_force: f64,
+}
+
+impl Extremes {
+    fn of(state: &State) -> Self {
+        Self {
+            v1: state.displacement.v1,
+            u2: state.displacement.u2,
+            contact_force: state.contact_force,
+        }
+    }
+}
+
+impl StepStart {
+    /// After a share of the step that ends in `end`: `v1` on the parabola of its rates, the others on a straight line, and so is
+    /// `v1` over a percussion.
+    fn extremes_after(&self, share: f64, end: &State) -> Extremes {
+        let between = |from: f64, to: f64| from + share * (to - from);
+        let Displacement { v1, u2, .. } = self.displacement;
+        Extremes {
+            v1: match end.percussion > 0.0 {
+                true => between(v1, end.displacement.v1),
+                false => {
+                    let mean_rate = self.v1_rate + 0.5 * share * (end.velocity.v1 - self.v1_rate);
+                    v1 + share * self.secs * mean_rate
+                }
+            },
+            u2: between(u2, end.displacement.u2),
+            contact_force: between(self.contact_force, end.contact_force),
+        }
+    }
+}
+
+/// The share of a step after which the plastic rotation of a hinge exceeds the ultimate rotation; `None` if that of none does.
+fn share_until_torn(
+    model: &Model,
+    before: &PerBar<PlasticFlow>,
+    after: &PerBar<PlasticFlow>,
+) -> Option<f64> {
     let ultimate = model.properties.ultimate_rotation;
-    let PerBar { below, above } = &state.plastic;
-    let mut rotations = below.rotation.iter().chain(&above.rotation);
-    ultimate > 0.0 && rotations.any(|rotation| rotation.abs() > ultimate)
+    if ultimate == 0.0 {
+        return None;
+    }
+    let rotations = |plastic: &PerBar<PlasticFlow>| {
+        let ([a, b], [c, d]) = (plastic.below.rotation, plastic.above.rotation);
+        [a, b, c, d].map(f64::abs)
+    };
+    let hinges = rotations(before).into_iter().zip(rotations(after));
+    let torn = hinges.filter(|&(_, after)| after > ultimate);
+    torn.map(|(before, after)| match before < ultimate {
+        true => (ultimate - before) / (after - before),
+        false => 0.0,
+    })
+    .reduce(f64::min)
 }
 
 /// One number of each of the hinges 1a, 1b, 2, 3.

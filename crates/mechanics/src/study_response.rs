@@ -8,8 +8,7 @@
 //!   (`elastic_motion.rs`).
 //! - Without contact the response ends once the energy that is left can neither reach a yield surface nor the impactor
 //!   (`elastic_reach.rs`).
-//! - A collapse or a tear is followed again with the steps of the model, from the beginning of the stride in which it lies,
-//!   because the largest `v1` of a column that is torn is where that step ends.
+//! - A collapse or a tear is followed again with the steps of the model, from the beginning of the stride in which it lies.
 
 use super::bar::PerBar;
 use super::elastic_motion::{ElasticMotion, Interruption};
@@ -62,12 +61,6 @@ pub struct StudyResponse {
     pub last: State,
     /// How close an elastic column came to yielding: largest `|M/M^p|^alpha + |N/N^p|^beta`, if it is worth a look.
     pub utilisation_sum: f64,
-    /// Length of a stride \[s\].
-    pub stride_secs: f64,
-    /// Rate of `v1` at the end \[m/s\].
-    pub end_rate: f64,
-    /// Share of the last step of the model after which a hinge was torn, if one was.
-    pub torn_after: Option<f64>,
     /// Strides and steps of the model.
     pub strides: u32,
     /// Long elastic steps.
@@ -141,7 +134,6 @@ impl StudyModel {
             utilisation_sum: 0.0,
             strides: 0,
             elastic_steps: 0,
-            torn_after: 0.0,
         };
         let end = course.follow()?;
         Ok(course.result(end))
@@ -157,8 +149,6 @@ struct Course<'a> {
     utilisation_sum: f64,
     strides: u32,
     elastic_steps: u32,
-    /// Share of the last step of the model after which a hinge was torn.
-    torn_after: f64,
 }
 
 /// What is known of a column without contact since its last flow.
@@ -168,13 +158,6 @@ enum Reach {
     Unbounded,
     /// Between which `v1` it stays \[m\].
     Bounded([f64; 2]),
-}
-
-/// Largest plastic rotation of a hinge \[rad\].
-fn largest_rotation(state: &State) -> f64 {
-    let PerBar { below, above } = &state.plastic;
-    let rotations = below.rotation.iter().chain(&above.rotation);
-    rotations.fold(0.0, |largest, rotation| rotation.abs().max(largest))
 }
 
 impl Course<'_> {
@@ -289,12 +272,8 @@ impl Course<'_> {
                 (self.state, self.response) = before;
                 for _ in 0..*stride {
                     self.strides += 1;
-                    let before = largest_rotation(&self.state);
                     let made = self.response.stride(model, &mut self.state, 1)?;
                     if let Progress::Over(end) = made {
-                        let after = largest_rotation(&self.state);
-                        let ultimate = model.properties.ultimate_rotation;
-                        self.torn_after = (ultimate - before) / (after - before);
                         return Ok(Some(end));
                     }
                 }
@@ -335,9 +314,6 @@ impl Course<'_> {
             rest,
             last: self.state,
             utilisation_sum: self.utilisation_sum,
-            stride_secs: f64::from(self.study.stride) * model.step_secs,
-            end_rate: self.state.velocity.v1,
-            torn_after: (end == End::Severed).then_some(self.torn_after),
             strides: self.strides,
             elastic_steps: self.elastic_steps,
         }
