@@ -5,10 +5,11 @@
 //! the static one, without strain rate or hardening.
 //!
 //! `u2` alone would not do as the control: a nearly straight column snaps back, which means that behind the largest force
-//! both the force and `u2` decrease. Each increment therefore prescribes a positive combination of `u2` and `v1`. The
-//! normal forces push the impact point outwards, so that `v1` grows along the whole path, and a slope `dN/dv1` steeper
-//! than `-N/v1` would need a moment that increases while the hinges flow: with the weights of [`PathStep`] the combination
-//! increases through any snap-back. Up to the largest force, this path is the one of a prescribed `u2`.
+//! both the force and `u2` decrease. An increment therefore prescribes a positive combination of `u2` and `v1`. The normal
+//! forces push the impact point outwards, and a slope `dN/dv1` steeper than `-N/v1` would need a moment that increases while
+//! the hinges flow: with the weights of [`PathStep`] the combination increases through any snap-back. It may decrease before
+//! the largest force: where a hinge at an end yields first, `v1` decreases faster than `u2` grows. There `u2` alone is
+//! prescribed.
 
 use std::cell::Cell;
 
@@ -20,7 +21,9 @@ use super::frame;
 use super::geometry::{Chord, Displacement};
 use super::model::Model;
 use super::motion::collapse_of;
-use super::push_down_equations::{Equations, LastRow, MAX_ROTATION, PathStep, Solved};
+use super::push_down_equations::{
+    Control, Equations, Flowing, LastRow, MAX_ROTATION, PathStep, Solved,
+};
 use super::state::State;
 
 /// Largest bow that is accepted, relative to the height.
@@ -41,13 +44,13 @@ const FALLEN: f64 = 0.8;
 const CURVE_FALLEN: f64 = 0.4;
 
 /// Largest increment while no hinge flows, on the scale of [`PathStep`].
-const MAX_ELASTIC_INCREMENT: f64 = 0.02;
+const MAX_ELASTIC_INCREMENT: f64 = 0.1;
 
 /// Largest increment while hinges flow: the error of `N_u` is proportional to it, 4e-5 for the reference columns.
 const MAX_INCREMENT: f64 = 0.002;
 
 /// Largest increment after it.
-const MAX_INCREMENT_AFTER: f64 = 0.1;
+const MAX_INCREMENT_AFTER: f64 = 0.3;
 
 /// Increments that must succeed after one that could not be solved before their size grows again: a failure costs as much
 /// as a hundred of them.
@@ -184,6 +187,9 @@ pub struct PushDown {
     /// Increment of the displacements and its size on the scale of [`PathStep`], for the prediction of the next one.
     last: Option<(Displacement, f64)>,
     increment: f64,
+    /// What led to the last increment.
+    control: Control,
+    flowing: Flowing,
     /// How many increments must succeed before their size grows again.
     until_growth: u32,
     /// `dN` over the size of the last increment \[N\].
@@ -237,6 +243,8 @@ impl PushDown {
             unloaded: Displacement::default(),
             last: None,
             increment: MAX_ELASTIC_INCREMENT,
+            control: Control::Both,
+            flowing: Flowing::ANY,
             until_growth: 0,
             slope: f64::INFINITY,
             plateau: (0.0, 0.0),
@@ -290,7 +298,8 @@ impl PushDown {
                 last: LastRow::Force((1.0 - next) * loaded),
             };
             let solved = equations
-                .solve(u, &state.forces)
+                .solve(u, &state.forces, Flowing::ANY)
+                .map(|(solved, _)| solved)
                 .filter(|solved| collapse_of(&model, &solved.displacement).is_none());
             let Some(solved) = solved else {
                 part *= 0.5;
@@ -345,24 +354,36 @@ impl PushDown {
         self.capacity.increments += 1;
         let model = self.model;
         let evaluations = Cell::new(self.capacity.evaluations);
-        let path = PathStep::new(&model, self.sign, self.displacement, self.increment);
-        let equations = Equations {
-            model: &model,
-            offset: &self.offset,
-            elastic: false,
-            evaluations: &evaluations,
-            last: LastRow::Path(path),
-        };
         let predicted = self.last.map_or(self.displacement, |(step, size)| {
             self.displacement.plus(self.increment / size, step)
         });
-        let solve = |guess| {
-            let solved = equations.solve(guess, &self.forces);
-            solved.filter(|it| path.reaches(&it.displacement) && self.is_near(&it.displacement))
+        let along = |control: Control| {
+            let path = PathStep::new(
+                &model,
+                control,
+                self.sign,
+                self.displacement,
+                self.increment,
+            );
+            let equations = Equations {
+                model: &model,
+                offset: &self.offset,
+                elastic: false,
+                evaluations: &evaluations,
+                last: LastRow::Path(path),
+            };
+            let solve = |guess| {
+                let solved = equations.solve(guess, &self.forces, self.flowing);
+                solved.filter(|(it, _)| {
+                    path.reaches(&it.displacement) && self.is_near(&it.displacement)
+                })
+            };
+            let (solved, flowing) = solve(predicted).or_else(|| solve(self.displacement))?;
+            Some((solved, control, flowing))
         };
-        let solved = solve(predicted).or_else(|| solve(self.displacement));
+        let found = along(self.control).or_else(|| along(self.control.other()));
         self.capacity.evaluations = evaluations.get();
-        let Some(solved) = solved else {
+        let Some((solved, control, flowing)) = found else {
             return self.halve(CapacityEnd::NotFollowed);
         };
         if collapse_of(&model, &solved.displacement).is_some() {
@@ -385,6 +406,7 @@ impl PushDown {
                 return;
             }
         }
+        (self.control, self.flowing) = (control, flowing);
         self.accept(&solved, change);
     }
 

@@ -5,21 +5,24 @@ use std::cell::Cell;
 
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
-use super::bar::{BarForces, BarStrain, PerBar, PlasticFlow};
-use super::bracketing;
+use super::bar::{Bar, BarForces, BarStrain, PerBar, PlasticFlow};
 use super::frame;
 use super::geometry::{Chord, ChordGradient, Displacement};
 use super::model::Model;
-use super::strength::BarStress;
+use super::strength::{BarStrength, BarStress};
 
 /// Bound of the Newton iterations of one increment; two to four are usual.
 const MAX_ITERATIONS: u32 = 30;
 
-/// Residual at which the iteration ends, relative to `N^p` and `M^p`.
-const TOLERANCE: f64 = 1e-11;
+/// Residual at which the iteration ends, relative to `N^p` and `M^p`. It does not add up: every increment begins from the stress
+/// that the last one returned to the yield surface.
+const TOLERANCE: f64 = 1e-9;
 
-/// Residual that is accepted where further iterations do not lower it: round-off of a stiff column.
-const STAGNATED: f64 = 1e-9;
+/// By how much the sum of the yield function of a held hinge may exceed 1: the residual of its equilibrium.
+const HELD_TOLERANCE: f64 = 1e-8;
+
+/// By how much stronger a hinge is that is held: more than any stress of an increment.
+const HELD_STRENGTH: f64 = 4.0;
 
 /// Floor of the stiffness of the joint, relative to its elastic stiffness.
 const PIVOT_FLOOR: f64 = 1e-9;
@@ -29,12 +32,6 @@ const MAX_CORRECTION: f64 = 0.05;
 
 /// Number of halvings of a correction that does not lower the residual.
 const MAX_HALVED_CORRECTIONS: u32 = 4;
-
-/// Bound of the searches for `beta1` alone in one increment.
-const MAX_JOINT_BALANCES: u32 = 6;
-
-/// Share of [`TOLERANCE`] to which the joint is balanced.
-const BALANCE_SHARE: f64 = 0.05;
 
 /// Largest motion in an increment, relative to its size; at most 3 are usual, and other equilibria were found from 1000 on.
 const MAX_DETOUR: f64 = 50.0;
@@ -54,35 +51,61 @@ pub(crate) enum LastRow {
     Path(PathStep),
 }
 
-/// Size of an increment: `u2` relative to the shortening at the squash load, plus `v1` relative to half of its value.
+/// Size of an increment: `u2` relative to the shortening at the squash load, plus `v1` relative to half of its value where that
+/// is prescribed, too.
 #[derive(Clone, Copy)]
 pub(crate) struct PathStep {
     from: Displacement,
+    scale_v1: f64,
     per_v1: f64,
     per_u2: f64,
     size: f64,
 }
 
+/// What is prescribed along a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Control {
+    /// `u2` and `v1`, which leads through a snap-back.
+    Both,
+    /// `u2` alone, where the path leads back from the side to which the column bends: a hinge at an end yields.
+    Shortening,
+}
+
+impl Control {
+    /// The one to try where this one fails.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Both => Self::Shortening,
+            Self::Shortening => Self::Both,
+        }
+    }
+}
+
 impl PathStep {
-    pub fn new(model: &Model, sign: f64, from: Displacement, size: f64) -> Self {
+    pub fn new(model: &Model, control: Control, sign: f64, from: Displacement, size: f64) -> Self {
         let frame = &model.frame;
         let flexibility = 1.0 / frame.below.axial + 1.0 / frame.above.axial;
         let squashed = model.properties.resistance_axial * flexibility;
         let height = frame.below.length + frame.above.length;
         // A column that its plastic strains hold straight without load has a bow of nearly 0.
         let bow = from.v1.abs().max(1e-4 * height);
+        let scale_v1 = 2.0 * sign / bow;
         Self {
             from,
-            per_v1: 2.0 * sign / bow,
+            scale_v1,
+            per_v1: match control {
+                Control::Both => scale_v1,
+                Control::Shortening => 0.0,
+            },
             per_u2: 1.0 / squashed,
             size,
         }
     }
 
-    /// Whether these displacements may be the end of the increment. Both parts of its size stay of its order: `v1` grows along
-    /// the path, and `u2` falls by at most half as much on this scale. What is much further away is another equilibrium.
+    /// Whether these displacements may be the end of the increment: `v1` and `u2` change by the order of its size. What is much
+    /// further away is another equilibrium.
     pub fn reaches(&self, u: &Displacement) -> bool {
-        let moved = (self.per_v1 * (u.v1 - self.from.v1)).abs()
+        let moved = (self.scale_v1 * (u.v1 - self.from.v1)).abs()
             + (self.per_u2 * (u.u2 - self.from.u2)).abs();
         moved <= MAX_DETOUR * self.size
     }
@@ -125,6 +148,71 @@ impl Solved {
     }
 }
 
+/// Which hinges may flow in an increment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Flowing {
+    /// Hinges that are held while the others may flow, per bar: at the impact point, at the other end.
+    held: PerBar<[bool; 2]>,
+    /// Whether both hinges of the joint may flow.
+    both_of_joint: bool,
+}
+
+impl Flowing {
+    /// Any hinge, but only one of the joint.
+    pub const ANY: Self = Self::held(false, false, false, false);
+
+    /// In what order they are tried.
+    const ALL: [Self; 15] = [
+        Self::ANY,
+        Self::held(false, false, true, false),
+        Self::held(true, false, false, false),
+        Self {
+            both_of_joint: true,
+            ..Self::ANY
+        },
+        Self::held(false, true, true, false),
+        Self::held(true, true, false, false),
+        Self::held(false, false, true, true),
+        Self::held(true, false, false, true),
+        Self::held(true, false, true, false),
+        Self::held(true, true, true, false),
+        Self::held(true, false, true, true),
+        Self::held(false, true, true, true),
+        Self::held(true, true, false, true),
+        Self::held(false, true, false, false),
+        Self::held(false, false, false, true),
+    ];
+
+    const fn held(hinge_1a: bool, hinge_3: bool, hinge_1b: bool, hinge_2: bool) -> Self {
+        Self {
+            held: PerBar {
+                below: [hinge_1a, hinge_3],
+                above: [hinge_1b, hinge_2],
+            },
+            both_of_joint: false,
+        }
+    }
+
+    /// Whether the held hinges bear their stress without flowing.
+    fn is_admissible(&self, model: &Model, solved: &Solved) -> bool {
+        let bears = |bar: &Bar, stress: &BarStress, held: [bool; 2]| {
+            let forces = &stress.returned.forces;
+            (0..2).all(|k| {
+                !held[k] || bar.surface.sum(forces.moment[k], forces.normal) <= 1.0 + HELD_TOLERANCE
+            })
+        };
+        let (frame, held) = (&model.frame, &self.held);
+        bears(&frame.below, &solved.stress.below, held.below)
+            && bears(&frame.above, &solved.stress.above, held.above)
+    }
+}
+
+/// Strength of a bar of whose hinges some are held.
+fn held_strength(held: [bool; 2]) -> Option<BarStrength> {
+    let factors = held.map(|held| if held { HELD_STRENGTH } else { 1.0 });
+    BarStrength::new(factors, [1.0; 2], [0.0; 2])
+}
+
 /// What an evaluation leaves behind for the tangent.
 #[derive(Default)]
 struct Point {
@@ -135,23 +223,51 @@ struct Point {
 }
 
 impl Equations<'_> {
-    pub fn solve(&self, guess: Displacement, near: &PerBar<BarForces>) -> Option<Solved> {
+    /// Solves them from a first guess and the forces `near` the solution.
+    ///
+    /// Newton's method finds by itself which hinges flow unless several of them begin or end to flow in one increment. Then it is
+    /// prescribed which ones may, and the first solution is taken in which no other one has to. Of the joint usually one hinge
+    /// flows: both bear the same moment, but not quite the same normal force. Only where their normal forces are equal, as in
+    /// a symmetric column, both do.
+    ///
+    /// `first` is tried first, and returned is what led to the solution.
+    pub fn solve(
+        &self,
+        guess: Displacement,
+        near: &PerBar<BarForces>,
+        first: Flowing,
+    ) -> Option<(Solved, Flowing)> {
+        let others = Flowing::ALL.into_iter().filter(|&it| it != first);
+        std::iter::once(first).chain(others).find_map(|flowing| {
+            let solved = self.iterate(guess, near, &flowing)?;
+            flowing
+                .is_admissible(self.model, &solved)
+                .then_some((solved, flowing))
+        })
+    }
+
+    /// Newton's method, given up where other hinges flow than may.
+    fn iterate(
+        &self,
+        guess: Displacement,
+        near: &PerBar<BarForces>,
+        flowing: &Flowing,
+    ) -> Option<Solved> {
         let mut point = Point::default();
         point.stress.below.expect(near.below.normal);
         point.stress.above.expect(near.above.normal);
+        let held = &flowing.held;
+        point.stress.below.set_strength(held_strength(held.below));
+        point.stress.above.set_strength(held_strength(held.above));
         let mut u = guess;
         let mut residual = self.evaluate(&u, &mut point);
         let mut size = self.size_of(&residual);
-        let mut balances = 0;
         for _ in 0..MAX_ITERATIONS {
             if size <= TOLERANCE {
                 return Some(self.solved(u, &point));
             }
-            if balances < MAX_JOINT_BALANCES && self.is_joint_loose(&point) {
-                balances += 1;
-                u = self.balance_joint(u, &mut point);
-                residual = self.evaluate(&u, &mut point);
-                size = self.size_of(&residual);
+            if !flowing.both_of_joint && self.is_joint_loose(&point) {
+                return None;
             }
             let (from, before) = (u, size);
             let correction = self.correction(&residual, &mut point)?;
@@ -165,23 +281,7 @@ impl Equations<'_> {
                 }
                 share *= 0.5;
             }
-            if size > 0.5 * before {
-                if before.min(size) <= STAGNATED {
-                    if before < size {
-                        u = from;
-                        self.evaluate(&u, &mut point);
-                    }
-                    return Some(self.solved(u, &point));
-                }
-                balances += 1;
-                if balances > MAX_JOINT_BALANCES {
-                    return None;
-                }
-                u = self.balance_joint(from.minus(correction), &mut point);
-                residual = self.evaluate(&u, &mut point);
-                size = self.size_of(&residual);
-            }
-            if !size.is_finite() {
+            if size.is_nan() || size > 0.5 * before {
                 return None;
             }
         }
@@ -251,8 +351,7 @@ impl Equations<'_> {
         size
     }
 
-    /// Whether both hinges of the joint flow at the last evaluation: one of them has to unload, and no tangent tells how far that
-    /// is.
+    /// Whether both hinges of the joint flow at the last evaluation.
     fn is_joint_loose(&self, point: &Point) -> bool {
         let flows = |stress: &BarStress| stress.returned.flow.has_flowed(0);
         !self.elastic && flows(&point.stress.below) && flows(&point.stress.above)
@@ -291,26 +390,8 @@ impl Equations<'_> {
         let [joint, _] = frame.massless_stiffness();
         let floor = PIVOT_FLOOR * joint;
         jacobian[(BETA1, BETA1)] = jacobian[(BETA1, BETA1)].max(floor);
-        let mut residual = *residual;
-        if self.is_joint_loose(point) {
-            // The joint is balanced for a range of `beta1`: it is held while the others are corrected.
-            jacobian.set_row(BETA1, &RowVector4::new(0.0, 0.0, joint, 0.0));
-            residual[BETA1] = 0.0;
-        }
-        let correction = solve_condensed(jacobian, residual)?;
+        let correction = solve_condensed(jacobian, *residual)?;
         Some(limited(correction, frame.shorter_bar()))
-    }
-
-    /// `beta1` in equilibrium with the other displacements held: `M_1b - M_1a` never decreases with it.
-    fn balance_joint(&self, from: Displacement, point: &mut Point) -> Displacement {
-        let turned = |turn: f64| Displacement {
-            beta1: from.beta1 + turn,
-            ..from
-        };
-        let [joint, _] = self.model.frame.massless_stiffness();
-        let unbalanced = |turn: f64| self.evaluate(&turned(turn), point)[BETA1];
-        let enough = BALANCE_SHARE * TOLERANCE * self.model.properties.resistance_moment;
-        turned(bracketing::root(unbalanced, joint, MAX_ROTATION, enough).unwrap_or(0.0))
     }
 }
 

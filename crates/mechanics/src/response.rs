@@ -185,7 +185,9 @@ impl Response {
             plastic: state.plastic,
         };
         let made = stepping::stride(model, state, steps);
-        let torn_after = made.ok().and_then(|()| share_until_torn(model, &before.plastic, &state.plastic));
+        let torn_after = made
+            .ok()
+            .and_then(|()| share_until_torn(model, &before.plastic, &state.plastic));
         self.record::<IN_FULL>(model, &before, state, torn_after);
         match made {
             Ok(()) if torn_after.is_some() => Ok(Progress::Over(End::Severed)),
