@@ -578,6 +578,9 @@ impl Search<'_> {
     fn run(&self, near: f64) -> Root {
         let surface = &self.bar.surface;
         let split = surface.split();
+        if let Some(root) = self.newton_near(near, split) {
+            return root;
+        }
         let derivative_at = |branch, t| self.derivative(branch, t, &surface.point(branch, t)).0;
         // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
         if self.trial <= split || derivative_at(Branch::Axial, split) >= 0.0 {
@@ -598,6 +601,32 @@ impl Search<'_> {
             surface.point(Branch::Axial, split).other
         };
         self.bisect_newton(Branch::Moment, split, near)
+    }
+
+    /// Newton's method on the flat half of the curve from a normal force that is expected there. The derivative is monotone, so
+    /// that a root within that half is the root; `None` where the iteration leaves it or needs more than a few steps.
+    #[inline(always)]
+    fn newton_near(&self, near: f64, split: f64) -> Option<Root> {
+        const MAX_STEPS: usize = 4;
+        let surface = &self.bar.surface;
+        let high = self.trial.min(split);
+        let mut t = near;
+        for _ in 0..MAX_STEPS {
+            if !(t > 0.0 && t < high) {
+                return None;
+            }
+            let point = surface.point(Branch::Axial, t);
+            let (value, slope) = self.derivative(Branch::Axial, t, &point);
+            let newton = value / slope;
+            if newton.abs() <= RETURN_TOLERANCE * t {
+                t -= newton;
+                let point = point.moved_by(-newton);
+                let branch = Branch::Axial;
+                return Some(Root::Curve { branch, t, point });
+            }
+            t -= newton;
+        }
+        None
     }
 
     /// Whether the root lies closer to the vertex at which the branch begins than any stress is resolved.

@@ -230,13 +230,19 @@ impl Equations<'_> {
     /// flows: both bear the same moment, but not quite the same normal force. Only where their normal forces are equal, as in
     /// a symmetric column, both do.
     ///
-    /// `first` is tried first, and returned is what led to the solution.
+    /// `last` is what led to the last solution; returned is what led to this one.
     pub fn solve(
         &self,
         guess: Displacement,
         near: &PerBar<BarForces>,
-        first: Flowing,
+        last: Flowing,
     ) -> Option<(Solved, Flowing)> {
+        // Held hinges were an event, after which the others flow by themselves; both of the joint go on together.
+        let first = if last.both_of_joint {
+            last
+        } else {
+            Flowing::ANY
+        };
         let others = Flowing::ALL.into_iter().filter(|&it| it != first);
         std::iter::once(first).chain(others).find_map(|flowing| {
             let solved = self.iterate(guess, near, &flowing)?;

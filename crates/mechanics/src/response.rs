@@ -341,27 +341,32 @@ impl Response {
     /// A hinge that flows for the first time reached its yield surface inside the step; the elastic trial stress shows
     /// when.
     fn record_yield(&mut self, model: &Model, before: &StepStart, state: &State) {
-        let frame = &model.frame;
-        let flow = PerBar {
-            below: state.plastic.below.plus(-1.0, &before.plastic.below),
-            above: state.plastic.above.plus(-1.0, &before.plastic.above),
-        };
+        let (frame, flowing, strength) = (&model.frame, &state.flowing, &state.strength);
         let below = |k: usize| {
+            let flow = state.plastic.below.plus(-1.0, &before.plastic.below);
             let (start, end) = (&before.forces.below, &state.forces.below);
-            let hinge = &state.strength.below[k];
-            let share = || share_until_yield(&frame.below, k, hinge, start, end, &flow.below);
-            state.flowing.below[k].then(share)
+            share_until_yield(&frame.below, k, &strength.below[k], start, end, &flow)
         };
         let above = |k: usize| {
+            let flow = state.plastic.above.plus(-1.0, &before.plastic.above);
             let (start, end) = (&before.forces.above, &state.forces.above);
-            let hinge = &state.strength.above[k];
-            let share = || share_until_yield(&frame.above, k, hinge, start, end, &flow.above);
-            state.flowing.above[k].then(share)
+            share_until_yield(&frame.above, k, &strength.above[k], start, end, &flow)
         };
-        let shares = [below(0), above(0), above(1), below(1)];
-        for (first, share) in self.first_yield.iter_mut().zip(shares) {
-            let instant = |share: f64| model.time_of_step(before.step) + share * before.secs;
-            *first = first.or(share.map(instant));
+        let instant = |share: f64| model.time_of_step(before.step) + share * before.secs;
+        let [hinge_1a, hinge_1b, hinge_2, hinge_3] = &mut self.first_yield;
+        for (first, flows, share) in [
+            (
+                hinge_1a,
+                flowing.below[0],
+                &(|| below(0)) as &dyn Fn() -> f64,
+            ),
+            (hinge_1b, flowing.above[0], &|| above(0)),
+            (hinge_2, flowing.above[1], &|| above(1)),
+            (hinge_3, flowing.below[1], &|| below(1)),
+        ] {
+            if first.is_none() && flows {
+                *first = Some(instant(share()));
+            }
         }
     }
 

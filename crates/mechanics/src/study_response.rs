@@ -24,8 +24,11 @@ use super::sample::HINGES;
 use super::state::State;
 use super::statics;
 
-/// Strides per slowest period.
-const STRIDES_PER_PERIOD: f64 = 50.0;
+/// Strides per slowest period while a compliant vehicle pushes.
+const STRIDES_PER_PERIOD: f64 = 40.0;
+
+/// The same with a rigid impactor, whose percussion makes the column vibrate more.
+const STRIDES_PER_PERIOD_OF_RIGID: f64 = 70.0;
 
 /// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
 const TOLERANCE: f64 = 1e-9;
@@ -34,8 +37,8 @@ const TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyModel {
     model: Model,
-    /// Steps that are made as one.
-    stride: u32,
+    /// Steps that are made as one, with a compliant vehicle and with a rigid impactor.
+    strides: [u32; 2],
     motion: Option<ElasticMotion>,
     polygons: PerBar<Polygon>,
 }
@@ -83,7 +86,7 @@ impl StudyModel {
         Self {
             polygons: elastic_reach::polygons(&model.frame),
             model,
-            stride: 1,
+            strides: [1; 2],
             motion: None,
         }
     }
@@ -97,12 +100,14 @@ impl StudyModel {
             return plain;
         }
         model.tolerance = TOLERANCE;
-        let longest = model.slowest_period / (STRIDES_PER_PERIOD * fineness);
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
-        let stride = (longest / model.step_secs).clamp(1.0, 1e6) as u32;
+        let strides = [STRIDES_PER_PERIOD, STRIDES_PER_PERIOD_OF_RIGID].map(|per_period| {
+            let longest = model.slowest_period / (per_period * fineness);
+            (longest / model.step_secs).clamp(1.0, 1e6) as u32
+        });
         Self {
             model,
-            stride,
+            strides,
             motion: ElasticMotion::new(&model, stiffness, fineness),
             ..plain
         }
@@ -128,6 +133,7 @@ impl StudyModel {
         let response = Response::begin(&self.model, &mut state, *impact, max_duration)?;
         let mut course = Course {
             study: self,
+            stride: self.strides[usize::from(impact.vehicle.is_none())],
             state,
             response,
             reach: Reach::Unknown,
@@ -143,6 +149,7 @@ impl StudyModel {
 /// A response under way.
 struct Course<'a> {
     study: &'a StudyModel,
+    stride: u32,
     state: State,
     response: Response,
     reach: Reach,
@@ -257,20 +264,20 @@ impl Course<'_> {
 
     /// One stride; the end of the response if it is over.
     fn stride(&mut self) -> Result<Option<End>, StepError> {
-        let StudyModel { model, stride, .. } = self.study;
+        let (model, stride) = (&self.study.model, self.stride);
         let before = (self.state, self.response);
         self.strides += 1;
-        let made = self.response.stride(model, &mut self.state, *stride);
+        let made = self.response.stride(model, &mut self.state, stride);
         match made {
             Ok(Progress::Over(end @ (End::AtRest | End::DurationReached))) => return Ok(Some(end)),
             Ok(Progress::Running) => {}
-            _ if *stride == 1 => match made? {
+            _ if stride == 1 => match made? {
                 Progress::Over(end) => return Ok(Some(end)),
                 Progress::Running => {}
             },
             _ => {
                 (self.state, self.response) = before;
-                for _ in 0..*stride {
+                for _ in 0..stride {
                     self.strides += 1;
                     let made = self.response.stride(model, &mut self.state, 1)?;
                     if let Progress::Over(end) = made {
