@@ -50,7 +50,7 @@ const MAX_ELASTIC_INCREMENT: f64 = 0.1;
 const MAX_INCREMENT: f64 = 0.002;
 
 /// Largest increment after it.
-const MAX_INCREMENT_AFTER: f64 = 0.3;
+const MAX_INCREMENT_AFTER: f64 = 0.6;
 
 /// Increments that must succeed after one that could not be solved before their size grows again: a failure costs as much
 /// as a hundred of them.

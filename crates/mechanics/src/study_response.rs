@@ -24,11 +24,35 @@ use super::sample::HINGES;
 use super::state::State;
 use super::statics;
 
-/// Strides per slowest period while a compliant vehicle pushes.
-const STRIDES_PER_PERIOD: f64 = 40.0;
+/// How long strides are.
+#[derive(Debug, Clone, Copy)]
+struct StridesPerPeriod {
+    /// Per slowest period while the plastic rotations are small beside [`FAR_ROTATION`]: the column vibrates.
+    near: f64,
+    /// Beyond it: the column moves on as a mechanism.
+    far: f64,
+}
 
-/// The same with a rigid impactor, whose percussion makes the column vibrate more.
-const STRIDES_PER_PERIOD_OF_RIGID: f64 = 70.0;
+/// While a compliant vehicle pushes.
+const OF_COMPLIANT: StridesPerPeriod = StridesPerPeriod {
+    near: 50.0,
+    far: 16.0,
+};
+
+/// With a rigid impactor, whose percussion makes the column vibrate more.
+const OF_RIGID: StridesPerPeriod = StridesPerPeriod {
+    near: 70.0,
+    far: 70.0,
+};
+
+/// Where the strength of the hinges depends on the strain rate, which has to be followed all the time.
+const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
+    near: 50.0,
+    far: 50.0,
+};
+
+/// Plastic rotation of a hinge beyond which the motion of the column is large beside its vibration \[rad\].
+const FAR_ROTATION: f64 = 0.01;
 
 /// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
 const TOLERANCE: f64 = 1e-9;
@@ -37,8 +61,8 @@ const TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyModel {
     model: Model,
-    /// Steps that are made as one, with a compliant vehicle and with a rigid impactor.
-    strides: [u32; 2],
+    with_compliant: Strides,
+    with_rigid: Strides,
     motion: Option<ElasticMotion>,
     polygons: PerBar<Polygon>,
 }
@@ -86,7 +110,8 @@ impl StudyModel {
         Self {
             polygons: elastic_reach::polygons(&model.frame),
             model,
-            strides: [1; 2],
+            with_compliant: Strides::SINGLE,
+            with_rigid: Strides::SINGLE,
             motion: None,
         }
     }
@@ -101,13 +126,24 @@ impl StudyModel {
         }
         model.tolerance = TOLERANCE;
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
-        let strides = [STRIDES_PER_PERIOD, STRIDES_PER_PERIOD_OF_RIGID].map(|per_period| {
-            let longest = model.slowest_period / (per_period * fineness);
-            (longest / model.step_secs).clamp(1.0, 1e6) as u32
-        });
+        let strides = |per_period: StridesPerPeriod| {
+            let per_period = match model.strength {
+                Some(_) => WITH_RATE,
+                None => per_period,
+            };
+            let steps = |per_period: f64| {
+                let longest = model.slowest_period / (per_period * fineness);
+                (longest / model.step_secs).clamp(1.0, 1e6) as u32
+            };
+            Strides {
+                near: steps(per_period.near),
+                far: steps(per_period.far),
+            }
+        };
         Self {
+            with_compliant: strides(OF_COMPLIANT),
+            with_rigid: strides(OF_RIGID),
             model,
-            strides,
             motion: ElasticMotion::new(&model, stiffness, fineness),
             ..plain
         }
@@ -133,7 +169,10 @@ impl StudyModel {
         let response = Response::begin(&self.model, &mut state, *impact, max_duration)?;
         let mut course = Course {
             study: self,
-            stride: self.strides[usize::from(impact.vehicle.is_none())],
+            lengths: match impact.vehicle {
+                Some(_) => self.with_compliant,
+                None => self.with_rigid,
+            },
             state,
             response,
             reach: Reach::Unknown,
@@ -149,13 +188,33 @@ impl StudyModel {
 /// A response under way.
 struct Course<'a> {
     study: &'a StudyModel,
-    stride: u32,
+    lengths: Strides,
     state: State,
     response: Response,
     reach: Reach,
     utilisation_sum: f64,
     strides: u32,
     elastic_steps: u32,
+}
+
+/// How many steps are made as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Strides {
+    near: u32,
+    far: u32,
+}
+
+impl Strides {
+    const SINGLE: Self = Self { near: 1, far: 1 };
+
+    fn of(&self, state: &State) -> u32 {
+        let PerBar { below, above } = &state.plastic;
+        let mut rotations = below.rotation.iter().chain(&above.rotation);
+        match rotations.any(|rotation| rotation.abs() > FAR_ROTATION) {
+            true => self.far,
+            false => self.near,
+        }
+    }
 }
 
 /// What is known of a column without contact since its last flow.
@@ -264,7 +323,8 @@ impl Course<'_> {
 
     /// One stride; the end of the response if it is over.
     fn stride(&mut self) -> Result<Option<End>, StepError> {
-        let (model, stride) = (&self.study.model, self.stride);
+        let model = &self.study.model;
+        let stride = self.lengths.of(&self.state);
         let before = (self.state, self.response);
         self.strides += 1;
         let made = self.response.stride(model, &mut self.state, stride);
