@@ -25,6 +25,7 @@ use super::push_down_equations::{
     Control, Equations, Flowing, LastRow, MAX_ROTATION, PathStep, Solved,
 };
 use super::state::State;
+use super::tearing::share_until_torn;
 
 /// Largest bow that is accepted, relative to the height.
 pub const MAX_IMPERFECTION: f64 = 0.1;
@@ -46,11 +47,11 @@ const CURVE_FALLEN: f64 = 0.4;
 /// Largest increment while no hinge flows, on the scale of [`PathStep`].
 const MAX_ELASTIC_INCREMENT: f64 = 0.1;
 
-/// Largest increment while hinges flow: the error of `N_u` is proportional to it, 4e-5 for the reference columns.
-const MAX_INCREMENT: f64 = 0.002;
+/// Largest increment while hinges flow: the error of `N_u` is proportional to it, at most 1e-4 for the reference columns.
+const MAX_INCREMENT: f64 = 0.004;
 
 /// Largest increment after it.
-const MAX_INCREMENT_AFTER: f64 = 0.6;
+const MAX_INCREMENT_AFTER: f64 = 0.3;
 
 /// Increments that must succeed after one that could not be solved before their size grows again: a failure costs as much
 /// as a hundred of them.
@@ -309,7 +310,7 @@ impl PushDown {
             u = solved.displacement;
             if share >= 1.0 {
                 self.begin(&solved, offset);
-                if self.is_severed() {
+                if self.torn_after(&self.offset).is_some() {
                     self.finish(CapacityEnd::Severed);
                 }
                 return;
@@ -412,29 +413,23 @@ impl PushDown {
 
     fn accept(&mut self, solved: &Solved, change: f64) {
         let size = self.increment;
-        self.last = Some((solved.displacement.minus(self.displacement), size));
+        let step = solved.displacement.minus(self.displacement);
+        let (from, offset) = (self.displacement, self.offset);
+        self.last = Some((step, size));
         self.slope = change / size;
         self.displacement = solved.displacement;
         self.forces = solved.forces();
         self.force = solved.force;
         self.offset = PerBar {
-            below: self
-                .offset
-                .below
-                .plus(1.0, &solved.stress.below.returned.flow),
-            above: self
-                .offset
-                .above
-                .plus(1.0, &solved.stress.above.returned.flow),
+            below: offset.below.plus(1.0, &solved.stress.below.returned.flow),
+            above: offset.above.plus(1.0, &solved.stress.above.returned.flow),
         };
-        if self.is_severed() {
+        if let Some(share) = self.torn_after(&offset) {
+            self.compare(self.force - (1.0 - share) * change, from.plus(share, step));
             return self.finish(CapacityEnd::Severed);
         }
-        if self.force > self.capacity.force {
-            self.capacity.force = self.force;
-            self.capacity.shortening = self.displacement.u2 - self.unloaded.u2;
-            self.capacity.v1 = self.displacement.v1;
-        } else if self.force <= self.fallen * self.capacity.force {
+        let increases = self.compare(self.force, self.displacement);
+        if !increases && self.force <= self.fallen * self.capacity.force {
             return self.finish(CapacityEnd::ForceFell);
         }
         self.plateau.1 += size;
@@ -464,6 +459,17 @@ impl PushDown {
         };
     }
 
+    /// Whether this force is the largest so far, which it then becomes.
+    fn compare(&mut self, force: f64, u: Displacement) -> bool {
+        let is_largest = force > self.capacity.force;
+        if is_largest {
+            self.capacity.force = force;
+            self.capacity.shortening = u.u2 - self.unloaded.u2;
+            self.capacity.v1 = u.v1;
+        }
+        is_largest
+    }
+
     fn halve(&mut self, reason: CapacityEnd) {
         if self.increment <= MIN_INCREMENT {
             self.finish(reason);
@@ -473,18 +479,10 @@ impl PushDown {
         }
     }
 
-    /// Whether the plastic rotation of a hinge exceeds the ultimate rotation.
-    fn is_severed(&self) -> bool {
-        let ultimate = self.model.properties.ultimate_rotation;
-        let exceeded = |offset: &PlasticFlow, bow: &PlasticFlow| {
-            let rotations = offset.rotation.into_iter().zip(bow.rotation);
-            rotations
-                .map(|(all, bow)| (all - bow).abs())
-                .any(|plastic| plastic > ultimate)
-        };
-        ultimate > 0.0
-            && (exceeded(&self.offset.below, &self.bow.below)
-                || exceeded(&self.offset.above, &self.bow.above))
+    /// The share of the last increment, which began with these strains without stress, after which a hinge is torn.
+    fn torn_after(&self, before: &PerBar<PlasticFlow>) -> Option<f64> {
+        let plastic = |offset: &PerBar<PlasticFlow>| plus(offset, -1.0, &self.bow);
+        share_until_torn(&self.model, &plastic(before), &plastic(&self.offset))
     }
 
     /// Whether the solution belongs to the path: one that is much further away has leapt to another equilibrium.

@@ -50,6 +50,7 @@ mod step_length;
 mod stepping;
 mod strength;
 mod study_response;
+mod tearing;
 mod vehicle;
 mod yield_surface;
 

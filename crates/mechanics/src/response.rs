@@ -19,6 +19,7 @@ use super::sample::{HINGES, Sample};
 use super::state::{State, Velocity};
 use super::statics;
 use super::stepping;
+use super::tearing::share_until_torn;
 use super::yield_surface::YieldSurface;
 
 /// Kinetic energy, relative to the impactor's, below which a column and an impactor in contact are at rest.
@@ -557,29 +558,6 @@ impl StepStart {
             contact_force: between(self.contact_force, end.contact_force),
         }
     }
-}
-
-/// The share of a step after which the plastic rotation of a hinge exceeds the ultimate rotation; `None` if that of none does.
-fn share_until_torn(
-    model: &Model,
-    before: &PerBar<PlasticFlow>,
-    after: &PerBar<PlasticFlow>,
-) -> Option<f64> {
-    let ultimate = model.properties.ultimate_rotation;
-    if ultimate == 0.0 {
-        return None;
-    }
-    let rotations = |plastic: &PerBar<PlasticFlow>| {
-        let ([a, b], [c, d]) = (plastic.below.rotation, plastic.above.rotation);
-        [a, b, c, d].map(f64::abs)
-    };
-    let hinges = rotations(before).into_iter().zip(rotations(after));
-    let torn = hinges.filter(|&(_, after)| after > ultimate);
-    torn.map(|(before, after)| match before < ultimate {
-        true => (ultimate - before) / (after - before),
-        false => 0.0,
-    })
-    .reduce(f64::min)
 }
 
 /// One number of each of the hinges 1a, 1b, 2, 3.
