@@ -185,8 +185,9 @@ pub struct PushDown {
     forces: PerBar<BarForces>,
     force: f64,
     unloaded: Displacement,
-    /// Increment of the displacements and its size on the scale of [`PathStep`], for the prediction of the next one.
-    last: Option<(Displacement, f64)>,
+    /// Increments of the displacements and their sizes on the scale of [`PathStep`], the last one first, for the prediction of
+    /// the next one.
+    last: [Option<(Displacement, f64)>; 2],
     increment: f64,
     /// What led to the last increment.
     control: Control,
@@ -242,7 +243,7 @@ impl PushDown {
             forces: PerBar::default(),
             force: 0.0,
             unloaded: Displacement::default(),
-            last: None,
+            last: [None; 2],
             increment: MAX_ELASTIC_INCREMENT,
             control: Control::Both,
             flowing: Flowing::ANY,
@@ -355,9 +356,7 @@ impl PushDown {
         self.capacity.increments += 1;
         let model = self.model;
         let evaluations = Cell::new(self.capacity.evaluations);
-        let predicted = self.last.map_or(self.displacement, |(step, size)| {
-            self.displacement.plus(self.increment / size, step)
-        });
+        let predicted = self.predicted();
         let along = |control: Control| {
             let path = PathStep::new(
                 &model,
@@ -411,11 +410,25 @@ impl PushDown {
         self.accept(&solved, change);
     }
 
+    /// Where the next increment is expected to end: the rate of the displacements along the path goes on as it has changed.
+    fn predicted(&self) -> Displacement {
+        let [Some((step, size)), before] = self.last else {
+            return self.displacement;
+        };
+        let rate = step.times(1.0 / size);
+        let rate = before.map_or(rate, |(step, size_before)| {
+            // The rates are those in the middles of the increments.
+            let change = rate.minus(step.times(1.0 / size_before));
+            rate.plus((size + self.increment) / (size + size_before), change)
+        });
+        self.displacement.plus(self.increment, rate)
+    }
+
     fn accept(&mut self, solved: &Solved, change: f64) {
         let size = self.increment;
         let step = solved.displacement.minus(self.displacement);
         let (from, offset) = (self.displacement, self.offset);
-        self.last = Some((step, size));
+        self.last = [Some((step, size)), self.last[0]];
         self.slope = change / size;
         self.displacement = solved.displacement;
         self.forces = solved.forces();
