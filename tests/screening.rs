@@ -15,14 +15,14 @@ const TOLERANCE: f64 = 1e-3;
 
 /// Of the remaining capacity of a column that has lost a tenth of it: where a hinge tears in the push-down, it depends on
 /// the residual state with a factor of up to ten.
-const CAPACITY_TOLERANCE: f64 = 1e-2;
+const CAPACITY_TOLERANCE: f64 = 2e-3;
 
 /// Of the largest contact force.
 const FORCE_TOLERANCE: f64 = 3e-3;
 
 /// Of the remaining capacity of a column that has lost less than a tenth of it: a micrometre of residual displacement decides
 /// which path the push-down takes.
-const LITTLE_LOST_TOLERANCE: f64 = 4e-2;
+const LITTLE_LOST_TOLERANCE: f64 = 2e-3;
 
 fn parameters(file: &str, overrides: &[&str]) -> Parameters {
     let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "config", file]

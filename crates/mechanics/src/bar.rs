@@ -137,6 +137,19 @@ pub(crate) struct BarTangent {
 }
 
 impl BarTangent {
+    /// The change of the forces with a change of the deformation.
+    pub(crate) fn times(&self, change: &BarStrain) -> BarForces {
+        let [first, second] = change.rotation;
+        let moment = |k: usize| {
+            let [by_first, by_second] = self.rotational[k];
+            self.mixed[k] * change.elongation + by_first * first + by_second * second
+        };
+        BarForces {
+            normal: self.axial * change.elongation + self.mixed[0] * first + self.mixed[1] * second,
+            moment: [moment(0), moment(1)],
+        }
+    }
+
     /// With the normal force held.
     fn held(rotational: [[f64; 2]; 2]) -> Self {
         Self {
@@ -273,6 +286,19 @@ impl Bar {
             moment: [
                 c[0][0] * first + c[0][1] * second,
                 c[1][0] * first + c[1][1] * second,
+            ],
+        }
+    }
+
+    /// Elastic deformation under given forces.
+    pub(crate) fn elastic_strain(&self, forces: &BarForces) -> BarStrain {
+        let f = &self.rotational_flexibility;
+        let [first, second] = forces.moment;
+        BarStrain {
+            elongation: self.axial_flexibility * forces.normal,
+            rotation: [
+                f[0][0] * first + f[0][1] * second,
+                f[1][0] * first + f[1][1] * second,
             ],
         }
     }

@@ -93,6 +93,21 @@ impl BarPoint {
     }
 }
 
+impl BarPoint {
+    /// Moves the stress by a small change of the extents of the chord along the column and across it \[m\], and by a turn
+    /// of the hinge at the impact point in addition to the chord \[rad\]; `false` if it does not move along its tangent.
+    fn follow(&mut self, bar: &Bar, [x, v]: [f64; 2], turn: f64, from: &BarForces) -> bool {
+        let gradient = self.chord.gradient();
+        let elongation = gradient.length_x * x + gradient.length_v * v;
+        let angle = gradient.angle_x * x + gradient.angle_v * v;
+        let followed = self
+            .stress
+            .follow(bar, &BarStrain::of_chord(elongation, angle, turn));
+        self.mean = from.mean(&self.stress.returned.forces);
+        followed
+    }
+}
+
 impl NonlinearSystem for Conserving<'_> {
     type Point = Point;
 
@@ -125,6 +140,30 @@ impl NonlinearSystem for Conserving<'_> {
         let spring_u2 = from.displacement.u2 + 0.5 * increment.u2;
         self.motion.residual(increment, &mut point.contact)
             + frame.internal_forces(&gradients, &mean, spring_u2)
+    }
+
+    fn follow(
+        &self,
+        to: &Displacement,
+        correction: &Displacement,
+        point: &mut Self::Point,
+    ) -> bool {
+        if !self.motion.has_vehicle() || self.model.strength.is_some() {
+            return false;
+        }
+        let (frame, forces) = (&self.model.frame, &self.from.forces);
+        let Displacement { v1, u1, beta1, u2 } = correction.times(-1.0);
+        let Point {
+            below,
+            above,
+            contact,
+        } = point;
+        let followed = below.follow(&frame.below, [-u1, v1], -beta1, &forces.below)
+            && above.follow(&frame.above, [u1 - u2, v1], beta1, &forces.above);
+        if followed {
+            self.motion.residual(to, contact);
+        }
+        followed
     }
 
     fn jacobian(&self, point: &mut Self::Point) -> Matrix4<f64> {

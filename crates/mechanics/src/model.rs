@@ -40,6 +40,8 @@ pub struct Model {
     pub step_secs: f64,
     /// Relative residual to which the conserving scheme solves its equations.
     pub(crate) tolerance: f64,
+    /// Relative residual from which on a correction is followed linearly instead of evaluating the equations again; 0: never.
+    pub(crate) linear_residual: f64,
 }
 
 /// Relative residual to which the conserving scheme solves its equations: its energy balance is as exact as their solution.
@@ -142,6 +144,7 @@ impl Model {
             strength: StrengthLaw::new(&p, step_secs),
             step_secs,
             tolerance: TOLERANCE,
+            linear_residual: 0.0,
         })
     }
 

@@ -173,6 +173,11 @@ impl<'a> Motion<'a> {
         }
     }
 
+    /// Whether a compliant vehicle takes part.
+    pub fn has_vehicle(&self) -> bool {
+        self.chain.is_some()
+    }
+
     /// Size of the terms of which the residual is the sum.
     pub fn scale(&self) -> Vector4<f64> {
         self.scale

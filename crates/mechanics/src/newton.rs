@@ -53,6 +53,17 @@ pub(crate) trait NonlinearSystem {
     /// What an evaluation leaves behind for the tangent and for the end of the step.
     type Point: Default;
 
+    /// Moves `point` from the last evaluation to the increment `to` by a small correction, which is subtracted, along the last
+    /// derivative. `false` if that is not certain; `point` must then be evaluated.
+    fn follow(
+        &self,
+        _to: &Displacement,
+        _correction: &Displacement,
+        _point: &mut Self::Point,
+    ) -> bool {
+        false
+    }
+
     /// The residual of the equations of motion at an increment \[N, N, N m, N\]; overwrites `point`.
     fn evaluate(&self, increment: &Displacement, point: &mut Self::Point) -> Vector4<f64>;
 
@@ -109,6 +120,12 @@ pub(crate) fn solve<S: NonlinearSystem>(
         )?;
         let correction = limited(correction, frame.shorter_bar());
         let full = increment.minus(correction);
+        if size <= system.model().linear_residual && system.follow(&full, &correction, point) {
+            return Some(Solved {
+                increment: full,
+                iterations: iterations + 1,
+            });
+        }
         let full_residual = system.evaluate(&full, point);
         let full_size = size_of(&full_residual);
         let stagnates = full_size > 0.5 * size;

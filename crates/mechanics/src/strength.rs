@@ -20,6 +20,9 @@ use super::bar::{
 use super::capped_moments::{CappedMoments, Hardening, cap_moments};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
+/// By how much a stress that follows its tangent may leave the yield surface, in terms of the sum of the yield function.
+const FOLLOWED_TOLERANCE: f64 = 1e-6;
+
 /// A share of an elongation below this may be round-off of the root search.
 const ROUND_OFF: f64 = 1e-6;
 
@@ -123,6 +126,47 @@ impl BarStress {
         self.returned = return_stress(bar, self.strength.as_mut(), trial, self.near);
         self.near = self.returned.forces.normal;
         self.strain = strain;
+    }
+
+    /// Moves the last stress, of hinges with the strength of a virgin column at rest, by a small change of the deformation along
+    /// the last tangent. `false` if it leaves the yield surface, or a hinge begins or ends to flow.
+    pub(crate) fn follow(&mut self, bar: &Bar, change: &BarStrain) -> bool {
+        let (
+            tangent,
+            Returned {
+                forces,
+                flow,
+                place,
+            },
+        ) = (&self.tangent, &mut self.returned);
+        let change_of = tangent.times(change);
+        forces.normal += change_of.normal;
+        for (moment, change) in forces.moment.iter_mut().zip(change_of.moment) {
+            *moment += change;
+        }
+        if *place == Place::Elastic {
+            return !bar.surface.exceeded(forces.moment, forces.normal);
+        }
+        let elastic = bar.elastic_strain(&change_of);
+        let axial = bar.surface.axial_term(forces.normal);
+        for k in 0..2 {
+            let outside = bar.surface.moment_term(forces.moment[k]) + axial - 1.0;
+            let before = flow.rotation[k];
+            if before == 0.0 {
+                if outside > FOLLOWED_TOLERANCE {
+                    return false;
+                }
+                continue;
+            }
+            flow.rotation[k] += change.rotation[k] - elastic.rotation[k];
+            if flow.rotation[k] * before <= 0.0 || outside.abs() > FOLLOWED_TOLERANCE {
+                return false;
+            }
+        }
+        let before = flow.elongation[0] + flow.elongation[1];
+        let ratio = 1.0 + (change.elongation - elastic.elongation) / before;
+        flow.elongation = flow.elongation.map(|elongation| elongation * ratio);
+        ratio > 0.0 && ratio.is_finite()
     }
 
     /// Consistent tangent of the last stress.

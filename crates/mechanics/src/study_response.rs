@@ -55,7 +55,11 @@ const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
 const FAR_ROTATION: f64 = 0.01;
 
 /// Relative residual to which the equations of a stride are solved: an error of the forces far below that of the stride.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-6;
+
+/// Relative residual below which a correction is so small that its square, 1e-10 where no hinge begins or ends to flow, does not
+/// matter.
+const LINEAR_RESIDUAL: f64 = 3e-3;
 
 /// A column prepared for the responses of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,6 +129,7 @@ impl StudyModel {
             return plain;
         }
         model.tolerance = TOLERANCE;
+        model.linear_residual = LINEAR_RESIDUAL;
         let stiffness = modes::transverse_stiffness(&model.frame, &model.rest.displacement());
         let strides = |per_period: StridesPerPeriod| {
             let per_period = match model.strength {
