@@ -21,7 +21,7 @@ use super::capped_moments::{CappedMoments, Hardening, cap_moments};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
 /// By how much a stress that follows its tangent may leave the yield surface, in terms of the sum of the yield function.
-const FOLLOWED_TOLERANCE: f64 = 1e-6;
+const FOLLOWED_TOLERANCE: f64 = 2e-5;
 
 /// A share of an elongation below this may be round-off of the root search.
 const ROUND_OFF: f64 = 1e-6;

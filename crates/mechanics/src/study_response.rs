@@ -59,7 +59,7 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Relative residual below which a correction is so small that its square, 1e-10 where no hinge begins or ends to flow, does not
 /// matter.
-const LINEAR_RESIDUAL: f64 = 3e-3;
+const LINEAR_RESIDUAL: f64 = 1e-2;
 
 /// A column prepared for the responses of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
