@@ -15,20 +15,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::capped_moments::{CappedMoments, Hardening, cap_moments, times};
+use super::return_search::{Root, Search};
 use super::yield_surface::{Branch, CurvePoint, YieldSurface};
-
-/// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
-pub(crate) const MAX_RETURN_ITERATIONS: usize = 120;
-
-/// The root search stops at a Newton step of this size, relative to the coordinate: the error after it is of the order of
-/// its square, even where the curvature of the surface is infinite at `N = 0`. (The stress lies on the surface and the
-/// energy balance holds whatever the error is.) A bisection step gives no such bound and goes on to the last bit.
-pub(crate) const RETURN_TOLERANCE: f64 = 1e-9;
-
-/// A step of the root search below this is nothing beside any stress. A root below it lies at the vertex: with an exponent
-/// just above 1 the slope of the curve falls to zero so close to its end that no double resolves it (`n^0.001` is still
-/// one half at `n = 1e-301`), and the vertex is a corner as it is with the exponent 1.
-pub(crate) const NEGLIGIBLE_STEP: f64 = f64::EPSILON * f64::EPSILON;
 
 /// A flow below this, in stress relative to the resistances, is round-off.
 const FLOW_ROUND_OFF: f64 = 1e-12;
@@ -192,7 +180,7 @@ pub struct Bar {
     /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
     pub(crate) flexibility_alone: [f64; 2],
     /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
-    return_scale: f64,
+    pub(crate) return_scale: f64,
 }
 
 /// Stress returned to the yield surface, the flow that this took, and what the tangent needs.
@@ -461,7 +449,7 @@ impl Bar {
 
     /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]`.
     #[inline(always)]
-    fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+    pub(crate) fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
         cap_moments(&self.rotational, self.flexibility_alone, trial, caps)
     }
 
@@ -534,182 +522,6 @@ fn shared(total: f64, capped: &CappedMoments) -> [f64; 2] {
         capped.rotation.map(|p| p.abs() * per_rotation)
     } else {
         [0.5 * total, 0.5 * total]
-    }
-}
-
-/// The scalar problem of one return mapping, with `n = |N|/N^p >= 0`.
-struct Search<'a> {
-    bar: &'a Bar,
-    moments: [f64; 2],
-    trial: f64,
-}
-
-enum Root {
-    Vertex {
-        axial: f64,
-        cap: f64,
-    },
-    Curve {
-        branch: Branch,
-        t: f64,
-        point: CurvePoint,
-    },
-}
-
-impl Root {
-    /// The vertex at which a branch begins.
-    fn vertex(branch: Branch) -> Self {
-        match branch {
-            Branch::Axial => Self::Vertex {
-                axial: 0.0,
-                cap: 1.0,
-            },
-            Branch::Moment => Self::Vertex {
-                axial: 1.0,
-                cap: 0.0,
-            },
-        }
-    }
-}
-
-impl Search<'_> {
-    /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative, at the point `point` with
-    /// coordinate `t`. Positive: the root lies at a smaller coordinate.
-    #[inline(always)]
-    fn derivative(&self, branch: Branch, t: f64, point: &CurvePoint) -> (f64, f64) {
-        let surface = &self.bar.surface;
-        let scale = self.bar.return_scale;
-        match branch {
-            Branch::Axial => {
-                let cap = point.other * surface.resistance_moment;
-                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
-                let value = t - self.trial + scale * capped.sum() * point.slope;
-                let compliance = capped.compliance * surface.resistance_moment;
-                let slope = 1.0
-                    + scale * (compliance * point.slope * point.slope + capped.sum() * point.bend);
-                (value, slope)
-            }
-            Branch::Moment => {
-                let cap = t * surface.resistance_moment;
-                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
-                let short = self.trial - point.other;
-                let value = short * point.slope - scale * capped.sum();
-                let compliance = capped.compliance * surface.resistance_moment;
-                let slope = point.slope * point.slope + short * point.bend + scale * compliance;
-                (value, slope)
-            }
-        }
-    }
-
-    fn run(&self, near: f64) -> Root {
-        let surface = &self.bar.surface;
-        let split = surface.split();
-        if let Some(root) = self.newton_near(near, split) {
-            return root;
-        }
-        let derivative_at = |branch, t| self.derivative(branch, t, &surface.point(branch, t)).0;
-        // The optimum has no larger n than the trial stress, which decides on which half of the curve it lies.
-        if self.trial <= split || derivative_at(Branch::Axial, split) >= 0.0 {
-            if surface.has_corner_at_zero_axial() && derivative_at(Branch::Axial, 0.0) >= 0.0 {
-                return Root::vertex(Branch::Axial);
-            }
-            if self.trial <= NEGLIGIBLE_STEP && surface.is_sharp_at_zero_axial() {
-                return Root::vertex(Branch::Axial);
-            }
-            return self.bisect_newton(Branch::Axial, self.trial.min(split), near);
-        }
-        if self.trial >= 1.0 && derivative_at(Branch::Moment, 0.0) >= 0.0 {
-            return Root::vertex(Branch::Moment);
-        }
-        let near = if near >= split && near < 1.0 {
-            surface.cap_of(near)
-        } else {
-            surface.point(Branch::Axial, split).other
-        };
-        self.bisect_newton(Branch::Moment, split, near)
-    }
-
-    /// Newton's method on the flat half of the curve from a normal force that is expected there. The derivative is monotone, so
-    /// that a root within that half is the root; `None` where the iteration leaves it or needs more than a few steps.
-    #[inline(always)]
-    fn newton_near(&self, near: f64, split: f64) -> Option<Root> {
-        const MAX_STEPS: usize = 4;
-        let surface = &self.bar.surface;
-        let high = self.trial.min(split);
-        let mut t = near;
-        for _ in 0..MAX_STEPS {
-            if !(t > 0.0 && t < high) {
-                return None;
-            }
-            let point = surface.point(Branch::Axial, t);
-            let (value, slope) = self.derivative(Branch::Axial, t, &point);
-            let newton = value / slope;
-            if newton.abs() <= RETURN_TOLERANCE * t {
-                t -= newton;
-                let point = point.moved_by(-newton);
-                let branch = Branch::Axial;
-                return Some(Root::Curve { branch, t, point });
-            }
-            t -= newton;
-        }
-        None
-    }
-
-    /// Whether the root lies closer to the vertex at which the branch begins than any stress is resolved.
-    #[cold]
-    fn root_is_at_vertex(&self, branch: Branch) -> bool {
-        let point = self.bar.surface.point(branch, NEGLIGIBLE_STEP);
-        self.derivative(branch, NEGLIGIBLE_STEP, &point).0 >= 0.0
-    }
-
-    /// Newton's method on the monotone derivative, kept within a shrinking bracket that begins as `0..high`.
-    #[inline(always)]
-    fn bisect_newton(&self, branch: Branch, mut high: f64, near: f64) -> Root {
-        let surface = &self.bar.surface;
-        let mut low = 0.0;
-        let mut t = if near > low && near < high {
-            near
-        } else {
-            0.5 * (low + high)
-        };
-        let mut last_step = high - low;
-        let mut vertex_excluded = false;
-        for _ in 0..MAX_RETURN_ITERATIONS {
-            let point = surface.point(branch, t);
-            let (value, slope) = self.derivative(branch, t, &point);
-            if value > 0.0 {
-                high = t;
-            } else if value < 0.0 {
-                low = t;
-            } else {
-                return Root::Curve { branch, t, point };
-            }
-            let newton = value / slope;
-            let inside = t - newton >= low && t - newton <= high;
-            if inside && newton.abs() <= 0.5 * last_step {
-                last_step = newton.abs();
-                t -= newton;
-                if last_step <= (RETURN_TOLERANCE * t).max(NEGLIGIBLE_STEP) {
-                    let point = point.moved_by(-newton);
-                    return Root::Curve { branch, t, point };
-                }
-            } else {
-                if low == 0.0 && !vertex_excluded {
-                    vertex_excluded = true;
-                    if self.root_is_at_vertex(branch) {
-                        return Root::vertex(branch);
-                    }
-                }
-                let middle = 0.5 * (low + high);
-                last_step = (middle - t).abs();
-                t = middle;
-                if last_step <= NEGLIGIBLE_STEP {
-                    break;
-                }
-            }
-        }
-        let point = surface.point(branch, t);
-        Root::Curve { branch, t, point }
     }
 }
 

@@ -42,6 +42,7 @@ mod push_down_equations;
 mod rate;
 mod report;
 mod response;
+mod return_search;
 mod sample;
 mod section;
 mod state;

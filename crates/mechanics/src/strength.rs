@@ -13,11 +13,9 @@
 //! Over a part of a step `H_k` grows linearly with the plastic rotation `p` of its hinge, `H_k (1 + g_k |p|)`. That makes the
 //! hinges stiffer, `C + diag(m_k g_k)`, and replaces `|p|` in the derivative of `G` by its integral `P = |p| + g p^2 / 2`.
 
-use super::bar::{
-    Bar, BarForces, BarStrain, BarTangent, MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, Place,
-    RETURN_TOLERANCE, Returned,
-};
+use super::bar::{Bar, BarForces, BarStrain, BarTangent, Place, Returned};
 use super::capped_moments::{CappedMoments, Hardening, cap_moments};
+use super::return_search::{MAX_RETURN_ITERATIONS, NEGLIGIBLE_STEP, RETURN_TOLERANCE};
 use super::yield_surface::{AxialLead, Branch, Jet, PairedPoint};
 
 /// By how much a stress that follows its tangent may leave the yield surface, in terms of the sum of the yield function.
@@ -779,6 +777,52 @@ mod tests {
             }
             Ok(())
         });
+    }
+
+    /// What follows its tangent is where a new return would be, up to the square of the change.
+    #[test]
+    fn a_stress_follows_its_tangent() {
+        let followed = std::cell::Cell::new(0);
+        check(4_000, |case| {
+            let bar = &case.bar;
+            let strain = bar.elastic_strain(&case.trial);
+            let mut stress = BarStress::default();
+            stress.update(bar, strain);
+            stress.linearise(bar);
+            let change = BarStrain {
+                elongation: 1e-5 * strain.elongation,
+                rotation: [1e-5 * strain.rotation[0], -2e-5 * strain.rotation[1]],
+            };
+            let moved = BarStrain {
+                elongation: strain.elongation + change.elongation,
+                rotation: [0, 1].map(|k| strain.rotation[k] + change.rotation[k]),
+            };
+            let mut near = stress;
+            if !near.follow(bar, &change) {
+                return Ok(());
+            }
+            followed.set(followed.get() + 1);
+            let found = near.returned;
+            let mut again = stress;
+            again.update(bar, moved);
+            let expected = again.returned;
+            let size = AXIAL + case.trial.normal.abs();
+            prop_assert!((found.forces.normal - expected.forces.normal).abs() < 1e-6 * size);
+            let size = MOMENT + case.trial.moment[0].abs() + case.trial.moment[1].abs();
+            for k in 0..2 {
+                let error = found.forces.moment[k] - expected.forces.moment[k];
+                prop_assert!(error.abs() < 1e-6 * size, "hinge {k}: {error} N m");
+            }
+            // The forces are those of the deformation that is not plastic.
+            let elastic = bar.elastic(&moved.minus(&found.flow));
+            prop_assert!((elastic.normal - found.forces.normal).abs() < 1e-9 * AXIAL);
+            for k in 0..2 {
+                let error = elastic.moment[k] - found.forces.moment[k];
+                prop_assert!(error.abs() < 1e-9 * size, "hinge {k}: {error} N m");
+            }
+            Ok(())
+        });
+        assert!(followed.get() > 1_000, "{}", followed.get());
     }
 
     #[test]
