@@ -14,6 +14,9 @@ use crate::column::{Capacity, PushDownPoint};
 /// Most points of a drawn curve.
 const MAX_POINTS: usize = 2_000;
 
+/// Size of the label of a peak, with the space around it \[pixels\].
+const LABEL_SIZE: (u32, u32) = (280, 90);
+
 /// What the figure of a push-down shows.
 #[derive(Debug, Clone, Copy)]
 pub struct PushDownCurves<'a> {
@@ -86,6 +89,7 @@ impl PushDownCurves<'_> {
                 (self.virgin, colour::FAINT, &self.remaining.virgin),
                 (self.now, colour::IMPACT_POINT, &self.remaining.now),
             ];
+            let mut last_label: Option<(i32, i32)> = None;
             for (curve, colour, capacity) in drawn {
                 let every = curve.len().div_ceil(MAX_POINTS).max(1);
                 let line: Vec<_> = curve
@@ -99,8 +103,15 @@ impl PushDownCurves<'_> {
                     page::dot(page, peak, colour)?;
                     let (range, _) = plot.plotting_area().get_pixel_range();
                     let text = force.show(capacity.force);
-                    let above = (peak.0, peak.1 - 30);
-                    page::label(page, &text, above, (range.start, range.end), colour)?;
+                    let mut at = (peak.0, peak.1 - 30);
+                    if last_label.is_some_and(|last| {
+                        at.0.abs_diff(last.0) < LABEL_SIZE.0 && at.1.abs_diff(last.1) < LABEL_SIZE.1
+                    }) {
+                        // A column with little damage has its peak next to that of the virgin one.
+                        at.0 += LABEL_SIZE.0 as i32;
+                    }
+                    last_label = Some(at);
+                    page::label(page, &text, at, (range.start, range.end), colour)?;
                 }
             }
             Ok(())
