@@ -243,7 +243,11 @@ impl Equations<'_> {
         } else {
             Flowing::ANY
         };
-        let others = Flowing::ALL.into_iter().filter(|&it| it != first);
+        let count = if self.elastic { 0 } else { Flowing::ALL.len() };
+        let others = Flowing::ALL
+            .into_iter()
+            .filter(|&it| it != first)
+            .take(count);
         std::iter::once(first).chain(others).find_map(|flowing| {
             let solved = self.iterate(guess, near, &flowing)?;
             flowing

@@ -45,7 +45,7 @@ const OF_RIGID: StridesPerPeriod = StridesPerPeriod {
     far: 70.0,
 };
 
-/// Where the strength of the hinges depends on the strain rate, which has to be followed all the time.
+/// Where the strength of the hinges depends on the strain rate, which has to be followed all the time, or grows with the rotation.
 const WITH_RATE: StridesPerPeriod = StridesPerPeriod {
     near: 50.0,
     far: 50.0,
@@ -65,7 +65,9 @@ const LINEAR_RESIDUAL: f64 = 1e-2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyModel {
     model: Model,
+    /// With a compliant vehicle.
     with_compliant: Strides,
+    /// With a rigid impactor.
     with_rigid: Strides,
     motion: Option<ElasticMotion>,
     polygons: PerBar<Polygon>,
