@@ -180,7 +180,7 @@ pub struct Bar {
     /// Rotation of each hinge alone per unit of its moment, 0 for a hinge that bears no moment \[rad/(N m)\].
     pub(crate) flexibility_alone: [f64; 2],
     /// `K (M^p/N^p) / N^p`: weighs moments times rotations against normal forces in the scalar problem \[1/rad\].
-    pub(crate) return_scale: f64,
+    return_scale: f64,
 }
 
 /// Stress returned to the yield surface, the flow that this took, and what the tangent needs.
@@ -334,7 +334,10 @@ impl Bar {
     fn return_to_surface(&self, trial: BarForces, near: f64) -> Returned {
         let sign = if trial.normal < 0.0 { -1.0 } else { 1.0 };
         let search = Search {
-            bar: self,
+            surface: &self.surface,
+            rotational: &self.rotational,
+            flexibility: self.flexibility_alone,
+            scale: self.return_scale,
             moments: trial.moment,
             trial: self.surface.relative_axial(trial.normal).abs(),
         };
@@ -449,7 +452,7 @@ impl Bar {
 
     /// The plastic rotations that bring each of the `trial` moments within `[-cap, cap]`.
     #[inline(always)]
-    pub(crate) fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
+    fn cap_moments(&self, trial: [f64; 2], caps: [f64; 2]) -> CappedMoments {
         cap_moments(&self.rotational, self.flexibility_alone, trial, caps)
     }
 

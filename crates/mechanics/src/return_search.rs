@@ -1,8 +1,8 @@
 //! The scalar problem of a return to the yield surface, whose derivative is monotone: a bracketed root search never fails,
 //! corners and tips included.
 
-use super::bar::Bar;
-use super::yield_surface::{Branch, CurvePoint};
+use super::capped_moments::{CappedMoments, cap_moments};
+use super::yield_surface::{Branch, CurvePoint, YieldSurface};
 
 /// Bound of the scalar root search: bisection alone needs 105 iterations down to the square of the machine epsilon.
 pub(crate) const MAX_RETURN_ITERATIONS: usize = 120;
@@ -22,7 +22,12 @@ const MAX_STEPS_NEAR: usize = 4;
 
 /// The scalar problem of one return mapping, with `n = |N|/N^p >= 0`.
 pub(crate) struct Search<'a> {
-    pub bar: &'a Bar,
+    pub surface: &'a YieldSurface,
+    /// Stiffness of the moments against the hinge rotations \[N m/rad\], and the inverse of each stiffness alone.
+    pub rotational: &'a [[f64; 2]; 2],
+    pub flexibility: [f64; 2],
+    /// Weighs moments times rotations against normal forces \[1/rad\].
+    pub scale: f64,
     /// Trial moments \[N m\].
     pub moments: [f64; 2],
     /// `n` of the trial stress.
@@ -59,16 +64,22 @@ impl Root {
 }
 
 impl Search<'_> {
+    /// The plastic rotations that bring the trial moments within a cap \[N m\].
+    #[inline(always)]
+    fn cap_moments(&self, cap: f64) -> CappedMoments {
+        cap_moments(self.rotational, self.flexibility, self.moments, [cap; 2])
+    }
+
     /// Derivative of the problem along the curve, divided by `N^p^2/K`, and its own derivative, at the point `point` with
     /// coordinate `t`. Positive: the root lies at a smaller coordinate.
     #[inline(always)]
     fn derivative(&self, branch: Branch, t: f64, point: &CurvePoint) -> (f64, f64) {
-        let surface = &self.bar.surface;
-        let scale = self.bar.return_scale;
+        let surface = self.surface;
+        let scale = self.scale;
         match branch {
             Branch::Axial => {
                 let cap = point.other * surface.resistance_moment;
-                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
+                let capped = self.cap_moments(cap);
                 let value = t - self.trial + scale * capped.sum() * point.slope;
                 let compliance = capped.compliance * surface.resistance_moment;
                 let slope = 1.0
@@ -77,7 +88,7 @@ impl Search<'_> {
             }
             Branch::Moment => {
                 let cap = t * surface.resistance_moment;
-                let capped = self.bar.cap_moments(self.moments, [cap; 2]);
+                let capped = self.cap_moments(cap);
                 let short = self.trial - point.other;
                 let value = short * point.slope - scale * capped.sum();
                 let compliance = capped.compliance * surface.resistance_moment;
@@ -89,7 +100,7 @@ impl Search<'_> {
 
     /// The root; `near` is the expected `n`, which only saves iterations.
     pub fn run(&self, near: f64) -> Root {
-        let surface = &self.bar.surface;
+        let surface = self.surface;
         let split = surface.split();
         if let Some(root) = self.newton_near(near, split) {
             return root;
@@ -120,7 +131,7 @@ impl Search<'_> {
     /// that a root within that half is the root; `None` where the iteration leaves it or needs more than a few steps.
     #[inline(always)]
     fn newton_near(&self, near: f64, split: f64) -> Option<Root> {
-        let surface = &self.bar.surface;
+        let surface = self.surface;
         let high = self.trial.min(split);
         let mut t = near;
         for _ in 0..MAX_STEPS_NEAR {
@@ -144,14 +155,14 @@ impl Search<'_> {
     /// Whether the root lies closer to the vertex at which the branch begins than any stress is resolved.
     #[cold]
     fn root_is_at_vertex(&self, branch: Branch) -> bool {
-        let point = self.bar.surface.point(branch, NEGLIGIBLE_STEP);
+        let point = self.surface.point(branch, NEGLIGIBLE_STEP);
         self.derivative(branch, NEGLIGIBLE_STEP, &point).0 >= 0.0
     }
 
     /// Newton's method on the monotone derivative, kept within a shrinking bracket that begins as `0..high`.
     #[inline(always)]
     fn bisect_newton(&self, branch: Branch, mut high: f64, near: f64) -> Root {
-        let surface = &self.bar.surface;
+        let surface = self.surface;
         let mut low = 0.0;
         let mut t = if near > low && near < high {
             near
