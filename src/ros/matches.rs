@@ -64,9 +64,30 @@ impl Matches {
     /// Waits until an endpoint has at least `count` peers; `false` if the deadline passes first.
     #[must_use]
     pub fn wait_for(&self, endpoint: GUID, count: usize, deadline: Instant) -> bool {
+        self.wait_until(deadline, |peers| {
+            peers.get(&endpoint).map_or(0, BTreeSet::len) >= count
+        })
+    }
+
+    /// Waits until this peer is matched with any of the endpoints; `false` if the deadline passes first.
+    ///
+    /// A writer and its reader discover each other independently, so the writer may be matched first. What it sends on a topic of
+    /// best effort before the reader knows it is lost.
+    #[must_use]
+    pub fn wait_for_peer(&self, peer: GUID, deadline: Instant) -> bool {
+        self.wait_until(deadline, |peers| {
+            peers.values().any(|it| it.contains(&peer))
+        })
+    }
+
+    fn wait_until(
+        &self,
+        deadline: Instant,
+        is_met: impl Fn(&BTreeMap<GUID, BTreeSet<GUID>>) -> bool,
+    ) -> bool {
         let mut peers = locked(&self.peers);
         loop {
-            if peers.get(&endpoint).map_or(0, BTreeSet::len) >= count {
+            if is_met(&peers) {
                 return true;
             }
             let Some(rest) = deadline.checked_duration_since(Instant::now()) else {

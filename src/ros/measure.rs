@@ -17,6 +17,11 @@ use super::signals::StopSignals;
 use super::subscribed::Search;
 use super::task::Task;
 
+/// Time before the first batch in which the twin finds this publisher. Each finds the other by itself, so the twin may be the later
+/// one by some milliseconds, on a busy machine by more. What it receives before is lost, because nobody repeats anything on a topic
+/// of best effort, and it does not say when it is ready.
+const TIME_TO_BE_FOUND: Duration = Duration::from_millis(300);
+
 /// Time at the end in which the last batch leaves.
 const LAST_BATCH_TIME: Duration = Duration::from_millis(300);
 
@@ -62,8 +67,8 @@ struct Due {
     values: Vec<f32>,
 }
 
-/// Publishes the readings: the first row now, and each batch as soon as its last sample would have been taken. `say` receives
-/// progress messages.
+/// Publishes the readings: the first row as soon as a twin can receive it, and each batch as soon as its last sample would have been
+/// taken. `say` receives progress messages.
 ///
 /// # Errors
 /// No twin with sensors is found, or the program is asked to stop.
@@ -101,6 +106,7 @@ pub fn send_measurements(
             due.len(),
             options.sensors.len()
         ));
+        thread::sleep(TIME_TO_BE_FOUND);
         let begun = Instant::now();
         let since_epoch = SystemTime::now()
             .duration_since(UNIX_EPOCH)

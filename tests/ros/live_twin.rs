@@ -1,11 +1,14 @@
 //! The live twin and its node in this process: a reader receives in real time what the simulation computes.
 
+use std::time::Instant;
+
 use column_twin::live::LiveOptions;
 use column_twin::messages::column_twin::{ColumnState, HingeForces, ImpactEvent, TwinStatus};
 use column_twin::parameters::{Parameters, Value};
 use column_twin::ros::{LiveTwin, Names, RosoutQueue, TwinNode, qos};
+use rustdds::GUID;
 
-use super::domain::Domain;
+use super::domain::{Domain, PATIENCE};
 use super::loopback::{Incoming, Outgoing, event, now, reader};
 use super::simulation;
 
@@ -30,6 +33,14 @@ impl RunningTwin {
         let names = Names::new("/", "column_twin", &[]).unwrap();
         let node = TwinNode::start(&domain.environment, names, twin, outputs, log, None).unwrap();
         Self { node }
+    }
+
+    /// Waits until the node receives what this publisher sends. The publisher finds the node's reader by itself, perhaps earlier;
+    /// what it sends in between on a topic of best effort is lost.
+    pub fn wait_for(&self, publisher: GUID) {
+        let deadline = Instant::now() + PATIENCE;
+        let is_known = self.node.matches().wait_for_peer(publisher, deadline);
+        assert!(is_known, "the node has not found {publisher:?}");
     }
 
     /// Ends node and twin.

@@ -12,6 +12,7 @@ use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{ImpactOptions, ImpactOutcome, ImpactRequest, Node, send_impact};
 use futures::future::{AbortHandle, Abortable};
 use ros2_client::Publisher;
+use rustdds::GUID;
 use serde::Serialize;
 
 use super::domain::Domain;
@@ -49,7 +50,8 @@ pub struct Outgoing<M: Serialize> {
 }
 
 impl<M: Serialize> Outgoing<M> {
-    /// Waits until there is a reader.
+    /// Waits until there is a reader. The reader may know the publisher later: on a topic of best effort,
+    /// [`RunningTwin::wait_for`] waits for that, too.
     pub fn start(domain: &Domain, endpoint: &Endpoint) -> Self {
         let mut node = reader(domain);
         let publisher = node.publisher::<M>(endpoint).unwrap();
@@ -71,6 +73,10 @@ impl<M: Serialize> Outgoing<M> {
             thread,
             _node: node,
         }
+    }
+
+    pub fn guid(&self) -> GUID {
+        self.publisher.guid()
     }
 
     /// Returns `false` if the reader was too slow for the writer's window.

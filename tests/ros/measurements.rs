@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use column_twin::live::LiveOptions;
 use column_twin::messages::builtin_interfaces::Time;
@@ -15,7 +15,7 @@ use column_twin::parameters::{Parameters, Value, parse_override};
 use column_twin::ros::qos::{self, Endpoint};
 use column_twin::ros::{LiveTwin, Names, TwinNode};
 
-use super::domain::Domain;
+use super::domain::{Domain, PATIENCE};
 use super::live_twin::RunningTwin;
 use super::loopback::{Incoming, Outgoing, now, reader};
 
@@ -82,10 +82,30 @@ fn status(array: &DiagnosticArray) -> Option<&DiagnosticStatus> {
     statuses.find(|it| it.name.ends_with(": sensors"))
 }
 
+/// What the status of the sensors says under this key.
+fn value<'a>(array: &'a DiagnosticArray, key: &str) -> Option<&'a str> {
+    let mut values = status(array)?.values.iter();
+    values.find(|it| it.key == key).map(|it| it.value.as_str())
+}
+
 fn says(array: &DiagnosticArray, sensor: &str, text: &str) -> bool {
-    let values = status(array).map(|it| &it.values);
-    let mut values = values.into_iter().flatten();
-    values.any(|it| it.key == sensor && it.value.contains(text))
+    value(array, sensor).is_some_and(|it| it.contains(text))
+}
+
+/// Waits until the node says this of a sensor; if it never does, the test fails with what the node said last.
+fn expect(diagnostics: &Incoming<DiagnosticArray>, sensor: &str, text: &str) -> DiagnosticArray {
+    let mut last = None;
+    let deadline = Instant::now() + PATIENCE;
+    while let Some(rest) = deadline.checked_duration_since(Instant::now()) {
+        let Ok(array) = diagnostics.messages.recv_timeout(rest) else {
+            break;
+        };
+        if says(&array, sensor, text) {
+            return array;
+        }
+        last = status(&array).cloned().or(last);
+    }
+    panic!("{sensor} has to say {text:?}, but the last status was {last:#?}");
 }
 
 #[test]
@@ -112,6 +132,9 @@ fn batches_and_single_samples_are_taken_and_counted() {
     };
     let imus = Outgoing::<Imu>::start(&domain, &imu);
     let accels = Outgoing::<AccelStamped>::start(&domain, &accel);
+    for publisher in [batches.guid(), imus.guid(), accels.guid()] {
+        twin.wait_for(publisher);
+    }
     // In the past, so that no batch arrives before its last sample.
     let start = now() - 1_000_000_000;
     let batch = |sensor: &str, stamp: i64, column: &str| Measurement {
@@ -164,10 +187,10 @@ fn batches_and_single_samples_are_taken_and_counted() {
         ("last unknown sensor", "no sensor is called \"camera\""),
         ("batches for other columns", "1"),
     ] {
-        diagnostics.find(text, |it| says(it, sensor, text));
+        expect(&diagnostics, sensor, text);
     }
     // None of them sends any more.
-    diagnostics.find("dead sensors", |it| says(it, "laser", "dead for"));
+    expect(&diagnostics, "laser", "dead for");
     drop(diagnostics);
     twin.stop();
 }
@@ -237,14 +260,14 @@ fn a_simulated_table_is_published_as_its_sensors_would() {
     assert!(shown.contains(&expected), "{shown} {expected}");
     let all = format!("{rows} samples in");
     for sensor in ["accelerometer", "laser", "base_strain"] {
-        let array = diagnostics.find(&all, |it| says(it, sensor, &all));
+        let array = expect(&diagnostics, sensor, &all);
         assert!(
             says(&array, sensor, "0 lost, 0 duplicates, 0 late"),
             "{array:?}"
         );
     }
     let expected = format!(", {clipped} clipped");
-    diagnostics.find(&expected, |it| says(it, "accelerometer", &expected));
+    expect(&diagnostics, "accelerometer", &expected);
     drop(diagnostics);
     node.stop();
 }
