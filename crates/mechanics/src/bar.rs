@@ -280,14 +280,9 @@ impl Bar {
 
     /// Elastic deformation under given forces.
     pub(crate) fn elastic_strain(&self, forces: &BarForces) -> BarStrain {
-        let f = &self.rotational_flexibility;
-        let [first, second] = forces.moment;
         BarStrain {
             elongation: self.axial_flexibility * forces.normal,
-            rotation: [
-                f[0][0] * first + f[0][1] * second,
-                f[1][0] * first + f[1][1] * second,
-            ],
+            rotation: times(&self.rotational_flexibility, forces.moment),
         }
     }
 
