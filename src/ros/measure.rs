@@ -17,9 +17,9 @@ use super::signals::StopSignals;
 use super::subscribed::Search;
 use super::task::Task;
 
-/// Time before the first batch in which the twin finds this publisher. Each finds the other by itself, so the twin may be the later
-/// one by some milliseconds, on a busy machine by more. What it receives before is lost, because nobody repeats anything on a topic
-/// of best effort, and it does not say when it is ready.
+/// Time before the first batch in which the twin finds this publisher. Each discovers the other independently, so the twin may be
+/// some milliseconds late, and more on a busy machine. What arrives before that is lost: best effort repeats nothing, and a reader
+/// does not report that it is ready.
 const TIME_TO_BE_FOUND: Duration = Duration::from_millis(300);
 
 /// Time at the end in which the last batch leaves.
