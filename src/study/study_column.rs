@@ -179,7 +179,7 @@ impl StudyColumn {
                 let Ok(response) = self.respond_with(model, impact) else {
                     break;
                 };
-                match self.certain(impact, model, promise, response)? {
+                match self.certain(impact, promise, &response)? {
                     Certainty::Certain(screening) => return Ok(screening),
                     Certainty::CloserLook => {}
                     Certainty::PlainOnly => break,
@@ -251,14 +251,13 @@ impl StudyColumn {
     fn certain(
         &self,
         impact: &Impact,
-        model: &StudyModel,
         promise: &Promise,
-        response: StudyResponse,
+        response: &StudyResponse,
     ) -> Result<Certainty, StudyError> {
         if response.end == End::DurationReached {
             return Ok(Certainty::PlainOnly);
         }
-        let rates = model.model().properties.rate.is_some();
+        let rates = self.model.properties.rate.is_some();
         let at_limit = match response.outcome {
             // Its largest displacement has no limit for short steps.
             Outcome::Collapsed => return Ok(Certainty::PlainOnly),
@@ -276,7 +275,7 @@ impl StudyColumn {
         if at_limit {
             return Ok(Certainty::CloserLook);
         }
-        let (screening, least_margin) = self.judged(impact, &Ended::from(&response))?;
+        let (screening, least_margin) = self.judged(impact, &Ended::from(response))?;
         Ok(
             match least_margin > NEAR_LIMIT || response.outcome == Outcome::Severed {
                 true => Certainty::Certain(screening),

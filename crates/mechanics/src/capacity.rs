@@ -30,11 +30,11 @@ use super::tearing::share_until_torn;
 /// Largest bow that is accepted, relative to the height.
 pub const MAX_IMPERFECTION: f64 = 0.1;
 
-/// Bound of the attempted increments of one push-down; 100 to 500 are usual.
+/// Bound of the attempted increments of one push-down; 50 to 300 are usual.
 pub const MAX_PUSH_DOWN_INCREMENTS: u32 = 3_000;
 
 /// Bound of the evaluations of the forces in one push-down, which is what it costs: 0.2 to 2.5 microseconds each, so that no
-/// push-down takes longer than about 15 ms. 500 to 2 000 are usual. The last increment may exceed the bound.
+/// push-down takes longer than about 15 ms. 200 to 1 000 are usual. The last increment may exceed the bound.
 pub const MAX_PUSH_DOWN_EVALUATIONS: u32 = 6_000;
 
 /// The push-down ends when the force has fallen to this share of its largest value: the hinges have then formed a

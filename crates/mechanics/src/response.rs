@@ -342,7 +342,7 @@ impl Response {
     /// A hinge that flows for the first time reached its yield surface inside the step; the elastic trial stress shows
     /// when.
     fn record_yield(&mut self, model: &Model, before: &StepStart, state: &State) {
-        let (frame, flowing, strength) = (&model.frame, &state.flowing, &state.strength);
+        let (frame, strength) = (&model.frame, &state.strength);
         let below = |k: usize| {
             let flow = state.plastic.below.plus(-1.0, &before.plastic.below);
             let (start, end) = (&before.forces.below, &state.forces.below);
@@ -353,20 +353,16 @@ impl Response {
             let (start, end) = (&before.forces.above, &state.forces.above);
             share_until_yield(&frame.above, k, &strength.above[k], start, end, &flow)
         };
-        let instant = |share: f64| model.time_of_step(before.step) + share * before.secs;
-        let [hinge_1a, hinge_1b, hinge_2, hinge_3] = &mut self.first_yield;
-        for (first, flows, share) in [
-            (
-                hinge_1a,
-                flowing.below[0],
-                &(|| below(0)) as &dyn Fn() -> f64,
-            ),
-            (hinge_1b, flowing.above[0], &|| above(0)),
-            (hinge_2, flowing.above[1], &|| above(1)),
-            (hinge_3, flowing.below[1], &|| below(1)),
-        ] {
-            if first.is_none() && flows {
-                *first = Some(instant(share()));
+        let share = |hinge: usize| match hinge {
+            0 => below(0),
+            1 => above(0),
+            2 => above(1),
+            _ => below(1),
+        };
+        let flows = over_hinges(&state.flowing, |&flows| flows);
+        for (hinge, first) in self.first_yield.iter_mut().enumerate() {
+            if first.is_none() && flows[hinge] {
+                *first = Some(model.time_of_step(before.step) + share(hinge) * before.secs);
             }
         }
     }
@@ -560,10 +556,10 @@ impl StepStart {
     }
 }
 
-/// One number of each of the hinges 1a, 1b, 2, 3.
-fn over_hinges<T>(hinges: &PerBar<[T; 2]>, number: impl Fn(&T) -> f64) -> [f64; HINGES] {
+/// One value of each of the hinges 1a, 1b, 2, 3.
+fn over_hinges<T, R>(hinges: &PerBar<[T; 2]>, value: impl Fn(&T) -> R) -> [R; HINGES] {
     let PerBar { below, above } = hinges;
-    [&below[0], &above[0], &above[1], &below[1]].map(number)
+    [&below[0], &above[0], &above[1], &below[1]].map(value)
 }
 
 /// `|M/M^p|^alpha + |N/N^p|^beta` of the hinges 1a, 1b, 2, 3, each with the yield surface of its own bar, enlarged by strain
