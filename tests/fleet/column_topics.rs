@@ -186,6 +186,13 @@ fn a_column_has_topics_of_its_own_as_long_as_somebody_listens_there() {
     // What happens from now on is the same on both topics, and only that of this column.
     let own_states = of_c1("/hall/c1/column_state", qos::COLUMN_STATE);
     let own_states = Incoming::<ColumnState>::start(&mut own, &own_states);
+    // The reader has found the node, but perhaps not the node the reader, and states are not kept for late joiners.
+    let deadline = Instant::now() + PATIENCE;
+    let is_known = running
+        .node
+        .matches()
+        .wait_for_peer(own_states.guid, deadline);
+    assert!(is_known, "the node has not found the reader of states");
     send("c0", "other");
     send("c1", "after");
     let expected = states(&all_states, "after");

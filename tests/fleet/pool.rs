@@ -114,6 +114,11 @@ fn is_refined(output: &Output) -> bool {
 }
 
 fn impact(column: u32, id: &str, stamp: Nanos) -> Command {
+    impact_at(6.0 + f64::from(column), column, id, stamp)
+}
+
+/// An impact at this velocity \[m/s\].
+fn impact_at(velocity: f64, column: u32, id: &str, stamp: Nanos) -> Command {
     Command::Impact(ImpactCommand {
         event_id: id.to_owned(),
         column_id: format!("c{column}"),
@@ -121,7 +126,7 @@ fn impact(column: u32, id: &str, stamp: Nanos) -> Command {
         vehicle: String::new(),
         impact: ImpactSpecification {
             mass: 1500.0,
-            velocity: 6.0 + f64::from(column),
+            velocity,
             gap: None,
             restitution: None,
             height: None,
@@ -256,6 +261,27 @@ fn columns_that_are_hit_at_once_lose_no_state_in_real_time() {
         "{:?}",
         statistics.queues
     );
+}
+
+/// A thread that found its only column busy watched for a deadline that did not exist yet, and the one that was busy relied on it:
+/// the response stood still until the next input.
+#[test]
+fn a_response_goes_on_when_another_thread_has_looked_in_vain() {
+    const ROUNDS: usize = 20;
+    /// The column stays elastic [m/s].
+    const VELOCITY: f64 = 0.5;
+    let columns = columns(1);
+    let clock = Arc::new(SystemClock::new());
+    let mut fleet = Fleet::start(&columns, Arc::clone(&clock) as _, 2);
+    for round in 1..=ROUNDS {
+        let hit = impact_at(VELOCITY, 0, &format!("{round}"), clock.now());
+        // The repetitions are rejected, but wake the threads while one of them works on the column.
+        for _ in 0..8 {
+            fleet.handle.submit(0, hit.clone()).expect("room");
+        }
+        fleet.receive("report", of_all(1, round, is_report), || {});
+    }
+    fleet.handle.stop().expect("no panic");
 }
 
 #[test]

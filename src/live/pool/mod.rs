@@ -11,6 +11,7 @@ mod readers;
 mod schedule;
 #[cfg(feature = "study")]
 mod sensors;
+mod watch;
 mod worker;
 
 use std::fmt;

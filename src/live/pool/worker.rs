@@ -16,6 +16,7 @@ use super::background::{Background, Known};
 use super::keeper::Keeper;
 use super::readers::Readers;
 use super::schedule::{Job, Plan, Schedule};
+use super::watch::Watch;
 use crate::parameters::Parameters;
 use crate::twin::{
     Accepted, Command, Nanos, NoticeLevel, Output, Outputs, Refusal, RefusalCode, Twin,
@@ -65,8 +66,7 @@ impl Slot {
 /// may lose its processor while others wait for the lock.
 pub struct Agreed {
     pub schedule: Schedule<Input>,
-    /// The thread that waits for the next deadline; the others wait for it to pass this on.
-    watcher: Option<usize>,
+    watch: Watch,
     /// The latest time of the clock.
     latest: Option<Nanos>,
     /// How often the clock has jumped back, and how far at last.
@@ -86,7 +86,7 @@ impl Agreed {
     pub fn new() -> Self {
         Self {
             schedule: Schedule::new(),
-            watcher: None,
+            watch: Watch::default(),
             latest: None,
             jumps: 0,
             last_jump: 0,
@@ -188,7 +188,7 @@ impl Shared {
         loop {
             let mut agreed = self.agreed();
             self.waiting.fetch_and(!bit, Ordering::SeqCst);
-            agreed.watcher.take_if(|watcher| *watcher == me);
+            agreed.watch.leave(me);
             if self.stop.load(Ordering::SeqCst) {
                 return None;
             }
@@ -203,7 +203,7 @@ impl Shared {
                     last_jump: agreed.last_jump,
                 };
                 let next = agreed.schedule.next_deadline();
-                let is_unwatched = agreed.watcher.is_none() && next.is_some();
+                let is_unwatched = next.is_some_and(|it| !agreed.watch.covers(it));
                 let others_can_help = is_unwatched || agreed.schedule.has_work(now);
                 drop(agreed);
                 if others_can_help {
@@ -216,13 +216,8 @@ impl Shared {
                 self.clock.resynchronise();
             }
             self.waiting.fetch_or(bit, Ordering::SeqCst);
-            let deadline = match agreed.watcher {
-                Some(_) => None,
-                None => {
-                    agreed.watcher = Some(me);
-                    agreed.schedule.next_deadline()
-                }
-            };
+            let next = agreed.schedule.next_deadline();
+            let deadline = agreed.watch.wait(me, next);
             drop(agreed);
             // What came after it was looked for has seen this thread wait, or is seen here.
             if self.has_news() {
