@@ -5,7 +5,7 @@ mod program;
 
 use std::fs;
 use std::process::{Output, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use program::{interrupt, program, run};
 use serde_json::Value as Json;
@@ -172,6 +172,19 @@ fn ctrl_c_leaves_the_result_of_what_is_finished() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("runs");
+    // SIGINT has the number 2. Before the program handles it, it would end without a result.
+    let handles_sigint = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
+        let status = status.unwrap_or_default();
+        let mask = status.lines().find_map(|it| it.strip_prefix("SigCgt:"));
+        let mask = mask.and_then(|it| u64::from_str_radix(it.trim(), 16).ok());
+        mask.is_some_and(|it| it & (1 << (2 - 1)) != 0)
+    };
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !handles_sigint() {
+        assert!(Instant::now() < deadline, "the program ignores SIGINT");
+        std::thread::sleep(Duration::from_millis(10));
+    }
     // Whenever the signal comes, the result is whole; after this time it is likely to have samples.
     std::thread::sleep(Duration::from_secs(2));
     interrupt(&child);

@@ -20,7 +20,7 @@ use super::task::Task;
 /// Time before the first batch in which the twin finds this publisher. Each discovers the other independently, so the twin may be
 /// some milliseconds late, and more on a busy machine. What arrives before that is lost: best effort repeats nothing, and a reader
 /// does not report that it is ready.
-const TIME_TO_BE_FOUND: Duration = Duration::from_millis(300);
+const TIME_TO_BE_FOUND: Duration = Duration::from_secs(1);
 
 /// Time at the end in which the last batch leaves.
 const LAST_BATCH_TIME: Duration = Duration::from_millis(300);

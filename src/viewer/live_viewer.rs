@@ -34,8 +34,12 @@ const PERIOD: Duration = Duration::from_nanos(33_333_333);
 /// Maximum wait for an output of the twin, which reports its status at least as often.
 const MAX_WAIT: Duration = Duration::from_secs(1);
 
-/// How long [`LiveViewer::stop`] waits for the thread.
+/// How long [`LiveViewer::stop`] waits for a viewer to read its data.
 const STOP_TIMEOUT: Duration = Duration::from_millis(700);
+
+/// How long it waits for the rest of a file, which only a busy machine or a full disk delays: `ros2 launch` sends SIGTERM 5 s after
+/// SIGINT.
+const FILE_STOP_TIMEOUT: Duration = Duration::from_secs(4);
 
 /// Maximum number of items per period, which bounds the memory.
 const MAX_ITEMS: usize = 2048;
@@ -57,6 +61,8 @@ pub struct LiveViewer {
     waker: Waker,
     ended: mpsc::Receiver<()>,
     thread: Option<JoinHandle<()>>,
+    /// How long a stop waits for the thread.
+    patience: Duration,
     log: ViewerLogger,
 }
 
@@ -85,11 +91,12 @@ impl LiveViewer {
         now: i64,
         log: ViewerLogger,
     ) -> Result<Option<Self>, ViewerError> {
-        if parameters.settings().viewer.mode == ViewerMode::Off {
+        let mode = parameters.settings().viewer.mode;
+        if mode == ViewerMode::Off {
             return Ok(None);
         }
         let parameters = Arc::clone(parameters);
-        Self::spawn(outputs, log, move |outputs, log, stop| {
+        Self::spawn(mode, outputs, log, move |outputs, log, stop| {
             let settings = parameters.settings();
             let options = live_options(Ranges::predicted(&parameters, &parameters.impact()));
             let subject = Arc::clone(&parameters);
@@ -126,7 +133,7 @@ impl LiveViewer {
         if viewer.mode == ViewerMode::Off {
             return Ok(None);
         }
-        Self::spawn(outputs, log, move |outputs, log, stop| {
+        Self::spawn(viewer.mode, outputs, log, move |outputs, log, stop| {
             let fleet = Arc::new(fleet);
             let subject = FleetSubject::new(Arc::clone(&fleet));
             // The axes are those of each column.
@@ -146,6 +153,7 @@ impl LiveViewer {
     }
 
     fn spawn(
+        mode: ViewerMode,
         outputs: Receiver,
         log: ViewerLogger,
         content: impl FnOnce(Receiver, &ViewerLogger, &AtomicBool) + Send + 'static,
@@ -168,18 +176,23 @@ impl LiveViewer {
             waker,
             ended,
             thread: Some(thread),
+            patience: match mode {
+                ViewerMode::Save => FILE_STOP_TIMEOUT,
+                _ => STOP_TIMEOUT,
+            },
             log,
         })
     }
 
-    /// Stops within a second whatever the viewer does: what it has not read by then is lost, which is logged.
+    /// Stops within a second whatever a viewer does, and within five if a file is written: what it has not shown by then is lost,
+    /// which is logged.
     pub fn stop(mut self) {
         self.tell_to_stop();
-        let ended = self.ended.recv_timeout(STOP_TIMEOUT);
+        let ended = self.ended.recv_timeout(self.patience);
         if ended == Err(RecvTimeoutError::Timeout) {
             (self.log)(
                 NoticeLevel::Warning,
-                "the viewer does not read its data; what it has not shown is lost".to_owned(),
+                "the viewer does not read its data, or its file is not written in time; what it has not shown is lost".to_owned(),
             );
             return;
         }

@@ -1,6 +1,7 @@
 //! Recordings of a fleet: verified column by column, and whatever is changed in one of them is found and named.
 
-use std::collections::BTreeSet;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,6 +19,7 @@ use column_twin::messages::{Message as Encoded, cdr};
 use column_twin::outgoing::RecordingTap;
 use column_twin::parameters::{FleetColumn, FleetColumns, Parameters, RecordMode, Value};
 use column_twin::recording::{Message, Reader, WriterOptions};
+use column_twin::ros::qos::{Endpoint, Qos};
 use column_twin::ros::{FleetNode, FleetTwin, Names, Node, qos};
 use column_twin::twin::Command;
 use ros2_client::Publisher;
@@ -53,6 +55,8 @@ struct RecordedFleet {
     events: Publisher<ImpactEvent>,
     parameters: Publisher<ColumnParameters>,
     statuses: Incoming<TwinStatus>,
+    /// The newest status of each column. A column at rest does not repeat its own every second.
+    newest: RefCell<BTreeMap<String, TwinStatus>>,
     _peer: Node,
     directory: TempDir,
 }
@@ -104,7 +108,15 @@ impl RecordedFleet {
         let parameters = peer
             .publisher(&qos::COLUMN_PARAMETERS)
             .expect("a publisher");
-        let statuses = Incoming::start(&mut peer, &qos::TWIN_STATUS);
+        // A history of one status would lose those of columns that change together.
+        let of_all = Endpoint {
+            qos: Qos {
+                depth: 100,
+                ..qos::TWIN_STATUS.qos
+            },
+            ..qos::TWIN_STATUS
+        };
+        let statuses = Incoming::start(&mut peer, &of_all);
         let matched = Instant::now() + PATIENCE;
         assert!(peer.matches().wait_for(events.guid(), 1, matched));
         assert!(peer.matches().wait_for(parameters.guid(), 1, matched));
@@ -115,6 +127,7 @@ impl RecordedFleet {
             events,
             parameters,
             statuses,
+            newest: RefCell::default(),
             _peer: peer,
             directory,
         }
@@ -139,8 +152,16 @@ impl RecordedFleet {
         self.events.publish(event).expect("sent");
     }
 
+    /// Waits until the newest status of some column is such a one.
     fn until(&self, what: &str, is: impl Fn(&TwinStatus) -> bool) {
-        self.statuses.find(what, |it| is(it));
+        let mut newest = self.newest.borrow_mut();
+        if newest.values().any(&is) {
+            return;
+        }
+        self.statuses.find(what, |it| {
+            newest.insert(it.column_id.clone(), it.clone());
+            is(it)
+        });
     }
 
     fn until_rest(&self, column: &str, impacts: u32) {
@@ -380,13 +401,9 @@ fn hit_at_once() -> Finished {
     let fleet = RecordedFleet::start(3, RecordMode::Events, &[]);
     fleet.hit("c0", "a");
     fleet.hit("c1", "b");
-    let mut moving = BTreeSet::from(["c0", "c1"]);
-    fleet.statuses.find("both at rest", |it| {
-        if it.is_at_rest() && it.impacts_since_reset == 1 {
-            moving.remove(it.column_id.as_str());
-        }
-        moving.is_empty()
-    });
+    for column in ["c0", "c1"] {
+        fleet.until_rest(column, 1);
+    }
     fleet.stop()
 }
 

@@ -15,12 +15,14 @@ use super::incoming::{Incoming, reader};
 use super::node::event;
 use super::program::Program;
 
-/// Responses of ten seconds, which are under way when the first process is stopped.
+/// Responses of ten seconds, which are under way when the first process is stopped. However long the move takes, an event that its
+/// sender sends again is not too old.
 const YAML: &str = "\
 /**:
   ros__parameters:
     solver: {dt: 1.0e-4}
     response: {duration: 10.0}
+    event: {max_age: 600.0}
     real_time: {priority: 0, lock_memory: false, threads: 2}
 /hall/c0: {ros__parameters: {}}
 /hall/c1: {ros__parameters: {}}

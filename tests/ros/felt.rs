@@ -174,6 +174,8 @@ fn an_impact_that_is_felt_becomes_one_of_the_twin_and_its_recording_is_verified(
         "estimation.accept:=automatic",
         "record.mode:=always",
         "record.directory:=recordings",
+        // The camera's event is not too old on a busy machine.
+        "event.max_age:=600.0",
     ];
     let mut struck = Struck::new(fibre_beam, &arguments);
     let estimates = struck.listen::<ImpactEstimate>(&qos::IMPACT_ESTIMATE);

@@ -1,6 +1,6 @@
 //! The memory of a node with readers over many impacts and resets.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use column_twin::messages::column_twin::{
     ColumnState, HingeForces, ImpactEvent, ImpactReport, TwinStatus,
@@ -12,7 +12,7 @@ use column_twin::messages::visualization_msgs::MarkerArray;
 use column_twin::ros::qos::{self, Endpoint};
 use futures::executor::block_on;
 
-use super::domain::Domain;
+use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
 use super::loopback::{Outgoing, event, now};
 use super::program::Program;
@@ -53,6 +53,13 @@ fn flat_over(impacts: u32, every: u32) {
     let reset = node
         .client::<TriggerRequest, TriggerResponse>(&reset)
         .unwrap();
+    // A request or an answer that comes before its reader is known is lost.
+    let deadline = Instant::now() + PATIENCE;
+    while !matches!(reset.receive_response(), Ok(Some(_))) {
+        assert!(Instant::now() < deadline, "the node resets nothing");
+        reset.send_request(TriggerRequest::default()).unwrap();
+        std::thread::park_timeout(Duration::from_millis(200));
+    }
     let events = Outgoing::<ImpactEvent>::start(&domain, &qos::IMPACT_EVENT);
     let begin = Instant::now();
     let (mut settled, mut last) = (None, 0.0);
