@@ -31,8 +31,10 @@ pub trait Clock: Send + Sync {
     /// Passes the notifier of a thread that uses this clock, before its first wait.
     fn serve(&self, _notifier: &Arc<Notifier>) {}
 
-    /// Called while no response is running: a clock that has been set may jump now.
-    fn resynchronise(&self) {}
+    /// Called while no response is running: a clock that has been set may jump now. Returns whether it has.
+    fn resynchronise(&self) -> bool {
+        false
+    }
 }
 
 /// The system time. During a response it advances steadily, even if the system clock is set.
@@ -85,13 +87,15 @@ impl Clock for SystemClock {
         }
     }
 
-    fn resynchronise(&self) {
+    fn resynchronise(&self) -> bool {
         // Two clocks cannot be read at the same instant: smaller changes of the offset are measurement errors.
         const MIN_CHANGE: u64 = 100_000;
         let new = offset();
-        if new.abs_diff(self.offset.load(Ordering::Relaxed)) > MIN_CHANGE {
+        let was_set = new.abs_diff(self.offset.load(Ordering::Relaxed)) > MIN_CHANGE;
+        if was_set {
             self.offset.store(new, Ordering::Relaxed);
         }
+        was_set
     }
 }
 
@@ -187,7 +191,7 @@ impl<C: Clock> Clock for Arc<C> {
         (**self).serve(notifier);
     }
 
-    fn resynchronise(&self) {
-        (**self).resynchronise();
+    fn resynchronise(&self) -> bool {
+        (**self).resynchronise()
     }
 }

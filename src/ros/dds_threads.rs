@@ -1,5 +1,5 @@
-//! The threads of the DDS library. If one of them panics, no message arrives or leaves any more, while everything else in the
-//! process looks healthy: the node has to stop, so that whoever supervises it starts a new one.
+//! The threads of the DDS library, and those of the node that use it. If one of them panics, messages no longer arrive or leave, while
+//! everything else in the process looks healthy: the node has to stop, so that whoever supervises it starts a new one.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,8 +7,15 @@ use std::time::Duration;
 
 use signal_hook::consts::SIGTERM;
 
-/// How the names of these threads begin.
-const NAME: &str = "RustDDS";
+/// How the names of these threads begin: those of the library, then those of the node that take messages, serve requests, publish,
+/// and create topics.
+const NAMES: [&str; 5] = [
+    "RustDDS",
+    "column_twin/ros",
+    "column_twin/srv",
+    "column_twin/pub",
+    "column_twin/topics",
+];
 
 /// Maximum time that the node may take to stop without the library.
 const TIME_TO_STOP: Duration = Duration::from_secs(10);
@@ -16,7 +23,7 @@ const TIME_TO_STOP: Duration = Duration::from_secs(10);
 /// Exit code if it takes longer.
 const EXIT_CODE: i32 = 1;
 
-/// Whether a thread of the library has panicked.
+/// Whether one of these threads has panicked.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DdsThreads {
     panicked: Arc<AtomicBool>,
@@ -44,13 +51,14 @@ impl DdsThreads {
         std::panic::set_hook(Box::new(move |info| {
             before(info);
             let thread = std::thread::current();
-            let Some(name) = thread.name().filter(|name| name.starts_with(NAME)) else {
+            let is_one = |name: &&str| NAMES.iter().any(|it| name.starts_with(it));
+            let Some(name) = thread.name().filter(is_one) else {
                 return;
             };
             if !panicked.swap(true, Ordering::Relaxed) {
                 tracing::error!(
-                    "the thread \"{name}\" of the DDS library panicked ({info}): the node stops, because it cannot send \
-                     or receive any more; please report this"
+                    "the thread \"{name}\" panicked ({info}): the node stops, because it cannot send or receive any more; please \
+                     report this"
                 );
                 action();
             }
@@ -75,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_in_a_thread_of_the_dds_library_does_not_pass_unnoticed() {
+    fn a_panic_in_a_thread_that_sends_or_receives_does_not_pass_unnoticed() {
         let threads = DdsThreads::default();
         let (sender, calls) = sync_channel(4);
         threads.call_on_panic(move || {
@@ -83,8 +91,8 @@ mod tests {
         });
         panicking("another thread");
         assert!(!threads.has_panicked());
-        for _ in 0..2 {
-            panicking("RustDDS Participant 0 event loop");
+        for name in ["RustDDS Participant 0 event loop", "column_twin/ros"] {
+            panicking(name);
         }
         assert!(threads.has_panicked());
         assert_eq!(calls.try_iter().count(), 1, "it stops once");

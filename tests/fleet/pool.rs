@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::{Duration, Instant};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::fleet::make_twins;
 use column_twin::live::{
-    Clock, FleetHandle, FleetOptions, LiveFleet, RealTime, Receiver, SimClock, SystemClock,
+    Clock, FleetHandle, FleetOptions, LiveFleet, MAX_FLEET_COMMANDS, Notifier, RealTime, Receiver,
+    SimClock, SystemClock,
 };
 use column_twin::parameters::{FleetColumn, Parameters, Value};
 use column_twin::twin::state_file::{self, Loaded};
@@ -102,6 +104,10 @@ fn of_all(
             outputs.is_some_and(|it| it.iter().filter(|it| is(it)).count() >= count)
         })
     }
+}
+
+fn is_status(output: &Output) -> bool {
+    matches!(output, Output::Status(_))
 }
 
 fn is_report(output: &Output) -> bool {
@@ -281,6 +287,107 @@ fn a_response_goes_on_when_another_thread_has_looked_in_vain() {
         }
         fleet.receive("report", of_all(1, round, is_report), || {});
     }
+    fleet.handle.stop().expect("no panic");
+}
+
+/// The system clock, which somebody sets.
+struct SetClock {
+    system: SystemClock,
+    /// By how much it was set, and how much of that the threads know \[ns\].
+    set_by: AtomicI64,
+    known: AtomicI64,
+}
+
+impl SetClock {
+    fn new() -> Self {
+        Self {
+            system: SystemClock::new(),
+            set_by: AtomicI64::new(0),
+            known: AtomicI64::new(0),
+        }
+    }
+}
+
+impl Clock for SetClock {
+    fn now(&self) -> Nanos {
+        self.system.now() + self.known.load(Ordering::SeqCst)
+    }
+
+    fn wait_until(&self, deadline: Nanos, notifier: &Notifier) {
+        let known = self.known.load(Ordering::SeqCst);
+        let deadline = deadline.saturating_sub(known);
+        self.system.wait_for_news(deadline, notifier);
+    }
+
+    fn resynchronise(&self) -> bool {
+        let set_by = self.set_by.load(Ordering::SeqCst);
+        self.known.swap(set_by, Ordering::SeqCst) != set_by
+    }
+}
+
+/// The first event after the system clock was set was rejected, as too old or too far ahead: an idle fleet did not look at the clock.
+#[test]
+fn the_first_event_after_the_clock_was_set_is_accepted() {
+    const MINUTE: Nanos = 60_000 * MS;
+    for set_by in [MINUTE, -MINUTE] {
+        let clock = Arc::new(SetClock::new());
+        let mut fleet = Fleet::start(&columns(2), Arc::clone(&clock) as _, 1);
+        // The columns have begun, and then there is nothing to do.
+        fleet.receive("statuses", of_all(2, 1, is_status), || {});
+        while fleet.handle.active() > 0 {
+            std::thread::park_timeout(Duration::from_millis(1));
+        }
+        clock.set_by.store(set_by, Ordering::SeqCst);
+        let stamp = clock.system.now() + set_by;
+        let accepted = fleet.handle.execute(1, impact(1, "a", stamp));
+        assert!(accepted.is_ok(), "set by {set_by} ns: {accepted:?}");
+        fleet.handle.stop().expect("no panic");
+    }
+}
+
+/// An idle fleet notices by itself that the clock was set, because other threads use it for their stamps.
+#[test]
+fn an_idle_fleet_follows_the_clock() {
+    let clock = Arc::new(SetClock::new());
+    let fleet = Fleet::start(&columns(2), Arc::clone(&clock) as _, 2);
+    clock.set_by.store(60_000 * MS, Ordering::SeqCst);
+    let given_up = Instant::now() + DEADLINE;
+    while clock.known.load(Ordering::SeqCst) == 0 {
+        assert!(Instant::now() < given_up, "the clock is not looked at");
+        std::thread::park_timeout(Duration::from_millis(10));
+    }
+    fleet.handle.stop().expect("no panic");
+}
+
+/// A sender that never pauses filled the memory, and kept the solver threads from all columns while they took its commands.
+#[test]
+fn a_flood_is_rejected_beyond_the_bound_and_other_columns_go_on() {
+    const FLOOD: usize = 50_000;
+    let columns = columns(2);
+    let clock = Arc::new(SystemClock::new());
+    let fleet = Fleet::start(&columns, Arc::clone(&clock) as _, 2);
+    let repeated = impact_at(0.5, 0, "a", clock.now());
+    let inputs = || fleet.handle.statistics().queues.swap_remove(0);
+    let mut rejected = 0;
+    for number in 0..FLOOD {
+        let submitted = fleet.handle.submit(0, repeated.clone());
+        if let Err(refusal) = submitted {
+            assert_eq!(refusal.code, RefusalCode::QueueFull);
+            rejected += 1;
+        }
+        if number % 1_000 == 0 {
+            assert!(inputs().len <= MAX_FLEET_COMMANDS, "{:?}", inputs());
+        }
+    }
+    println!("{rejected} of {FLOOD} commands rejected");
+    assert!(rejected > 0 && inputs().dropped == rejected);
+    let given_up = Instant::now() + DEADLINE;
+    while inputs().len > 0 {
+        assert!(Instant::now() < given_up, "the commands are not executed");
+        std::thread::park_timeout(Duration::from_millis(1));
+    }
+    let other = fleet.handle.execute(1, impact(1, "b", clock.now()));
+    assert!(other.is_ok(), "{other:?}");
     fleet.handle.stop().expect("no panic");
 }
 

@@ -36,7 +36,7 @@ use super::real_time::{self, RealTime, RealTimeGrants, Urgency};
 use super::state_writer::STATE_WRITER_THREAD;
 use super::{ANSWER_TIMEOUT, LiveStatistics, Panicked, SOLVER_THREAD};
 use crate::column::ImpactSpecification;
-use crate::parameters::Parameters;
+use crate::parameters::{MAX_COLUMNS, Parameters};
 use crate::twin::{Accepted, Command, ImpactCommand, Prediction, Refusal, Striking, Twin};
 use background::Background;
 use keeper::Keeper;
@@ -46,8 +46,8 @@ use schedule::Plan;
 use sensors::FleetSensing;
 use worker::{Agreed, Counters, Shared, Slot};
 
-/// Maximum number of requests to the columns of a fleet that wait; more are rejected.
-pub const MAX_FLEET_COMMANDS: usize = 1024;
+/// Maximum number of requests to the columns of a fleet that wait; more are rejected. All columns may be hit at once.
+pub const MAX_FLEET_COMMANDS: usize = 2 * MAX_COLUMNS;
 
 /// Outputs of each kind that wait for the reader, besides two for each column, which has a status at the start and another one
 /// with its critical velocities.
@@ -361,7 +361,7 @@ impl FleetHandle {
         let mut queues = vec![QueueStats {
             name: "inputs".to_owned(),
             capacity: MAX_FLEET_COMMANDS,
-            len: shared.inbox.len(),
+            len: shared.counters.waiting_requests.load(Ordering::Relaxed),
             when_full: WhenFull::Reject,
             pushed: read(&shared.counters.submitted),
             dropped: read(&shared.counters.rejected),

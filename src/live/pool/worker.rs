@@ -25,6 +25,10 @@ use crate::twin::{
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
 const SLICE: u64 = 64;
 
+/// How often a thread looks whether the clock was set while no column needs anything \[ns\]: what other threads stamp would be wrong
+/// until the next impact.
+const CLOCK_CHECK_PERIOD: Nanos = 1_000_000_000;
+
 /// Maximum number of solver threads: one bit for each in the mask of those that wait.
 pub const MAX_THREADS: usize = 64;
 
@@ -102,6 +106,8 @@ pub struct Counters {
     pub overruns: AtomicU64,
     pub skipped_periods: AtomicU64,
     pub worst_lateness: AtomicU64,
+    /// Requests that are taken and not begun.
+    pub waiting_requests: AtomicUsize,
     pub submitted: AtomicU64,
     pub rejected: AtomicU64,
 }
@@ -110,7 +116,7 @@ pub struct Counters {
 pub struct Shared {
     pub slots: Box<[Mutex<Slot>]>,
     pub agreed: Mutex<Agreed>,
-    /// Requests from other threads, without a lock.
+    /// Requests from other threads, without a lock, until a solver thread puts them into the schedule.
     pub inbox: ArrayQueue<Box<(u32, Request)>>,
     /// One for each solver thread.
     pub notifiers: Box<[Arc<Notifier>]>,
@@ -145,16 +151,22 @@ impl Shared {
     pub fn submit(&self, column: u32, request: Request) -> Result<(), Refusal> {
         let counters = &self.counters;
         counters.submitted.fetch_add(1, Ordering::Relaxed);
-        let taken = self.inbox.push(Box::new((column, request)));
+        // The requests in the schedule count, too: otherwise a sender that never pauses would fill the memory and keep the thread
+        // that takes its requests from everything else.
+        let has_room =
+            counters.waiting_requests.fetch_add(1, Ordering::Relaxed) < MAX_FLEET_COMMANDS;
+        let is_taken = has_room && self.inbox.push(Box::new((column, request))).is_ok();
         self.wake_one();
-        taken.map_err(|_| {
-            counters.rejected.fetch_add(1, Ordering::Relaxed);
-            let reason = format!(
-                "the queue of the fleet's solvers is full ({MAX_FLEET_COMMANDS} commands); try again, or send fewer events and \
-                 parameter changes"
-            );
-            Refusal::new(RefusalCode::QueueFull, reason)
-        })
+        if is_taken {
+            return Ok(());
+        }
+        counters.waiting_requests.fetch_sub(1, Ordering::Relaxed);
+        counters.rejected.fetch_add(1, Ordering::Relaxed);
+        let reason = format!(
+            "the queue of the fleet's solvers is full ({MAX_FLEET_COMMANDS} commands); try again, or send fewer events and \
+             parameter changes"
+        );
+        Err(Refusal::new(RefusalCode::QueueFull, reason))
     }
 
     pub fn wake_all(&self) {
@@ -172,9 +184,13 @@ impl Shared {
     /// The content of solver thread number `me`, with its priority.
     pub fn work(&self, me: usize, mut urgency: Urgency) {
         while let Some(task) = self.next_task(me) {
-            let column = task.column;
-            let plan = self.perform(task, &mut urgency);
+            let (column, jumps) = (task.column, task.jumps);
+            let mut plan = self.perform(task, &mut urgency);
             let mut agreed = self.agreed();
+            if agreed.jumps != jumps {
+                // The clock was set back while this thread worked, so that the deadline is one of before.
+                plan.deadline = plan.deadline.map(|_| Nanos::MIN);
+            }
             agreed.schedule.give_back(column, plan);
             self.note_active(&agreed);
         }
@@ -192,10 +208,20 @@ impl Shared {
             if self.stop.load(Ordering::SeqCst) {
                 return None;
             }
+            // While nothing responds, a clock that has been set may jump, before anything is judged by it. The thread that watches
+            // would wake too late.
+            if agreed.schedule.active() == 0 && self.clock.resynchronise() {
+                agreed.watch = Watch::default();
+            }
             let now = self.clock.now();
             self.take_news(&mut agreed, now);
             self.note_active(&agreed);
             if let Some((column, job)) = agreed.schedule.take(now) {
+                if matches!(job, Job::Input(Input::Request(_))) {
+                    self.counters
+                        .waiting_requests
+                        .fetch_sub(1, Ordering::Relaxed);
+                }
                 let task = Task {
                     column,
                     job,
@@ -211,12 +237,11 @@ impl Shared {
                 }
                 return Some(task);
             }
-            if agreed.schedule.active() == 0 {
-                // While nothing responds, a clock that has been set may jump.
-                self.clock.resynchronise();
-            }
             self.waiting.fetch_or(bit, Ordering::SeqCst);
-            let next = agreed.schedule.next_deadline();
+            let next = match agreed.schedule.active() {
+                0 => Some(now.saturating_add(CLOCK_CHECK_PERIOD)),
+                _ => agreed.schedule.next_deadline(),
+            };
             let deadline = agreed.watch.wait(me, next);
             drop(agreed);
             // What came after it was looked for has seen this thread wait, or is seen here.
@@ -383,6 +408,7 @@ impl Shared {
         let mut lost_inputs = 0_u64;
         let mut agreed = self.agreed();
         self.take_news(&mut agreed, self.clock.now());
+        self.counters.waiting_requests.store(0, Ordering::Relaxed);
         for (_, input) in agreed.schedule.take_inputs() {
             let is_command = matches!(input, Input::Request(Request::Command { .. }));
             lost_inputs += u64::from(is_command);
