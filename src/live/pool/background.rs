@@ -3,8 +3,7 @@
 //! Columns that differ by their names only have the same critical velocities, which are computed once. Columns that have been hit
 //! come first. For the others, of which there are many after the start, the thread takes only a part of a processor, because they
 //! are not urgent. The solver threads and this one share queues without locks only: a thread with the lowest priority must not hold a
-//! lock that they need. The queues are not free of waiting: a thread that is preempted within its push delays who pops until the
-//! system lets it go on.
+//! lock that they need. Whoever pops while another thread is preempted in the middle of its push has to wait, which is seldom.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
