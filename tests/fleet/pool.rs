@@ -345,11 +345,25 @@ fn the_first_event_after_the_clock_was_set_is_accepted() {
     }
 }
 
-/// An idle fleet notices by itself that the clock was set, because other threads use it for their stamps.
+/// An idle fleet notices by itself that the clock was set, because other threads use it for their stamps, also while a column
+/// remembers an impact.
 #[test]
 fn an_idle_fleet_follows_the_clock() {
     let clock = Arc::new(SetClock::new());
-    let fleet = Fleet::start(&columns(2), Arc::clone(&clock) as _, 2);
+    let values = [
+        ("column_id", Value::from("c0")),
+        ("solver.dt", Value::from(1e-4)),
+        ("response.duration", Value::from(0.2)),
+        ("event.max_age", Value::from(3600.0)),
+    ];
+    let column = FleetColumn {
+        name: "/c0".to_owned(),
+        parameters: Arc::new(Parameters::from_values(values).expect("admissible")),
+    };
+    let mut fleet = Fleet::start(&[column], Arc::clone(&clock) as _, 2);
+    let hit = impact(0, "a", clock.now());
+    fleet.handle.execute(0, hit).expect("accepted");
+    fleet.receive("report", of_all(1, 1, is_report), || {});
     clock.set_by.store(60_000 * MS, Ordering::SeqCst);
     let given_up = Instant::now() + DEADLINE;
     while clock.known.load(Ordering::SeqCst) == 0 {

@@ -7,6 +7,8 @@ use crate::twin::Nanos;
 /// What a column needs next, without what comes from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Plan {
+    /// Whether it moves, or owes something to an impact; otherwise it only has to forget something at its deadline.
+    pub is_responding: bool,
     /// When it is to be stepped; `None`: it needs nothing until an input comes.
     pub deadline: Option<Nanos>,
     /// Steps that its forecast still takes, at most; `None` if no forecast is owed.
@@ -36,6 +38,8 @@ pub struct Schedule<I> {
     /// The columns on which a thread is working.
     busy: BTreeSet<u32>,
     plans: BTreeMap<u32, Plan>,
+    /// How many of them are of columns that respond.
+    responding: usize,
     /// The same plans in the orders in which they are looked for.
     forecasts: BTreeSet<(u64, u32)>,
     deadlines: BTreeSet<(Nanos, u32)>,
@@ -48,6 +52,7 @@ impl<I> Schedule<I> {
             inputs: VecDeque::new(),
             busy: BTreeSet::new(),
             plans: BTreeMap::new(),
+            responding: 0,
             forecasts: BTreeSet::new(),
             deadlines: BTreeSet::new(),
             spare: BTreeSet::new(),
@@ -102,6 +107,7 @@ impl<I> Schedule<I> {
             return;
         }
         self.plans.insert(column, plan);
+        self.responding += usize::from(plan.is_responding);
         self.deadlines.extend(plan.deadline.map(|it| (it, column)));
         self.forecasts
             .extend(plan.forecast_left.map(|it| (it, column)));
@@ -114,6 +120,7 @@ impl<I> Schedule<I> {
         let Some(plan) = self.plans.remove(&column) else {
             return;
         };
+        self.responding -= usize::from(plan.is_responding);
         if let Some(deadline) = plan.deadline {
             self.deadlines.remove(&(deadline, column));
         }
@@ -150,6 +157,11 @@ impl<I> Schedule<I> {
         self.deadlines.first().map(|(deadline, _)| *deadline)
     }
 
+    /// Whether no column responds, and no thread is working on one.
+    pub fn is_at_rest(&self) -> bool {
+        self.responding == 0 && self.busy.is_empty()
+    }
+
     /// Columns with an entry, and those on which threads are working.
     pub fn active(&self) -> usize {
         self.plans.len() + self.busy.len()
@@ -162,6 +174,7 @@ mod tests {
 
     fn plan(deadline: Nanos, forecast_left: Option<u64>, has_spare: bool) -> Plan {
         Plan {
+            is_responding: true,
             deadline: Some(deadline),
             forecast_left,
             has_spare,
@@ -222,6 +235,23 @@ mod tests {
             (schedule.next_deadline(), schedule.has_work(99)),
             (None, false)
         );
+    }
+
+    #[test]
+    fn columns_that_only_remember_are_at_rest() {
+        let mut schedule = Schedule::<()>::new();
+        let remembers = Plan {
+            deadline: Some(9),
+            ..Plan::default()
+        };
+        schedule.plan(1, remembers);
+        schedule.plan(2, plan(3, None, false));
+        assert!(!schedule.is_at_rest());
+        assert_eq!(schedule.take(3), Some((2, Job::Advance(3))));
+        assert!(!schedule.is_at_rest(), "a thread is working");
+        schedule.give_back(2, remembers);
+        assert!(schedule.is_at_rest());
+        assert_eq!((schedule.active(), schedule.next_deadline()), (2, Some(9)));
     }
 
     #[test]

@@ -25,7 +25,7 @@ use crate::twin::{
 /// Steps of a forecast, and of what is not urgent, in one job: less than 0.1 ms, after which inputs of other columns come first.
 const SLICE: u64 = 64;
 
-/// How often a thread looks whether the clock was set while no column needs anything \[ns\]: what other threads stamp would be wrong
+/// How often a thread looks whether the clock was set while no column responds \[ns\]: what other threads stamp would be wrong
 /// until the next impact.
 const CLOCK_CHECK_PERIOD: Nanos = 1_000_000_000;
 
@@ -210,7 +210,7 @@ impl Shared {
             }
             // While nothing responds, a clock that has been set may jump, before anything is judged by it. The thread that watches
             // would wake too late.
-            if agreed.schedule.active() == 0 && self.clock.resynchronise() {
+            if agreed.schedule.is_at_rest() && self.clock.resynchronise() {
                 agreed.watch = Watch::default();
             }
             let now = self.clock.now();
@@ -238,9 +238,11 @@ impl Shared {
                 return Some(task);
             }
             self.waiting.fetch_or(bit, Ordering::SeqCst);
-            let next = match agreed.schedule.active() {
-                0 => Some(now.saturating_add(CLOCK_CHECK_PERIOD)),
-                _ => agreed.schedule.next_deadline(),
+            let next = agreed.schedule.next_deadline();
+            let check = now.saturating_add(CLOCK_CHECK_PERIOD);
+            let next = match agreed.schedule.is_at_rest() {
+                true => Some(next.map_or(check, |it| it.min(check))),
+                false => next,
             };
             let deadline = agreed.watch.wait(me, next);
             drop(agreed);
@@ -375,6 +377,7 @@ impl Shared {
         let twin = &mut slot.twin;
         if !twin.is_quiet(now) {
             return Plan {
+                is_responding: true,
                 deadline: Some(twin.next_deadline(now)),
                 forecast_left: twin.forecast_steps_left(),
                 has_spare: twin.is_looking_ahead() && !twin.awaits_forecast(),
