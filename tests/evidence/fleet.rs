@@ -57,6 +57,7 @@ struct RecordedFleet {
     statuses: Incoming<TwinStatus>,
     /// The newest status of each column. A column at rest does not repeat its own every second.
     newest: RefCell<BTreeMap<String, TwinStatus>>,
+    fleet_statuses: Incoming<FleetStatus>,
     _peer: Node,
     directory: TempDir,
 }
@@ -117,6 +118,7 @@ impl RecordedFleet {
             ..qos::TWIN_STATUS
         };
         let statuses = Incoming::start(&mut peer, &of_all);
+        let fleet_statuses = Incoming::start(&mut peer, &qos::FLEET_STATUS);
         let matched = Instant::now() + PATIENCE;
         assert!(peer.matches().wait_for(events.guid(), 1, matched));
         assert!(peer.matches().wait_for(parameters.guid(), 1, matched));
@@ -128,6 +130,7 @@ impl RecordedFleet {
             parameters,
             statuses,
             newest: RefCell::default(),
+            fleet_statuses,
             _peer: peer,
             directory,
         }
@@ -243,6 +246,10 @@ fn eventful(mode: RecordMode) -> Finished {
     fleet.until_rest("c1", 0);
     fleet.hit("c1", "c");
     fleet.until_rest("c1", 1);
+    fleet.fleet_statuses.find("the fleet with both hits", |it| {
+        let mut columns = it.columns.iter();
+        columns.any(|it| it.column_id == "c0" && it.impacts_since_reset == 2)
+    });
     fleet.stop()
 }
 

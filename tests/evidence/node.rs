@@ -4,16 +4,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalEntry, JournalLine, NodeRecording, Topics, verify};
 use column_twin::live::{LiveOptions, RealTime};
 use column_twin::messages::cdr;
+use column_twin::messages::column_twin::ImpactReport;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};
-use column_twin::recording::Reader;
+use column_twin::recording::{Message, Reader};
 use column_twin::ros::qos;
 use column_twin::ros::{
     ImpactOptions, ImpactOutcome, ImpactRequest, LiveTwin, Names, Raw, TwinNode, send_impact,
@@ -303,9 +304,25 @@ fn the_recording_of_a_killed_node_is_repaired_at_the_next_start_and_verified() {
         matches!(outcome, Ok(ImpactOutcome::Forecast(_))),
         "{outcome:?}"
     );
+    let cut_off = the_one_recording(directory.path());
+    let file_of = |recording: &Path| {
+        let name = recording.file_name().unwrap().display();
+        recording.join(format!("{name}_0.mcap"))
+    };
+    // The forecast is published before it is written.
+    let deadline = Instant::now() + PATIENCE;
+    let is_of_a = |message: &Message| {
+        let forecast = cdr::decode::<ImpactReport>(&message.data);
+        *message.topic == *"/impact_forecast" && forecast.is_ok_and(|it| it.event_id == "a")
+    };
+    while !Reader::open(&file_of(&cut_off))
+        .is_ok_and(|it| it.messages().flatten().any(|it| is_of_a(&it)))
+    {
+        assert!(Instant::now() < deadline, "no forecast is written");
+        std::thread::sleep(Duration::from_millis(10));
+    }
     node.kill().unwrap();
     node.wait().unwrap();
-    let cut_off = the_one_recording(directory.path());
 
     let second = Domain::fresh();
     let node = program(&second, directory.path());
@@ -326,8 +343,7 @@ fn the_recording_of_a_killed_node_is_repaired_at_the_next_start_and_verified() {
     for path in &found {
         // The original is unchanged: a file without an end, in a directory without metadata.
         let whole = *path != cut_off;
-        let name = path.file_name().unwrap().display();
-        let file = path.join(format!("{name}_0.mcap"));
+        let file = file_of(path);
         let found = verify(if whole { path } else { &file }).unwrap();
         assert!(found.is_equal(), "{found}");
         assert!(found.compared() > 40, "{found}");
