@@ -26,7 +26,7 @@ use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
 use tempfile::TempDir;
 
-use super::copies::{messages, written_on};
+use super::copies::{messages, wait_until_written, written_on};
 use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
 
@@ -57,7 +57,6 @@ struct RecordedFleet {
     statuses: Incoming<TwinStatus>,
     /// The newest status of each column. A column at rest does not repeat its own every second.
     newest: RefCell<BTreeMap<String, TwinStatus>>,
-    fleet_statuses: Incoming<FleetStatus>,
     _peer: Node,
     directory: TempDir,
 }
@@ -118,7 +117,6 @@ impl RecordedFleet {
             ..qos::TWIN_STATUS
         };
         let statuses = Incoming::start(&mut peer, &of_all);
-        let fleet_statuses = Incoming::start(&mut peer, &qos::FLEET_STATUS);
         let matched = Instant::now() + PATIENCE;
         assert!(peer.matches().wait_for(events.guid(), 1, matched));
         assert!(peer.matches().wait_for(parameters.guid(), 1, matched));
@@ -130,7 +128,6 @@ impl RecordedFleet {
             parameters,
             statuses,
             newest: RefCell::default(),
-            fleet_statuses,
             _peer: peer,
             directory,
         }
@@ -216,6 +213,15 @@ fn assert_verified(found: &Verification) {
     );
 }
 
+/// A `fleet_status` that tells of both impacts on `c0`.
+fn is_of_c0(message: &Message) -> bool {
+    let hit_twice = |status: FleetStatus| {
+        let mut columns = status.columns.iter();
+        columns.any(|it| it.column_id == "c0" && it.impacts_since_reset == 2)
+    };
+    message.topic.ends_with("fleet_status") && cdr::decode(&message.data).is_ok_and(hit_twice)
+}
+
 /// Two columns that are hit at once, one of them twice while it moves; a rejected impact, a set of parameters, a reset.
 fn eventful(mode: RecordMode) -> Finished {
     let fleet = RecordedFleet::start(6, mode, &[]);
@@ -246,10 +252,7 @@ fn eventful(mode: RecordMode) -> Finished {
     fleet.until_rest("c1", 0);
     fleet.hit("c1", "c");
     fleet.until_rest("c1", 1);
-    fleet.fleet_statuses.find("the fleet with both hits", |it| {
-        let mut columns = it.columns.iter();
-        columns.any(|it| it.column_id == "c0" && it.impacts_since_reset == 2)
-    });
+    wait_until_written(fleet.directory.path(), "the fleet with both hits", is_of_c0);
     fleet.stop()
 }
 
@@ -462,16 +465,8 @@ fn what_is_changed_in_one_column_is_found_and_named() {
 fn a_changed_fleet_status_is_found() {
     let all = messages(&eventful(RecordMode::Always).path());
     let mut forged = all.clone();
-    let is_of = |it: &&mut Message| {
-        it.topic.ends_with("fleet_status")
-            && cdr::decode::<FleetStatus>(&it.data).is_ok_and(|status| {
-                let hit = |it: &&column_twin::messages::column_twin::ColumnStatus| {
-                    it.column_id == "c0" && it.impacts_since_reset == 2
-                };
-                status.columns.iter().any(|it| hit(&it))
-            })
-    };
-    let message = forged.iter_mut().find(is_of).expect("the status of c0");
+    let mut of_c0 = forged.iter_mut().filter(|it| is_of_c0(it));
+    let message = of_c0.next().expect("the status of c0");
     changed::<FleetStatus>(message, |status| {
         for column in status.columns.iter_mut().filter(|it| it.column_id == "c0") {
             column.residual_v1 += 1.0;

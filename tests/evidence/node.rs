@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use column_twin::column::ImpactSpecification;
 use column_twin::evidence::{JournalEntry, JournalLine, NodeRecording, Topics, verify};
@@ -14,7 +14,7 @@ use column_twin::messages::column_twin::ImpactReport;
 use column_twin::messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use column_twin::messages::rcl_interfaces::ParameterEvent;
 use column_twin::parameters::{Parameters, Value};
-use column_twin::recording::{Message, Reader};
+use column_twin::recording::Reader;
 use column_twin::ros::qos;
 use column_twin::ros::{
     ImpactOptions, ImpactOutcome, ImpactRequest, LiveTwin, Names, Raw, TwinNode, send_impact,
@@ -22,7 +22,7 @@ use column_twin::ros::{
 use column_twin::twin::{Command as TwinCommand, Journal};
 use tempfile::TempDir;
 
-use super::copies::forged;
+use super::copies::{forged, wait_until_written};
 use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
 use super::recorded_twin::the_one_recording;
@@ -310,17 +310,10 @@ fn the_recording_of_a_killed_node_is_repaired_at_the_next_start_and_verified() {
         recording.join(format!("{name}_0.mcap"))
     };
     // The forecast is published before it is written.
-    let deadline = Instant::now() + PATIENCE;
-    let is_of_a = |message: &Message| {
+    wait_until_written(directory.path(), "the forecast", |message| {
         let forecast = cdr::decode::<ImpactReport>(&message.data);
         *message.topic == *"/impact_forecast" && forecast.is_ok_and(|it| it.event_id == "a")
-    };
-    while !Reader::open(&file_of(&cut_off))
-        .is_ok_and(|it| it.messages().flatten().any(|it| is_of_a(&it)))
-    {
-        assert!(Instant::now() < deadline, "no forecast is written");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    });
     node.kill().unwrap();
     node.wait().unwrap();
 
