@@ -26,9 +26,10 @@ use ros2_client::Publisher;
 use serde::de::DeserializeOwned;
 use tempfile::TempDir;
 
-use super::copies::{messages, wait_until_written, written_on};
+use super::copies::{messages, written_on};
 use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
+use super::written::wait_until_written;
 
 /// Few steps and few states, so that many verifications take seconds.
 fn parameters(column_id: &str, more: &[(&str, Value)]) -> Parameters {

@@ -36,3 +36,4 @@ mod signals;
 #[path = "../../crates/recording/tests/recording/small_disk.rs"]
 mod small_disk;
 mod tampering;
+mod written;

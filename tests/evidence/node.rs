@@ -22,10 +22,11 @@ use column_twin::ros::{
 use column_twin::twin::{Command as TwinCommand, Journal};
 use tempfile::TempDir;
 
-use super::copies::{forged, wait_until_written};
+use super::copies::forged;
 use super::domain::{Domain, PATIENCE};
 use super::incoming::{Incoming, reader};
 use super::recorded_twin::the_one_recording;
+use super::written::wait_until_written;
 
 /// The bytes of one topic.
 pub type Bytes = Incoming<Raw>;
