@@ -7,14 +7,25 @@ use std::time::Duration;
 
 use signal_hook::consts::SIGTERM;
 
-/// How the names of these threads begin: those of the library, then those of the node that take messages, serve requests, publish,
-/// and create topics.
+/// Name of the node's thread that takes messages.
+pub(super) const RECEIVING_THREAD: &str = "column_twin/ros";
+
+/// Name of the one that serves requests.
+pub(super) const SERVING_THREAD: &str = "column_twin/srv";
+
+/// Name of the one that publishes.
+pub(super) const PUBLISHING_THREAD: &str = "column_twin/pub";
+
+/// Name of the one that creates the topics of single columns.
+pub(super) const TOPICS_THREAD: &str = "column_twin/topics";
+
+/// How the names of all of these threads begin, those of the library first.
 const NAMES: [&str; 5] = [
     "RustDDS",
-    "column_twin/ros",
-    "column_twin/srv",
-    "column_twin/pub",
-    "column_twin/topics",
+    RECEIVING_THREAD,
+    SERVING_THREAD,
+    PUBLISHING_THREAD,
+    TOPICS_THREAD,
 ];
 
 /// Maximum time that the node may take to stop without the library.
@@ -91,7 +102,7 @@ mod tests {
         });
         panicking("another thread");
         assert!(!threads.has_panicked());
-        for name in ["RustDDS Participant 0 event loop", "column_twin/ros"] {
+        for name in ["RustDDS Participant 0 event loop", RECEIVING_THREAD] {
             panicking(name);
         }
         assert!(threads.has_panicked());

@@ -21,6 +21,7 @@ use crate::messages::{cdr, rcl_interfaces};
 use crate::outgoing::RecordingTap;
 
 use super::clock_watch::ClockWatch;
+use super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
 use super::diagnostics::NodeCounters;
 use super::environment::Environment;
 use super::inputs::{Services, Subscriptions};
@@ -96,7 +97,7 @@ impl TwinNode {
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(&twin.parameters());
-        let publisher = spawn("column_twin/pub", move || {
+        let publisher = spawn(PUBLISHING_THREAD, move || {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
@@ -104,12 +105,10 @@ impl TwinNode {
         let matches = Arc::clone(&counters);
         let (event_twin, service_twin) = (Arc::clone(&twin), Arc::clone(&twin));
         let inputs = vec![
-            Task::start("column_twin/ros", move || async move {
+            Task::start(RECEIVING_THREAD, move || async move {
                 futures::join!(events, subscriptions.run(event_twin, matches));
             })?,
-            Task::start("column_twin/srv", move || {
-                services.run(service_twin, counters)
-            })?,
+            Task::start(SERVING_THREAD, move || services.run(service_twin, counters))?,
         ];
         Ok(Self {
             inputs,

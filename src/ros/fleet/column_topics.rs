@@ -17,6 +17,7 @@ use crate::fleet::{Demand, DemandChange, LINGER, MAX_OPEN_COLUMNS};
 use crate::live::{Notifier, Waker};
 use crate::outgoing::Topic;
 
+use super::super::dds_threads::TOPICS_THREAD;
 use super::super::matches::Discovered;
 use super::super::node::{Node, NodeError, Siblings};
 use super::super::raw::Raw;
@@ -118,7 +119,7 @@ impl ColumnTopics {
             waker,
             has_told: false,
         };
-        let thread = spawn("column_twin/topics", move || creator.run())?;
+        let thread = spawn(TOPICS_THREAD, move || creator.run())?;
         Ok((Self { shared, thread }, changes))
     }
 

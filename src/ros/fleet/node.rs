@@ -10,6 +10,7 @@ use crate::live::{OutputSource, RealTime, Receiver, Waker, request_for_publisher
 use crate::outgoing::RecordingTap;
 
 use super::super::clock_watch::ClockWatch;
+use super::super::dds_threads::{PUBLISHING_THREAD, RECEIVING_THREAD, SERVING_THREAD};
 use super::super::diagnostics::NodeCounters;
 use super::super::environment::Environment;
 use super::super::matches::Matches;
@@ -118,7 +119,7 @@ impl FleetNode {
         let stop_publishing = Arc::clone(&stop);
         let waker = outputs.waker();
         let real_time = RealTime::of(fleet.node_parameters());
-        let publisher = spawn("column_twin/pub", move || {
+        let publisher = spawn(PUBLISHING_THREAD, move || {
             request_for_publisher(&real_time);
             publishing.run(outputs, &stop_publishing);
         })?;
@@ -126,10 +127,10 @@ impl FleetNode {
         let received = Arc::clone(&counters);
         let (event_fleet, service_fleet) = (Arc::clone(&fleet), Arc::clone(&fleet));
         let inputs = vec![
-            Task::start("column_twin/ros", move || async move {
+            Task::start(RECEIVING_THREAD, move || async move {
                 futures::join!(events, subscriptions.run(event_fleet, received));
             })?,
-            Task::start("column_twin/srv", move || {
+            Task::start(SERVING_THREAD, move || {
                 services.run(service_fleet, counters)
             })?,
         ];
