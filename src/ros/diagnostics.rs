@@ -14,6 +14,7 @@ use crate::outgoing::RecordingHealth;
 use super::clock_watch::ClockWatch;
 use super::lines::severity_word;
 use super::live_twin::Health;
+use super::lost_peers::LostPeers;
 use super::measurements::SensorInputs;
 use super::security::SecurityHealth;
 use super::senders::Senders;
@@ -24,7 +25,7 @@ use super::sensor_watch::SensorStatus;
 pub(super) struct NodeCounters {
     /// Unreadable messages and requests.
     pub unreadable: AtomicU64,
-    /// Events and sets of parameters that arrived faster than they could be taken.
+    /// Events and sets of parameters that arrived faster than they could be taken, or were sent while the network was interrupted.
     pub missed: AtomicU64,
     /// Messages that could not be written, or not in time for a slow reader.
     pub unpublished: AtomicU64,
@@ -34,6 +35,8 @@ pub(super) struct NodeCounters {
     pub rejected_rows: AtomicU64,
     /// Log messages dropped because their queue was full.
     pub unlogged: AtomicU64,
+    /// Peers that fell silent, and what was published meanwhile.
+    pub lost_peers: Arc<LostPeers>,
     /// The simulated clock; `None` with the system's.
     pub clock: Option<ClockWatch>,
     /// The senders, if the parameters limit them.
@@ -272,18 +275,28 @@ pub(super) fn security_status(security: SecurityHealth) -> DiagnosticStatus {
 }
 
 pub(super) fn node_status(counters: &NodeCounters) -> DiagnosticStatus {
-    let values = [
-        ("unreadable messages", &counters.unreadable),
-        ("missed messages", &counters.missed),
-        ("unpublished messages", &counters.unpublished),
-        ("unlogged messages", &counters.unlogged),
-    ]
-    .map(|(key, counter)| (key, counter.load(Ordering::Relaxed)));
-    let (level, message) = if values.iter().all(|(_, count)| *count == 0) {
+    let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+    let peers = &counters.lost_peers;
+    let losses = [
+        ("unreadable messages", count(&counters.unreadable)),
+        ("missed messages", count(&counters.missed)),
+        ("unpublished messages", count(&counters.unpublished)),
+        ("unlogged messages", count(&counters.unlogged)),
+        (
+            "messages published while a peer was lost",
+            peers.published_meanwhile(),
+        ),
+    ];
+    let (level, message) = if losses.iter().all(|(_, count)| *count == 0) {
         (DiagnosticStatus::OK, "nothing lost")
     } else {
         (DiagnosticStatus::WARN, "messages were lost")
     };
+    let peers = [
+        ("peers that fell silent", peers.losses()),
+        ("peers that came back", peers.returns()),
+    ];
+    let values = losses.into_iter().chain(peers);
     let values = values.map(|(key, count)| (key.to_owned(), count.to_string()));
     entry("ros", level, message.to_owned(), values)
 }

@@ -175,7 +175,8 @@ pub(super) async fn each_on<M: serde::de::DeserializeOwned + 'static>(
                 if lost > 0 && is_reliable {
                     counters.missed.fetch_add(lost, Ordering::Relaxed);
                     tracing::error!(
-                        "{lost} messages on {name} were lost, because they arrived faster than they could be handled"
+                        "{lost} messages on {name} were lost: they arrived faster than they could be handled, or were sent while \
+                         the network was interrupted"
                     );
                 }
                 handle(message, info);

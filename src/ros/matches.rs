@@ -9,10 +9,12 @@ use std::time::Instant;
 
 use futures::StreamExt;
 use rustdds::{
-    DomainParticipant, DomainParticipantStatusEvent, EndpointDescription, GUID, StatusEvented,
+    DomainParticipant, DomainParticipantStatusEvent, EndpointDescription, GUID, LostReason,
+    StatusEvented,
 };
 
 use super::guid_prefix::GuidPrefix;
+use super::lost_peers::LostPeers;
 use super::security::Peers;
 
 /// What is discovered of the endpoints of others.
@@ -34,6 +36,7 @@ pub struct Matches {
     peers: Mutex<BTreeMap<GUID, BTreeSet<GUID>>>,
     names: Mutex<BTreeMap<GUID, String>>,
     changed: Condvar,
+    lost_peers: Arc<LostPeers>,
     security_peers: Arc<Peers>,
 }
 
@@ -47,6 +50,11 @@ impl Matches {
     pub(super) fn forget(&self, endpoint: GUID) {
         locked(&self.names).remove(&endpoint);
         locked(&self.peers).remove(&endpoint);
+    }
+
+    /// Which participants fell silent, and which of them came back.
+    pub(super) fn lost_peers(&self) -> Arc<LostPeers> {
+        Arc::clone(&self.lost_peers)
     }
 
     /// Which participants joined with a valid identity, and how many were rejected.
@@ -143,8 +151,12 @@ impl Matches {
             } => {
                 let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
                 self.changed.notify_all();
-                if is_new && let Some(name) = locked(&self.names).get(&own) {
-                    tracing::debug!("matched {peer:?} on {name}");
+                if is_new {
+                    self.lost_peers
+                        .take_matched(prefix(peer.prefix), Instant::now());
+                    if let Some(name) = locked(&self.names).get(&own) {
+                        tracing::debug!("matched {peer:?} on {name}");
+                    }
                 }
             }
             Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
@@ -181,9 +193,38 @@ impl Matches {
                     Err(reason) => self.security_peers.take_rejected(peer, &reason, now),
                 }
             }
-            Event::ParticipantLost { id, .. } => self.security_peers.take_lost(prefix(id)),
+            Event::ParticipantLost { id, reason } => {
+                let topics = self.forget_peer(prefix(id));
+                self.security_peers.take_lost(prefix(id));
+                match reason {
+                    // Others in the domain that never had to do with this node do not matter to it.
+                    LostReason::Timeout { lease, elapsed } if !topics.is_empty() => {
+                        let times = (elapsed.to_std(), lease.to_std());
+                        self.lost_peers
+                            .take_lost(prefix(id), &topics, times, Instant::now());
+                    }
+                    LostReason::Timeout { .. } => {}
+                    LostReason::Disposed => self.lost_peers.take_left(prefix(id)),
+                }
+            }
             _ => {}
         }
+    }
+
+    /// Forgets all endpoints of a participant, and returns the names of the topics on which they were matched.
+    fn forget_peer(&self, participant: GuidPrefix) -> Vec<String> {
+        let mut of_own = BTreeSet::new();
+        for (own, peers) in locked(&self.peers).iter_mut() {
+            let before = peers.len();
+            peers.retain(|peer| prefix(peer.prefix) != participant);
+            if peers.len() < before {
+                of_own.insert(*own);
+            }
+        }
+        self.changed.notify_all();
+        let names = locked(&self.names);
+        let topics = of_own.iter().filter_map(|own| names.get(own).cloned());
+        topics.collect::<BTreeSet<_>>().into_iter().collect()
     }
 }
 

@@ -403,6 +403,7 @@ impl Publishing {
         else {
             return NodeCounters::count(&self.counters.unpublished);
         };
+        self.counters.lost_peers.count_published();
         if self.is_over || publisher.publish(raw).is_err() {
             NodeCounters::count(&self.counters.unpublished);
         }

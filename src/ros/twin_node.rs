@@ -72,6 +72,7 @@ impl TwinNode {
         let sensors = SensorInputs::new(&twin, &parameters, recording.clone());
         let counters = Arc::new(NodeCounters {
             sensors: sensors.clone(),
+            lost_peers: node.matches().lost_peers(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: is_simulated.then(|| ClockWatch::new(Instant::now())),
             ..NodeCounters::default()
@@ -191,6 +192,7 @@ pub(super) fn publish_log(
             if let Some(recording) = &recording {
                 recording.sent(&qos::ROSOUT, raw.bytes());
             }
+            counters.lost_peers.count_published();
             if publisher.publish(raw).is_err() {
                 NodeCounters::count(&counters.unpublished);
             }

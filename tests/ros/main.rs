@@ -15,6 +15,7 @@ mod live_twin;
 mod loopback;
 mod measurements;
 mod memory;
+mod network;
 mod parameter_events;
 mod program;
 mod real_peers;
@@ -25,4 +26,7 @@ mod senders;
 #[path = "../senses/signals.rs"]
 mod signals;
 mod simulation;
+mod stop;
+#[cfg(all(feature = "cli", feature = "record"))]
+mod stopped;
 mod transport;

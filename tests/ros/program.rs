@@ -86,6 +86,23 @@ impl Program {
         }
     }
 
+    /// Whether a line of the log that contains this text comes within a time.
+    #[allow(dead_code)] // the tests of stopped processes use it
+    pub fn shows(&mut self, text: &str, within: Duration) -> bool {
+        let deadline = Instant::now() + within;
+        while let Some(rest) = deadline.checked_duration_since(Instant::now()) {
+            let Ok(line) = self.log.recv_timeout(rest) else {
+                return false;
+            };
+            let is_it = line.contains(text);
+            self.seen.push(line);
+            if is_it {
+                return true;
+            }
+        }
+        false
+    }
+
     /// All lines of the log until now.
     #[allow(dead_code)] // the tests of security use it
     pub fn log_so_far(&mut self) -> &[String] {

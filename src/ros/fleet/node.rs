@@ -78,6 +78,7 @@ impl FleetNode {
         senders.warn_of_enclaves();
         let senders = Arc::new(senders);
         let counters = Arc::new(NodeCounters {
+            lost_peers: node.matches().lost_peers(),
             senders: senders.is_limited().then(|| Arc::clone(&senders)),
             clock: settings
                 .use_sim_time

@@ -257,7 +257,7 @@ impl FleetPublishing {
         let writer = self.columns.get(&column).and_then(|it| it.of(topic));
         if let Some(writer) = writer
             && !self.is_over
-            && writer.publish(raw.clone()).is_err()
+            && !self.publish_raw(writer, raw.clone())
         {
             NodeCounters::count(&self.counters.unpublished);
             let name = &self.fleet.column_names()[column as usize];
@@ -531,7 +531,7 @@ impl FleetPublishing {
             self.copy(column, topic, raw);
         }
         let is_sent = match (publisher, raw) {
-            (Some((_, publisher)), Some(raw)) => !self.is_over && publisher.publish(raw).is_ok(),
+            (Some((_, publisher)), Some(raw)) => self.publish_raw(publisher, raw),
             _ => false,
         };
         if !is_sent {
@@ -580,12 +580,17 @@ impl FleetPublishing {
         if let (Some(recording), Some(raw)) = (&self.recording, raw) {
             recording.sent(endpoint, raw.bytes());
         }
-        let is_sent =
-            raw.is_some_and(|raw| !self.is_over && publisher.publish(raw.clone()).is_ok());
+        let is_sent = raw.is_some_and(|raw| self.publish_raw(publisher, raw.clone()));
         if !is_sent {
             NodeCounters::count(&self.counters.unpublished);
             tracing::debug!("a message on {} was not published", endpoint.name);
         }
+    }
+
+    /// Returns whether it is sent.
+    fn publish_raw(&self, publisher: &Publisher<Raw>, raw: Raw) -> bool {
+        self.counters.lost_peers.count_published();
+        !self.is_over && publisher.publish(raw).is_ok()
     }
 
     fn log_refusal(&self, column: u32, refused: &Refused) {

@@ -1,8 +1,6 @@
-//! Another machine on the network of a node that serves this machine only. Both are network namespaces with a virtual cable
-//! between them: nothing leaves this machine, and no address of it is used.
+//! Another machine on the network of a node that serves this machine only.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_twin::messages::cdr;
@@ -11,84 +9,26 @@ use super::EVENT;
 use super::wire::{self, Datagram};
 use crate::domain::Domain;
 use crate::loopback::{PATIENCE, event, now};
+use crate::network::Network;
 use crate::program::Program;
 
-/// The node's address on the cable.
-const NODE: &str = "10.211.77.1";
-/// The address of the other machine.
-const OTHER: &str = "10.211.77.2";
+/// The machine of the node, and the other one.
+const NODE: usize = 0;
+const OTHER: usize = 1;
 
-/// Two namespaces, which vanish when dropped.
-struct Machines {
-    node: String,
-    other: String,
-}
-
-fn ip(arguments: &[&str]) -> Result<(), String> {
-    let output = Command::new("ip")
-        .args(arguments)
-        .output()
-        .map_err(|error| format!("ip: {error}"))?;
-    match output.status.success() {
-        true => Ok(()),
-        false => Err(format!(
-            "ip {}: {}",
-            arguments.join(" "),
-            String::from_utf8_lossy(&output.stderr)
-        )),
-    }
-}
-
-impl Machines {
-    fn connected() -> Result<Self, String> {
-        let id = std::process::id();
-        let machines = Self {
-            node: format!("twin-node-{id}"),
-            other: format!("twin-other-{id}"),
-        };
-        let (node, other) = (machines.node.as_str(), machines.other.as_str());
-        ip(&["netns", "add", node])?;
-        ip(&["netns", "add", other])?;
-        ip(&[
-            "link", "add", "veth0", "netns", node, "type", "veth", "peer", "name", "veth0",
-            "netns", other,
-        ])?;
-        for (machine, address) in [(node, NODE), (other, OTHER)] {
-            let address = format!("{address}/24");
-            ip(&["-n", machine, "link", "set", "lo", "up"])?;
-            ip(&["-n", machine, "addr", "add", &address, "dev", "veth0"])?;
-            ip(&["-n", machine, "link", "set", "veth0", "up"])?;
-            // So that a multicast datagram has somewhere to go.
-            ip(&["-n", machine, "route", "add", "239.0.0.0/8", "dev", "veth0"])?;
-        }
-        Ok(machines)
-    }
-
-    /// A command on one of them.
-    fn on(machine: &str, program: &str) -> Command {
-        let mut command = Command::new("ip");
-        command.args(["netns", "exec", machine, program]);
-        command
-    }
-
-    /// Sends a datagram from one of them.
-    fn send(&self, machine: &str, folder: &Path, datagram: &Datagram, to: &str, port: u16) {
-        let file = folder.join("datagram");
-        std::fs::write(&file, &datagram.0).unwrap();
-        let script = format!("cat {} > /dev/udp/{to}/{port}", file.display());
-        let status = Self::on(machine, "bash").args(["-c", &script]).status();
-        assert!(status.unwrap().success(), "{script}");
-    }
-}
-
-impl Drop for Machines {
-    fn drop(&mut self) {
-        for machine in [&self.node, &self.other] {
-            if let Err(error) = ip(&["netns", "del", machine]) {
-                println!("{error}");
-            }
-        }
-    }
+/// Sends a datagram from one of them.
+fn send(
+    network: &Network,
+    machine: usize,
+    folder: &Path,
+    datagram: &Datagram,
+    (to, port): (&str, u16),
+) {
+    let file = folder.join("datagram");
+    std::fs::write(&file, &datagram.0).unwrap();
+    let script = format!("cat {} > /dev/udp/{to}/{port}", file.display());
+    let status = network.on(machine, "bash").args(["-c", &script]).status();
+    assert!(status.unwrap().success(), "{script}");
 }
 
 /// The addresses that the node's UDP sockets are bound to, with their ports.
@@ -143,30 +83,28 @@ fn an_event_from_another_machine_is_not_received_on_localhost() {
         println!("SKIPPED: only root can make network namespaces");
         return;
     }
-    let machines = Machines::connected().unwrap_or_else(|error| {
-        panic!("{error}; this test needs iproute2 and the right to make network namespaces")
-    });
+    let network = Network::connected().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let domain = Domain::fresh();
-    let mut command = Machines::on(&machines.node, env!("CARGO_BIN_EXE_column-twin"));
+    let mut command = network.on(NODE, env!("CARGO_BIN_EXE_column-twin"));
     command.args(["run", "--ros-args", "-p", "state.directory:=\"\""]);
     let mut program = Program::spawn(&domain, folder.path(), command);
     program.wait_for("is ready in domain");
     let first = 7400 + 250 * domain.environment.domain_id;
 
-    let deliver = |machine: &str, addresses: &[&str], event_id: &str, prefix| {
+    let deliver = |machine: usize, addresses: &[&str], event_id: &str, prefix| {
         for (ports, datagram) in steps(prefix, event_id, first) {
             for port in ports {
                 for address in addresses {
-                    machines.send(machine, folder.path(), &datagram, address, port);
+                    send(&network, machine, folder.path(), &datagram, (address, port));
                 }
             }
             std::thread::sleep(Duration::from_millis(500));
         }
     };
     deliver(
-        &machines.other,
-        &[NODE, "239.255.0.1"],
+        OTHER,
+        &[&Network::address(NODE), "239.255.0.1"],
         "from-outside",
         [0x55; 12],
     );
@@ -175,7 +113,7 @@ fn an_event_from_another_machine_is_not_received_on_localhost() {
     let has_arrived = |line: &String| line.contains("from-inside");
     while !program.log_so_far().iter().any(has_arrived) {
         assert!(Instant::now() < deadline, "the node takes no event");
-        deliver(&machines.node, &["127.0.0.1"], "from-inside", [0x66; 12]);
+        deliver(NODE, &["127.0.0.1"], "from-inside", [0x66; 12]);
     }
     for (address, port) in sockets(&program) {
         let multicast = [first, first + 1].contains(&port);

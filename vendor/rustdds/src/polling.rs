@@ -319,6 +319,26 @@ pub(crate) fn new_shared_timer<E>() -> SharedTimer<E> {
   std::rc::Rc::new(std::cell::RefCell::new(Timer::new()))
 }
 
+/// Waits like [`Poll::poll`], but an interrupted wait is one without events: the
+/// caller looks at its timers and queues and waits again.
+///
+/// A process that is stopped and continued (SIGSTOP, Ctrl-Z, a debugger that
+/// attaches) has its waits interrupted even if it handles no signal, see
+/// signal(7), "Interruption of system calls and library functions by stop signals".
+pub(crate) fn poll_uninterrupted(
+  poll: &mut Poll,
+  events: &mut mio1::Events,
+  timeout: Duration,
+) -> std::io::Result<()> {
+  match poll.poll(events, Some(timeout)) {
+    Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {
+      events.clear();
+      Ok(())
+    }
+    waited => waited,
+  }
+}
+
 /// Poll timeout: the sooner of `deadline` and `cap`. A deadline already due
 /// yields a zero timeout so the loop drains it immediately.
 pub(crate) fn timeout_until(deadline: Option<Instant>, cap: Duration) -> Duration {

@@ -1,6 +1,6 @@
 use std::{
   sync::{Arc, RwLock},
-  time::Duration as StdDuration,
+  time::{Duration as StdDuration, Instant},
 };
 
 #[allow(unused_imports)]
@@ -31,7 +31,7 @@ use crate::{
     spdp_participant_data::{Participant_GUID, SpdpDiscoveredParticipantData},
   },
   polling::{
-    new_shared_timer, timeout_until, LoopWaker, ReadyReceiver, SharedTimer, WakeReceiver,
+    new_shared_timer, poll_uninterrupted, timeout_until, LoopWaker, ReadyReceiver, SharedTimer, WakeReceiver,
     WakeSender,
   },
   rtps::constant::*,
@@ -220,6 +220,7 @@ pub(crate) struct Discovery {
   // Discovery gets commands from dp_event_loop from this channel
   discovery_command_receiver: WakeReceiver<DiscoveryCommand>,
   spdp_liveness_receiver: WakeReceiver<GuidPrefix>,
+  last_participant_cleanup: Instant,
   /// Built-in reader sample tokens. One waker, so the token is the reason.
   discovery_samples: ReadyReceiver<Token>,
   waker: LoopWaker,
@@ -316,7 +317,9 @@ macro_rules! take_readable {
 impl Discovery {
   const PARTICIPANT_CLEANUP_PERIOD: StdDuration = StdDuration::from_secs(2);
   const TOPIC_CLEANUP_PERIOD: StdDuration = StdDuration::from_secs(60); // timer for cleaning up inactive topics
-  const SPDP_PUBLISH_PERIOD: StdDuration = StdDuration::from_secs(10);
+  // As Fast DDS announces itself: others who lost us find us again within this time.
+  const SPDP_PUBLISH_PERIOD: StdDuration = StdDuration::from_secs(3);
+  const PARTICIPANT_LEASE_DURATION: StdDuration = StdDuration::from_secs(50);
   const CHECK_PARTICIPANT_MESSAGES: StdDuration = StdDuration::from_secs(1);
   #[cfg(feature = "security")]
   const CACHED_SECURE_DISCOVERY_MESSAGE_RESEND_PERIOD: StdDuration = StdDuration::from_secs(1);
@@ -677,6 +680,7 @@ impl Discovery {
       discovery_updated_sender,
       discovery_command_receiver,
       spdp_liveness_receiver,
+      last_participant_cleanup: Instant::now(),
       discovery_samples,
       waker,
       participant_status_sender,
@@ -747,13 +751,10 @@ impl Discovery {
         self.discovery_timer.borrow().next_deadline(),
         std::time::Duration::from_millis(5000),
       );
-      match self.poll.poll(&mut events, Some(poll_timeout)) {
-        Ok(_) => (),
-        Err(e) => {
-          error!("Failed in waiting of poll in discovery. {e:?}");
-          return;
-        }
-      }
+      // Without its loop, nobody would be discovered any more, while the application
+      // believes that the participant works.
+      poll_uninterrupted(&mut self.poll, &mut events, poll_timeout)
+        .unwrap_or_else(|e| panic!("RustDDS discovery cannot wait for events: {e:?}"));
       if events.is_empty() {
         debug!("Discovery event loop idling.");
       }
@@ -931,7 +932,10 @@ impl Discovery {
           }
           SPDP_LIVENESS_TOKEN => {
             while let Ok(guid_prefix) = self.spdp_liveness_receiver.try_recv() {
-              discovery_db_write(&self.discovery_db).participant_is_alive(guid_prefix);
+              let returned = discovery_db_write(&self.discovery_db).participant_is_alive(guid_prefix);
+              if let Some(participant_data) = returned {
+                self.spdp_process(Sample::Value(participant_data));
+              }
             }
           }
           P2P_PARTICIPANT_STATELESS_MESSAGE_TOKEN => {
@@ -1014,68 +1018,72 @@ impl Discovery {
         }
       };
       for ds in samples {
-        #[cfg(not(feature = "security"))]
-        let permission = NormalDiscoveryPermission::Allow;
-
-        #[cfg(feature = "security")]
-        let permission = if let Some(security) = self.security_opt.as_mut() {
-          // Security is enabled. Do a secure read, potentially starting the
-          // authentication protocol. The return value tells if normal Discovery is
-          // allowed to process the message.
-          security.participant_read(
-            &ds,
-            &self.discovery_db,
-            &self.discovery_updated_sender,
-            &self.dcps_participant_stateless_message.writer,
-          )
-        } else {
-          // No security configured, always allowed
-          NormalDiscoveryPermission::Allow
-        };
-        #[cfg(feature = "security")]
-        self.report_authentication_outcomes();
-
-        if permission == NormalDiscoveryPermission::Allow {
-          match ds.value {
-            Sample::Value(participant_data) => {
-              debug!("spdp_receive discovered {:?}", participant_data);
-              self.process_discovered_participant_data(&participant_data);
-            }
-            // Sample::Dispose means that DomainParticipant was disposed
-            Sample::Dispose(participant_guid) => {
-              self.process_participant_dispose(participant_guid.0.prefix);
-            }
-          }
-        } else {
-          // Speed up *secure* discovery.
-          //
-          // While the remote is still being authenticated, `participant_read`
-          // returns a permission other than `Allow`, which skips
-          // `process_discovered_participant_data` above — and with it the normal
-          // "quick SPDP response" optimization. Without that, the remote would
-          // only learn about us on our next *periodic* SPDP (SPDP_PUBLISH_PERIOD),
-          // delaying the authentication handshake by up to a full period. Send an
-          // unsolicited one-shot quick SPDP response now (at most once per remote).
-          // We only re-announce our own public SPDP data, so this discloses nothing
-          // extra.
-          #[cfg(feature = "security")]
-          if let Sample::Value(participant_data) = &ds.value {
-            let remote_prefix = participant_data.participant_guid.prefix;
-            if self.spdp_quick_response_sent.len() >= MAX_OBSERVED_PARTICIPANTS {
-              self.spdp_quick_response_sent.clear();
-            }
-            if remote_prefix != self.domain_participant.guid().prefix
-              && self.spdp_quick_response_sent.insert(remote_prefix)
-            {
-              self.discovery_timer.borrow_mut().set_timeout(
-                StdDuration::from_millis(10),
-                DiscoveryTimerEvent::SendParticipantInfo { reschedule: false },
-              );
-            }
-          }
-        }
+        self.spdp_process(ds.value);
       }
     } // loop
+  }
+
+  fn spdp_process(&mut self, sample: Sample<SpdpDiscoveredParticipantData, Participant_GUID>) {
+    #[cfg(not(feature = "security"))]
+    let permission = NormalDiscoveryPermission::Allow;
+
+    #[cfg(feature = "security")]
+    let permission = if let Some(security) = self.security_opt.as_mut() {
+      // Security is enabled. Do a secure read, potentially starting the
+      // authentication protocol. The return value tells if normal Discovery is
+      // allowed to process the message.
+      security.participant_read(
+        &sample,
+        &self.discovery_db,
+        &self.discovery_updated_sender,
+        &self.dcps_participant_stateless_message.writer,
+      )
+    } else {
+      // No security configured, always allowed
+      NormalDiscoveryPermission::Allow
+    };
+    #[cfg(feature = "security")]
+    self.report_authentication_outcomes();
+
+    if permission == NormalDiscoveryPermission::Allow {
+      match sample {
+        Sample::Value(participant_data) => {
+          debug!("spdp_receive discovered {:?}", participant_data);
+          self.process_discovered_participant_data(&participant_data);
+        }
+        // Sample::Dispose means that DomainParticipant was disposed
+        Sample::Dispose(participant_guid) => {
+          self.process_participant_dispose(participant_guid.0.prefix);
+        }
+      }
+    } else {
+      // Speed up *secure* discovery.
+      //
+      // While the remote is still being authenticated, `participant_read`
+      // returns a permission other than `Allow`, which skips
+      // `process_discovered_participant_data` above — and with it the normal
+      // "quick SPDP response" optimization. Without that, the remote would
+      // only learn about us on our next *periodic* SPDP (SPDP_PUBLISH_PERIOD),
+      // delaying the authentication handshake by up to a full period. Send an
+      // unsolicited one-shot quick SPDP response now (at most once per remote).
+      // We only re-announce our own public SPDP data, so this discloses nothing
+      // extra.
+      #[cfg(feature = "security")]
+      if let Sample::Value(participant_data) = &sample {
+        let remote_prefix = participant_data.participant_guid.prefix;
+        if self.spdp_quick_response_sent.len() >= MAX_OBSERVED_PARTICIPANTS {
+          self.spdp_quick_response_sent.clear();
+        }
+        if remote_prefix != self.domain_participant.guid().prefix
+          && self.spdp_quick_response_sent.insert(remote_prefix)
+        {
+          self.discovery_timer.borrow_mut().set_timeout(
+            StdDuration::from_millis(10),
+            DiscoveryTimerEvent::SendParticipantInfo { reschedule: false },
+          );
+        }
+      }
+    }
   }
 
   fn process_discovered_participant_data(
@@ -1083,11 +1091,16 @@ impl Discovery {
     participant_data: &SpdpDiscoveredParticipantData,
   ) {
     let guid_prefix = participant_data.participant_guid.prefix;
-    let (was_new, is_known, evicted) = {
+    let (was_new, is_known, evicted, (restored_readers, restored_writers)) = {
       let mut db = discovery_db_write(&self.discovery_db);
       let was_new = db.update_participant(participant_data);
       let is_known = db.find_participant_proxy(guid_prefix).is_some();
-      (was_new, is_known, db.take_evicted_participants())
+      (
+        was_new,
+        is_known,
+        db.take_evicted_participants(),
+        db.take_restored_endpoints(guid_prefix),
+      )
     };
     self.on_participants_lost(evicted);
     if !is_known {
@@ -1098,6 +1111,18 @@ impl Discovery {
     // proxies as the SpdpDiscoveredParticipantData contains a bitmap of the
     // available built-in endpoints.
     self.send_discovery_notification(DiscoveryNotificationType::ParticipantUpdated { guid_prefix });
+
+    // It was lost and came back: match its endpoints again.
+    for discovered_reader_data in restored_readers {
+      self.send_discovery_notification(DiscoveryNotificationType::ReaderUpdated {
+        discovered_reader_data,
+      });
+    }
+    for discovered_writer_data in restored_writers {
+      self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
+        discovered_writer_data,
+      });
+    }
 
     if was_new {
       // Inform DDS Applications
@@ -1495,12 +1520,10 @@ impl Discovery {
   }
 
   fn spdp_publish(&self, local_dp: &DomainParticipant) {
-    // setting 5 times the duration so lease doesn't break if update fails once or
-    // twice
     let data = SpdpDiscoveredParticipantData::from_local_participant(
       local_dp,
       &self.security_opt,
-      5.0 * Duration::from(Self::SPDP_PUBLISH_PERIOD),
+      Duration::from(Self::PARTICIPANT_LEASE_DURATION),
     );
 
     #[cfg(feature = "security")]
@@ -1823,8 +1846,15 @@ impl Discovery {
   }
 
   pub fn participant_cleanup(&mut self) {
+    let since_last = self.last_participant_cleanup.elapsed();
+    self.last_participant_cleanup = Instant::now();
     let lost = {
       let mut db = discovery_db_write(&self.discovery_db);
+      // If this process was stopped meanwhile, then it is not the others who were
+      // silent. What they have sent may still wait in our sockets.
+      if since_last > 2 * Self::PARTICIPANT_CLEANUP_PERIOD {
+        db.extend_leases(since_last);
+      }
       let mut lost = db.participant_cleanup();
       lost.extend(db.take_evicted_participants());
       lost
@@ -1835,6 +1865,8 @@ impl Discovery {
   fn on_participants_lost(&mut self, lost: Vec<(GuidPrefix, LostReason)>) {
     for (guid_prefix, reason) in lost {
       debug!("participant {guid_prefix:?} lost: {reason:?}");
+      #[cfg(feature = "security")]
+      self.spdp_quick_response_sent.remove(&guid_prefix);
       #[cfg(feature = "security")]
       if let Some(security) = self.security_opt.as_mut() {
         security.forget_participant(guid_prefix);

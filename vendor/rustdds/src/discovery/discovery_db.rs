@@ -80,10 +80,16 @@ pub(crate) struct DiscoveryDB {
   external_topic_readers: BTreeMap<GUID, DiscoveredReaderData>,
   external_topic_writers: BTreeMap<GUID, DiscoveredWriterData>,
 
-  // These are "attic" storages for readers and writers whose participant
-  // was lost due to time-out. If we have a
+  // These are "attic" storages for participants that were lost due to time-out, and
+  // for their readers and writers. Some implementations announce themselves with the
+  // same sequence number all the time, so that the announcement of one that comes back
+  // is a duplicate, see `participant_is_alive`.
+  participants_attic: BTreeMap<GuidPrefix, SpdpDiscoveredParticipantData>,
   external_topic_readers_attic: BTreeMap<GUID, DiscoveredReaderData>,
   external_topic_writers_attic: BTreeMap<GUID, DiscoveredWriterData>,
+  // Participants that came back, whose endpoints are restored from the attic, but not
+  // yet matched with the local ones again, see `take_restored_endpoints`.
+  restored_participants: BTreeSet<GuidPrefix>,
 
   // Database of topic updates:
   // Outer level key is topic name
@@ -109,14 +115,15 @@ fn move_by_guid_prefix<D>(
   guid_prefix: GuidPrefix,
   from: &mut BTreeMap<GUID, D>,
   to: &mut BTreeMap<GUID, D>,
-) {
+) -> usize {
   let to_move: Vec<GUID> = from.range(guid_prefix.range()).map(|(g, _)| *g).collect();
   if to.len() + to_move.len() > MAX_REMOTE_ENDPOINTS {
     to.clear(); // The attic only makes a rediscovery faster.
   }
-  for guid in to_move {
-    from.remove(&guid).map(|d| to.insert(guid, d));
+  for guid in &to_move {
+    from.remove(guid).map(|d| to.insert(*guid, d));
   }
+  to_move.len()
 }
 
 pub(crate) fn discovery_db_read(
@@ -157,6 +164,8 @@ impl DiscoveryDB {
       external_topic_writers: BTreeMap::new(),
       external_topic_readers_attic: BTreeMap::new(),
       external_topic_writers_attic: BTreeMap::new(),
+      participants_attic: BTreeMap::new(),
+      restored_participants: BTreeSet::new(),
       topics: BTreeMap::new(),
       topic_updated_sender,
       participant_status_sender,
@@ -215,20 +224,24 @@ impl DiscoveryDB {
       // This may be a rediscovery: Participant lease time timed out, but then
       // came back, e.g. by network outage. We then restore readers/writers from
       // attic to discovery DB.
-      move_by_guid_prefix(
+      let readers = move_by_guid_prefix(
         guid.prefix,
         &mut self.external_topic_readers_attic,
         &mut self.external_topic_readers,
       );
-      move_by_guid_prefix(
+      let writers = move_by_guid_prefix(
         guid.prefix,
         &mut self.external_topic_writers_attic,
         &mut self.external_topic_writers,
       );
+      if readers + writers > 0 {
+        self.restored_participants.insert(guid.prefix);
+      }
     }
 
     // In any case:
     // Update SpdpDiscoveredParticipantData to DB
+    self.participants_attic.remove(&guid.prefix);
     self.participant_proxies.insert(guid.prefix, data.clone());
     // Timestamp last life sign fro participant
     let now = Instant::now();
@@ -280,6 +293,33 @@ impl DiscoveryDB {
     true
   }
 
+  /// The endpoints of a participant that came back after its lease had expired, once
+  /// after each return. The local endpoints were unmatched from them. The participant
+  /// may not have noticed its absence, and then it does not announce them again.
+  pub fn take_restored_endpoints(
+    &mut self,
+    guid_prefix: GuidPrefix,
+  ) -> (Vec<DiscoveredReaderData>, Vec<DiscoveredWriterData>) {
+    if !self.restored_participants.remove(&guid_prefix) {
+      return (Vec::new(), Vec::new());
+    }
+    let readers = self.external_topic_readers.range(guid_prefix.range());
+    let writers = self.external_topic_writers.range(guid_prefix.range());
+    (
+      readers.map(|(_, reader)| reader.clone()).collect(),
+      writers.map(|(_, writer)| writer.clone()).collect(),
+    )
+  }
+
+  /// Extends the leases of all participants by a time in which nothing could be
+  /// received from them, because this process was stopped.
+  pub fn extend_leases(&mut self, by: std::time::Duration) {
+    let now = Instant::now();
+    for last_life_sign in self.participant_last_life_signs.values_mut() {
+      *last_life_sign = (*last_life_sign + by).min(now);
+    }
+  }
+
   /// Participants that have been given up since the last call.
   pub fn take_evicted_participants(&mut self) -> Vec<(GuidPrefix, LostReason)> {
     std::mem::take(&mut self.evicted_participants)
@@ -301,18 +341,24 @@ impl DiscoveryDB {
     }
   }
 
-  pub fn participant_is_alive(&mut self, guid_prefix: GuidPrefix) {
+  // Returns the last announcement of a participant that was lost and is alive again.
+  pub fn participant_is_alive(
+    &mut self,
+    guid_prefix: GuidPrefix,
+  ) -> Option<SpdpDiscoveredParticipantData> {
     if let Some(ts) = self.participant_last_life_signs.get_mut(&guid_prefix) {
       let now = Instant::now();
       if now.duration_since(*ts) > std::time::Duration::from_secs(1) {
         debug!("Participant alive update for {guid_prefix:?}, but no full update.");
       }
       *ts = now;
+      None
     } else {
       info!(
         "Participant alive update for unknown {guid_prefix:?}. This is normal, if the message \
          does not repeat."
       );
+      self.participants_attic.get(&guid_prefix).cloned()
     }
   }
 
@@ -321,17 +367,23 @@ impl DiscoveryDB {
   // participant timed out.
   pub fn remove_participant(&mut self, guid_prefix: GuidPrefix, active_disposal: bool) {
     info!("removing participant {guid_prefix:?}");
-    self.participant_proxies.remove(&guid_prefix);
+    let removed = self.participant_proxies.remove(&guid_prefix);
     self.participant_last_life_signs.remove(&guid_prefix);
     self.participant_first_life_signs.remove(&guid_prefix);
+    self.restored_participants.remove(&guid_prefix);
     #[cfg(feature = "security")]
     self.authentication_statuses.remove(&guid_prefix);
 
     if active_disposal {
+      self.participants_attic.remove(&guid_prefix);
       self.remove_topic_reader_with_prefix(guid_prefix);
       self.remove_topic_writer_with_prefix(guid_prefix);
     } else {
       // move to attic
+      if self.participants_attic.len() >= MAX_REMOTE_PARTICIPANTS {
+        self.participants_attic.clear(); // As for the endpoints.
+      }
+      removed.map(|data| self.participants_attic.insert(guid_prefix, data));
       move_by_guid_prefix(
         guid_prefix,
         &mut self.external_topic_readers,

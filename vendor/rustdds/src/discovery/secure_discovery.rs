@@ -11,7 +11,7 @@ use crate::{
   dds::{
     no_key,
     participant::DomainParticipantWeak,
-    with_key::{DataSample, Sample, WriteOptionsBuilder},
+    with_key::{Sample, WriteOptionsBuilder},
     WriteError,
   },
   polling::WakeSender,
@@ -291,12 +291,12 @@ impl SecureDiscovery {
   // usual
   pub fn participant_read(
     &mut self,
-    ds: &DataSample<SpdpDiscoveredParticipantData>,
+    sample: &Sample<SpdpDiscoveredParticipantData, Participant_GUID>,
     discovery_db: &Arc<RwLock<DiscoveryDB>>,
     discovery_updated_sender: &WakeSender<DiscoveryNotificationType>,
     auth_msg_writer: &no_key::DataWriter<ParticipantStatelessMessage>,
   ) -> NormalDiscoveryPermission {
-    match &ds.value {
+    match sample {
       Sample::Value(participant_data) => self.participant_data_read(
         participant_data,
         discovery_db,

@@ -417,7 +417,7 @@ impl UDPListener {
 
     // Read the datagram and pull out the Copy metadata; the borrow of
     // `receive_buffer` (through `iov`) ends when this block ends.
-    let (nbytes, source, ifindex, spec_dst) = {
+    let (nbytes, source, ifindex, spec_dst) = loop {
       let mut iov = [IoSliceMut::new(
         &mut self.receive_buffer[..MAX_MESSAGE_SIZE],
       )];
@@ -425,6 +425,7 @@ impl UDPListener {
         match recvmsg::<SockaddrStorage>(fd, &mut iov, Some(&mut cmsg_space), MsgFlags::empty()) {
           Ok(m) => m,
           Err(Errno::EAGAIN) => return Ok(None),
+          Err(Errno::EINTR) => continue,
           Err(e) => return Err(io::Error::from_raw_os_error(e as i32)),
         };
 
@@ -447,7 +448,7 @@ impl UDPListener {
           }
         }
       }
-      (nbytes, source, ifindex, spec_dst)
+      break (nbytes, source, ifindex, spec_dst);
     };
 
     // Prefer the exact local destination address (matches sender interface

@@ -30,7 +30,7 @@ use crate::{
     util::{local_interface_table, localhost_spdp_peer_locators, IfAddr},
   },
   polling::{
-    new_shared_timer, timeout_until, wake_channel, LoopWaker, ReadyReceiver, SharedTimer,
+    new_shared_timer, poll_uninterrupted, timeout_until, wake_channel, LoopWaker, ReadyReceiver, SharedTimer,
     WakeReceiver, WakeSender,
   },
   //qos::HasQoSPolicy,
@@ -267,10 +267,10 @@ impl DPEventLoop {
     let mut ev_wrapper = self;
     let mut preparing_to_stop = false;
 
-    if let Err(e) = ev_wrapper.waker.install(&ev_wrapper.poll, LOOP_WAKE_TOKEN) {
-      error!("dp_event_loop failed to install waker: {e}");
-      return;
-    }
+    ev_wrapper
+      .waker
+      .install(&ev_wrapper.poll, LOOP_WAKE_TOKEN)
+      .unwrap_or_else(|e| panic!("RustDDS event loop failed to install its waker: {e}"));
 
     // Endpoint removals are collected during a wake and applied only after
     // ready-queue commands from that same wake have been dispatched.
@@ -311,13 +311,10 @@ impl DPEventLoop {
       } else {
         Duration::ZERO
       };
-      match ev_wrapper.poll.poll(&mut events, Some(poll_timeout)) {
-        Ok(_) => {}
-        Err(e) => {
-          error!("dp_event_loop poll failed: {e:?}");
-          break;
-        }
-      }
+      // Without its loop, the participant would be deaf and mute for good, while the
+      // application believes that it works.
+      poll_uninterrupted(&mut ev_wrapper.poll, &mut events, poll_timeout)
+        .unwrap_or_else(|e| panic!("RustDDS event loop cannot wait for its sockets: {e:?}"));
 
       // liveness watchdog
       let now = Instant::now();

@@ -1,4 +1,5 @@
 use std::{
+  cmp::max,
   collections::BTreeMap,
   fmt, iter,
   rc::Rc,
@@ -136,6 +137,9 @@ pub(crate) struct Reader {
   fragment_assemblers: BTreeMap<GUID, FragmentAssembler>,
   last_fragment_garbage_collect: Timestamp,
   matched_writers: BTreeMap<GUID, RtpsWriterProxy>,
+  // The count of ACKNACKs begins here for a newly matched writer: no smaller than
+  // for any writer before, among which it may have been.
+  next_ack_nack_count: i32,
   writer_match_count_total: i32, // total count, never decreases
 
   requested_deadline_missed_count: i32,
@@ -206,6 +210,7 @@ impl Reader {
       fragment_assemblers: BTreeMap::new(),
       last_fragment_garbage_collect: Timestamp::now(),
       matched_writers: BTreeMap::new(),
+      next_ack_nack_count: 0,
       writer_match_count_total: 0,
       requested_deadline_missed_count: 0,
       offered_incompatible_qos_count: 0,
@@ -458,19 +463,23 @@ impl Reader {
   }
 
   // return value counts how many new proxies were added
-  fn matched_writer_update(&mut self, proxy: RtpsWriterProxy) -> i32 {
+  fn matched_writer_update(&mut self, mut proxy: RtpsWriterProxy) -> i32 {
     if let Some(op) = self.matched_writer_mut(proxy.remote_writer_guid) {
       op.update_contents(proxy);
       0
     } else {
+      // The writer may have been matched before, and may not have noticed that we lost
+      // each other for a while. It ignores an ACKNACK whose count is not larger than
+      // that of the last one.
+      proxy.sent_ack_nack_count = self.next_ack_nack_count;
       self.matched_writers.insert(proxy.remote_writer_guid, proxy);
       1
     }
   }
 
   pub fn remove_writer_proxy(&mut self, writer_guid: GUID) {
-    if self.matched_writers.contains_key(&writer_guid) {
-      self.matched_writers.remove(&writer_guid);
+    if let Some(removed) = self.matched_writers.remove(&writer_guid) {
+      self.next_ack_nack_count = max(self.next_ack_nack_count, removed.sent_ack_nack_count);
       self
         .acquire_the_topic_cache_guard()
         .forget_reliable_writer(writer_guid);

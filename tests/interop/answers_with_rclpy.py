@@ -1,0 +1,46 @@
+#!/usr/bin/env python3
+"""Sends a light impact to a column every half second, and tells which forecasts arrive, until it is ended.
+
+Started by tests/partition with a running node in the domain of ROS_DOMAIN_ID:
+
+    answers_with_rclpy.py COLUMN_ID
+
+Prints `sent NUMBER` before it sends an event, and `forecast NUMBER` when the forecast of one has arrived.
+"""
+
+import sys
+
+import rclpy
+from rclpy.qos import QoSProfile
+
+from column_twin.msg import ImpactEvent, ImpactReport
+
+PERIOD = 0.5
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("persistent_peer")
+    events = node.create_publisher(ImpactEvent, "impact_event", QoSProfile(depth=10))
+    number = 0
+
+    def send():
+        nonlocal number
+        number += 1
+        # A light impact, which is over before the next one.
+        event = ImpactEvent(column_id=sys.argv[1], event_id=str(number), mass=10.0, velocity=0.5)
+        event.gap = event.restitution = event.height = float("nan")
+        event.header.stamp = node.get_clock().now().to_msg()
+        print("sent", number, flush=True)
+        events.publish(event)
+
+    def receive(report):
+        print("forecast", report.event_id, flush=True)
+
+    node.create_subscription(ImpactReport, "impact_forecast", receive, QoSProfile(depth=10))
+    node.create_timer(PERIOD, send)
+    rclpy.spin(node)
+
+
+if __name__ == "__main__":
+    main()

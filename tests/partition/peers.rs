@@ -1,0 +1,291 @@
+//! Nodes, and peers of theirs that keep exchanging messages with them.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use super::domain::Domain;
+use super::network::Network;
+use super::program::Program;
+
+/// The machine of the node, and that of its peer.
+pub const NODE: usize = 0;
+pub const PEER: usize = 1;
+
+/// The column that is hit.
+const COLUMN: &str = "c1";
+
+/// Interval between the impacts of the command line.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// Who talks to whom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `column-twin run` and ROS 2 on Fast DDS.
+    Rclpy,
+    /// `column-twin run` and a program on Cyclone DDS.
+    Cyclone,
+    /// `column-twin fleet` and ROS 2 on Fast DDS.
+    RclpyOfFleet,
+    /// `column-twin run` and `column-twin watch`; the impacts come from the machine of the node.
+    OwnWatch,
+    /// The same in enclaves.
+    #[cfg(feature = "security")]
+    SecuredWatch,
+}
+
+impl Kind {
+    /// After this time of silence the node gives the peer up.
+    pub fn lease(self) -> Duration {
+        Duration::from_secs(match self {
+            Self::Cyclone => 10,
+            Self::Rclpy | Self::RclpyOfFleet => 20,
+            Self::OwnWatch => 50,
+            #[cfg(feature = "security")]
+            Self::SecuredWatch => 50,
+        })
+    }
+
+    /// The node, in a folder of its own.
+    pub fn node(self, network: &Network, domain: &Domain, folder: &Path) -> Program {
+        self.make_keystore(domain, folder);
+        let mut command = self.own_program(network, NODE, folder);
+        match self {
+            Self::RclpyOfFleet => {
+                let table = folder.join("fleet.csv");
+                std::fs::write(&table, "namespace,column_id\n/hall/c0,c0\n/hall/c1,c1\n").unwrap();
+                command.arg("fleet").arg("--columns").arg(table);
+            }
+            _ => {
+                command.arg("run");
+            }
+        }
+        command.arg("--ros-args").args(self.enclave("/column_twin"));
+        command.args(["-p", "state.directory:=''", "-p", "real_time.priority:=0"]);
+        if self != Self::RclpyOfFleet {
+            command.args(["-p", &format!("column_id:={COLUMN}")]);
+        }
+        Program::spawn(domain, folder, command)
+    }
+
+    /// The program on a machine, which serves the network.
+    fn own_program(self, network: &Network, machine: usize, folder: &Path) -> Command {
+        let mut command = network.on(machine, "env");
+        command.arg("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET");
+        if self.is_secured() {
+            let keystore = folder.join("keystore");
+            command.args(["ROS_SECURITY_ENABLE=true", "ROS_SECURITY_STRATEGY=Enforce"]);
+            command.arg(format!("ROS_SECURITY_KEYSTORE={}", keystore.display()));
+        }
+        command.arg(env!("CARGO_BIN_EXE_column-twin"));
+        command
+    }
+
+    fn enclave(self, name: &str) -> Vec<String> {
+        match self.is_secured() {
+            true => vec!["--enclave".to_owned(), name.to_owned()],
+            false => Vec::new(),
+        }
+    }
+
+    fn is_secured(self) -> bool {
+        #[cfg(feature = "security")]
+        if self == Self::SecuredWatch {
+            return true;
+        }
+        false
+    }
+
+    fn make_keystore(self, domain: &Domain, folder: &Path) {
+        if self.is_secured() {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_column-twin"));
+            let domain = domain.environment.domain_id.to_string();
+            command.args(["keystore", "create", "--domain", &domain]);
+            command.arg(folder.join("keystore"));
+            let output = command.output().unwrap();
+            assert!(output.status.success(), "{output:?}");
+        }
+    }
+
+    /// The script that sends impacts and tells which forecasts arrive; `None` for a peer of our own.
+    fn script(self) -> Option<&'static str> {
+        match self {
+            Self::Rclpy | Self::RclpyOfFleet => Some("answers_with_rclpy.py"),
+            Self::Cyclone => Some("answers_with_cyclonedds.py"),
+            _ => None,
+        }
+    }
+}
+
+/// The Python of the environment, which is built if necessary.
+fn python() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let output = Command::new(interop("environment.sh"))
+            .stderr(Stdio::inherit())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "environment.sh: {}", output.status);
+        let environment = String::from_utf8(output.stdout).unwrap();
+        Path::new(environment.trim()).join("bin/python")
+    })
+}
+
+fn interop(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/interop")
+        .join(file)
+}
+
+/// A peer that was there before the cut.
+pub struct Peer<'a> {
+    kind: Kind,
+    child: Child,
+    lines: Receiver<String>,
+    /// When each impact was sent, by its identifier.
+    sent: BTreeMap<String, Instant>,
+    /// Sends impacts, where the peer does not.
+    sender: Option<Sender<'a>>,
+}
+
+/// Sends impacts from the machine of the node.
+struct Sender<'a> {
+    network: &'a Network,
+    domain: &'a Domain,
+    folder: &'a Path,
+    due: Instant,
+}
+
+impl<'a> Peer<'a> {
+    /// Starts it.
+    pub fn start(kind: Kind, network: &'a Network, domain: &'a Domain, folder: &'a Path) -> Self {
+        let mut command = match kind.script() {
+            Some(script) => {
+                let mut command = network.on(PEER, "env");
+                command.args(["ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET", "CYCLONEDDS_URI="]);
+                command.arg(python()).arg(interop(script)).arg(COLUMN);
+                command
+            }
+            None => {
+                let mut command = kind.own_program(network, PEER, folder);
+                command
+                    .args(["watch", "--ros-args"])
+                    .args(kind.enclave("/monitor"));
+                command
+            }
+        };
+        let mut child = command
+            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .env_remove("_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let output = BufReader::new(child.stdout.take().unwrap()).lines();
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in output.map_while(Result::ok) {
+                let _ = sender.send(line);
+            }
+        });
+        Self {
+            kind,
+            child,
+            lines,
+            sent: BTreeMap::new(),
+            sender: kind.script().is_none().then(|| Sender {
+                network,
+                domain,
+                folder,
+                due: Instant::now(),
+            }),
+        }
+    }
+
+    /// Waits for the forecast of an impact that was sent after an instant; `None` at the deadline.
+    pub fn wait_for_answer(
+        &mut self,
+        after: Option<Instant>,
+        deadline: Instant,
+    ) -> Option<Instant> {
+        while Instant::now() < deadline {
+            if let Some(event_id) = self.next_forecast(deadline)
+                && let Some(sent) = self.sent.get(&event_id)
+                && after.is_none_or(|after| *sent > after)
+            {
+                return Some(Instant::now());
+            }
+        }
+        None
+    }
+
+    /// Reads what it prints.
+    pub fn follow_until(&mut self, end: Instant) {
+        while Instant::now() < end {
+            self.next_forecast(end);
+        }
+    }
+
+    /// The identifier of the next forecast, if there is one within an interval.
+    fn next_forecast(&mut self, deadline: Instant) -> Option<String> {
+        self.send_if_due();
+        let rest = deadline.saturating_duration_since(Instant::now());
+        let line = self.lines.recv_timeout(rest.min(INTERVAL)).ok()?;
+        if let Some(event_id) = line.strip_prefix("sent ") {
+            self.sent.insert(event_id.to_owned(), Instant::now());
+        }
+        // As the scripts tell it, or as `column-twin watch` does.
+        let event_id = line.strip_prefix("forecast ")?;
+        let event_id = event_id.strip_prefix("of ").unwrap_or(event_id);
+        Some(event_id.split(':').next()?.to_owned())
+    }
+
+    fn send_if_due(&mut self) {
+        let Some(Sender {
+            network,
+            domain,
+            folder,
+            due,
+        }) = &mut self.sender
+        else {
+            return;
+        };
+        if Instant::now() < *due {
+            return;
+        }
+        let mut command = self.kind.own_program(network, NODE, folder);
+        command.args([
+            "impact",
+            "--mass",
+            "10",
+            "--velocity",
+            "0.5",
+            "--column",
+            COLUMN,
+        ]);
+        let sent = Instant::now();
+        let output = command
+            .arg("--ros-args")
+            .args(self.kind.enclave("/operator"))
+            .env("ROS_DOMAIN_ID", domain.environment.domain_id.to_string())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        *due = Instant::now() + INTERVAL;
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let event_id = said.split('"').nth(1);
+        let event_id = event_id.unwrap_or_else(|| panic!("no identifier in {said}"));
+        self.sent.insert(event_id.to_owned(), sent);
+    }
+}
+
+impl Drop for Peer<'_> {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

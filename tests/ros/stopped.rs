@@ -1,0 +1,216 @@
+//! A process that is stopped and continued has its waits interrupted. Both threads of RustDDS ended then: the node logged nothing, went
+//! on recording, and was deaf and mute for good.
+
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use column_twin::messages::column_twin::{ColumnState, ImpactEvent, ImpactReport};
+use column_twin::messages::diagnostic_msgs::DiagnosticArray;
+use column_twin::ros::{Node, qos};
+
+use super::domain::Domain;
+use super::loopback::{Incoming, Outgoing, event, now, reader};
+use super::program::Program;
+use super::stop::{By, stop_for};
+
+/// Long enough to interrupt every wait.
+const SHORT: Duration = Duration::from_millis(300);
+
+/// Longer than the lease of Fast DDS; peers of ours have more patience.
+const LONG: Duration = Duration::from_secs(30);
+
+/// Arguments of a node: no real-time scheduling, no state of a former run, a recording of everything.
+const ARGUMENTS: [&str; 9] = [
+    "--ros-args",
+    "-p",
+    "real_time.priority:=0",
+    "-p",
+    "state.directory:=''",
+    "-p",
+    "record.mode:=always",
+    "-p",
+    "record.directory:=recordings",
+];
+
+fn program(domain: &Domain, folder: &Path, arguments: &[&str]) -> Program {
+    let mut command = Command::new("sh");
+    // What `watch` shows goes to its standard output, and the log is read.
+    command.args(["-c", r#"exec "$@" >&2"#, "sh"]);
+    command
+        .arg(env!("CARGO_BIN_EXE_column-twin"))
+        .args(arguments);
+    Program::spawn(domain, folder, {
+        command.process_group(0);
+        command
+    })
+}
+
+/// A node and what is exchanged with it.
+struct Exchange {
+    program: Program,
+    folder: tempfile::TempDir,
+    events: Outgoing<ImpactEvent>,
+    forecasts: Incoming<ImpactReport>,
+    reports: Incoming<ImpactReport>,
+    node: Node,
+    number: usize,
+}
+
+impl Exchange {
+    fn start(domain: &Domain, arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let table = "namespace,column_id\n/hall/a,column\n/hall/b,b\n";
+        std::fs::write(folder.path().join("fleet.csv"), table).unwrap();
+        let all = [arguments, &ARGUMENTS[..]].concat();
+        let mut program = program(domain, folder.path(), &all);
+        program.wait_for("is ready in domain");
+        let mut node = reader(domain);
+        Self {
+            program,
+            folder,
+            events: Outgoing::start(domain, &qos::IMPACT_EVENT),
+            forecasts: Incoming::start(&mut node, &qos::IMPACT_FORECAST),
+            reports: Incoming::start(&mut node, &qos::IMPACT_REPORT),
+            node,
+            number: 0,
+        }
+    }
+
+    /// Sends an impact and waits for its forecast.
+    fn is_forecast(&mut self, mass: f64, velocity: f64) -> String {
+        self.number += 1;
+        let event_id = format!("e{}", self.number);
+        assert!(self.events.publish(event(&event_id, now(), mass, velocity)));
+        self.forecasts
+            .find(&event_id, |report| report.event_id == event_id);
+        event_id
+    }
+
+    /// An impact is received, answered, and its response ends.
+    fn works(&mut self) {
+        let event_id = self.is_forecast(100.0, 1.0);
+        self.reports
+            .find(&event_id, |report| report.event_id == event_id);
+    }
+
+    /// Stops the node while a response is under way, which is completed all the same.
+    fn completes_a_response(&mut self, by: By, time: Duration) {
+        let states = Incoming::<ColumnState>::start(&mut self.node, &qos::COLUMN_STATE);
+        let event_id = self.is_forecast(1500.0, 10.0);
+        states.find("a response", |state| {
+            state.event_id == event_id && state.phase == ColumnState::CONTACT
+        });
+        stop_for(self.program.id(), by, time);
+        self.reports
+            .find(&event_id, |report| report.event_id == event_id);
+        drop(states);
+        self.works();
+    }
+
+    /// Every impact is in the recording, which is verified by recomputation.
+    fn ends_with_a_good_recording(self) {
+        let impacts = self.number;
+        drop((self.events, self.forecasts, self.reports, self.node));
+        let (ended, _, log) = self.program.terminate();
+        assert!(ended.success(), "{ended}: {log:#?}");
+        let recordings = self.folder.path().join("recordings").read_dir().unwrap();
+        let recordings: Vec<_> = recordings.map(|it| it.unwrap().path()).collect();
+        let run = |command: &str| {
+            let output = Command::new(env!("CARGO_BIN_EXE_column-twin"))
+                .arg(command)
+                .args(&recordings)
+                .output()
+                .unwrap();
+            assert!(output.status.success(), "{output:?}");
+            String::from_utf8_lossy(&output.stdout).into_owned()
+        };
+        run("verify");
+        let listed = run("info");
+        let missing: Vec<_> = (1..=impacts)
+            .map(|it| format!("e{it}"))
+            .filter(|it| !listed.contains(it.as_str()))
+            .collect();
+        assert!(missing.is_empty(), "{missing:?} of {listed}");
+    }
+}
+
+#[test]
+fn a_node_that_was_stopped_hears_records_and_answers() {
+    let domain = Domain::fresh();
+    let mut exchange = Exchange::start(&domain, &["run"]);
+    let diagnostics = Incoming::<DiagnosticArray>::start(&mut exchange.node, &qos::DIAGNOSTICS);
+    for by in [By::Stop, By::Terminal] {
+        stop_for(exchange.program.id(), by, SHORT);
+        exchange.works();
+    }
+    exchange.completes_a_response(By::Stop, SHORT);
+    // The periods that passed meanwhile were skipped and counted.
+    diagnostics.find("skipped periods", |array| {
+        let mut statuses = array.status.iter();
+        statuses.any(|it| it.message == "periods were skipped")
+    });
+    drop(diagnostics);
+    exchange.ends_with_a_good_recording();
+}
+
+#[test]
+fn a_fleet_that_was_stopped_hears_records_and_answers() {
+    let domain = Domain::fresh();
+    let mut exchange = Exchange::start(&domain, &["fleet", "--columns", "fleet.csv"]);
+    stop_for(exchange.program.id(), By::Stop, SHORT);
+    exchange.works();
+    exchange.completes_a_response(By::Terminal, SHORT);
+    exchange.ends_with_a_good_recording();
+}
+
+/// `column-twin watch` shows an impact after it was stopped in this way.
+fn watches_on(exchange: &mut Exchange, watch: &mut Program, by: By, time: Duration) {
+    stop_for(watch.id(), by, time);
+    let event_id = exchange.is_forecast(100.0, 1.0);
+    watch.wait_for(&format!("forecast of {event_id}:"));
+}
+
+fn watch(domain: &Domain, exchange: &mut Exchange) -> Program {
+    let mut watch = program(domain, exchange.folder.path(), &["watch"]);
+    watch.wait_for("waiting for");
+    // It has found the node when it shows the first impact.
+    let is_shown = (0..20).any(|_| {
+        let event_id = exchange.is_forecast(100.0, 1.0);
+        let line = format!("forecast of {event_id}:");
+        watch.shows(&line, Duration::from_secs(1))
+    });
+    assert!(is_shown, "{:#?}", watch.seen);
+    watch
+}
+
+#[test]
+fn a_watch_that_was_stopped_goes_on() {
+    let domain = Domain::fresh();
+    let mut exchange = Exchange::start(&domain, &["run"]);
+    let mut watch = watch(&domain, &mut exchange);
+    for by in [By::Stop, By::Terminal] {
+        watches_on(&mut exchange, &mut watch, by, SHORT);
+    }
+}
+
+/// Thirty seconds are longer than a peer on Fast DDS waits for a sign of life.
+#[test]
+#[ignore = "slow: stops of 30 s; needs gdb and strace"]
+fn long_stops_and_debuggers_do_no_harm() {
+    let domain = Domain::fresh();
+    let mut exchange = Exchange::start(&domain, &["run"]);
+    let mut watch = watch(&domain, &mut exchange);
+    for by in [By::Gdb, By::Strace] {
+        stop_for(exchange.program.id(), by, SHORT);
+        exchange.works();
+        exchange.completes_a_response(by, SHORT);
+        watches_on(&mut exchange, &mut watch, by, SHORT);
+    }
+    stop_for(exchange.program.id(), By::Stop, LONG);
+    exchange.works();
+    exchange.completes_a_response(By::Stop, LONG);
+    watches_on(&mut exchange, &mut watch, By::Stop, LONG);
+    exchange.ends_with_a_good_recording();
+}
