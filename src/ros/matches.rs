@@ -151,12 +151,11 @@ impl Matches {
             } => {
                 let is_new = locked(&self.peers).entry(own).or_default().insert(peer);
                 self.changed.notify_all();
-                if is_new {
+                // Not one of the endpoints of discovery.
+                if is_new && let Some(name) = locked(&self.names).get(&own) {
+                    tracing::debug!("matched {peer:?} on {name}");
                     self.lost_peers
                         .take_matched(prefix(peer.prefix), Instant::now());
-                    if let Some(name) = locked(&self.names).get(&own) {
-                        tracing::debug!("matched {peer:?} on {name}");
-                    }
                 }
             }
             Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {

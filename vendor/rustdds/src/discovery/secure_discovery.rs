@@ -277,6 +277,17 @@ impl SecureDiscovery {
   pub fn forget_participant(&mut self, guid_prefix: GuidPrefix) {
     self.handshake_states.remove(&guid_prefix);
     self.stored_authentication_messages.remove(&guid_prefix);
+    // If it comes back, then it is authenticated again and needs new keys: its
+    // endpoints are registered anew.
+    self
+      .cached_key_exchange_messages_for_resend
+      .retain(|message| message.generic.destination_participant_guid.prefix != guid_prefix);
+    self
+      .cached_received_key_exchange_messages
+      .retain(|(_, remote), _| remote.prefix != guid_prefix);
+    self
+      .user_data_endpoints_with_keys_already_sent_to
+      .retain(|remote| remote.prefix != guid_prefix);
   }
 
   fn rejected(&mut self, remote_guid_prefix: GuidPrefix, reason: impl Into<String>) {
