@@ -264,6 +264,8 @@ pub fn watch(
         join!(events, subscribed.show(sender));
     })?;
     let mut lines = WatchLines::default();
+    let peers = node.matches().lost_peers();
+    let (mut losses, mut returns) = (0, 0);
     let mut fleet: Option<FleetView> = None;
     // The last message of a fleet, until no other one has come for a moment.
     let mut last = None;
@@ -294,7 +296,19 @@ pub fn watch(
         if fleet.is_some() {
             seen = seen.filter(|it| !matches!(it, Seen::State(_) | Seen::Status(_)));
         }
-        for line in lines.lines(seen, Instant::now()) {
+        let mut said = Vec::new();
+        let grown = |before: &mut u64, now: u64| std::mem::replace(before, now) < now;
+        if grown(&mut losses, peers.losses()) {
+            said.push(
+                "a twin has fallen silent: check its machine and the network; what it publishes meanwhile is missing here"
+                    .to_owned(),
+            );
+        }
+        if grown(&mut returns, peers.returns()) {
+            said.push("the twin that had fallen silent is heard again".to_owned());
+        }
+        said.extend(lines.lines(seen, Instant::now()));
+        for line in said {
             shown = show(Shown::Line(&line));
             if shown.is_break() {
                 break;

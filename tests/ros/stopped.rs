@@ -174,7 +174,7 @@ fn watches_on(exchange: &mut Exchange, watch: &mut Program, by: By, time: Durati
 
 fn watch(domain: &Domain, exchange: &mut Exchange) -> Program {
     let mut watch = program(domain, exchange.folder.path(), &["watch"]);
-    watch.wait_for("waiting for");
+    watch.wait_for("watching ");
     // It has found the node when it shows the first impact.
     let is_shown = (0..20).any(|_| {
         let event_id = exchange.is_forecast(100.0, 1.0);
