@@ -272,6 +272,32 @@ fn every_format_holds_the_same_numbers() {
     );
 }
 
+/// `--threads 10000` started as many threads for four cells.
+#[test]
+fn too_many_threads_are_not_started_and_the_map_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let four = ["map", "--mass", "1000:2000:2", "--velocity", "2:4:2"];
+    let ended = run(
+        folder.path(),
+        &[&four[..], &["--threads", "10000"]].concat(),
+    );
+    assert_eq!(ended.status.code(), Some(0));
+    let told = "Warning: 10000 threads were asked for; 4 are used, because that is the number of computations, which is 4\n";
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), told);
+    let summary = String::from_utf8_lossy(&ended.stdout);
+    assert!(summary.contains(" s on 4 threads\n"), "{summary}");
+    // As many as asked for, without a word, and as many as there are processors.
+    for threads in [&["--threads", "2"][..], &[]] {
+        let ended = run(folder.path(), &[&four[..], threads].concat());
+        assert_eq!(
+            (ended.status.code(), ended.stderr.as_slice()),
+            (Some(0), &b""[..])
+        );
+    }
+    let none = run(folder.path(), &[&four[..], &["--threads", "0"]].concat());
+    assert_eq!(none.status.code(), Some(2));
+}
+
 /// Another number of threads, and parts that are put together by a reader, make the same map, bit for bit.
 #[test]
 fn parts_are_the_map() {

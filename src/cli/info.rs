@@ -7,10 +7,13 @@ use clap::Args;
 use serde_json::{Value as Json, json};
 
 use super::failure::{Exit, Failure, printed};
+use column_twin::column::{End, Outcome};
 use column_twin::printable::PrintableWriter;
 use column_twin::recording::{
     self, EventSummary, FLUSH_WITHIN, Reader, RecordedTopic, RecordingError, SealFinding, instant,
 };
+use column_twin::report::end_in_words;
+use column_twin::results::outcome_word;
 
 /// Arguments of `column-twin info`.
 #[derive(Debug, Args)]
@@ -195,20 +198,17 @@ fn print_event(event: &EventSummary, out: &mut impl Write) -> io::Result<()> {
         write!(out, ": {mass} kg at {velocity} m/s")?;
     }
     writeln!(out)?;
-    if let Some(reason) = &event.refused {
-        writeln!(out, "    rejected: {reason}")?;
-    }
     match event.outcome {
         Some(outcome) => print_outcome(event, outcome, out),
-        None if event.refused.is_none() => writeln!(out, "    no report in this recording"),
-        None => Ok(()),
+        None => writeln!(out, "    {}", event.without_outcome()),
     }
 }
 
-fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> io::Result<()> {
+fn print_outcome(event: &EventSummary, outcome: Outcome, out: &mut impl Write) -> io::Result<()> {
     let millimetres =
         |value: Option<f64>| value.map_or("none".to_owned(), |it| format!("{:.2} mm", 1e3 * it));
-    write!(out, "    {outcome}: peak v1 {}", millimetres(event.max_v1))?;
+    let word = outcome_word(outcome);
+    write!(out, "    {word}: peak v1 {}", millimetres(event.max_v1))?;
     if let Some(time) = event.max_v1_time {
         write!(out, " after {:.2} ms", 1e3 * time)?;
     }
@@ -216,9 +216,14 @@ fn print_outcome(event: &EventSummary, outcome: &str, out: &mut impl Write) -> i
         write!(out, " (forecast {})", millimetres(event.forecast_max_v1))?;
     }
     write!(out, ", residual {}", millimetres(event.residual_v1))?;
-    match event.peak_contact_force {
-        Some(force) => writeln!(out, ", peak contact force {:.1} kN", 1e-3 * force),
-        None => writeln!(out),
+    if let Some(force) = event.peak_contact_force {
+        write!(out, ", peak contact force {:.1} kN", 1e-3 * force)?;
+    }
+    match event.end {
+        Some(end @ (End::DurationReached | End::NotConverged)) => {
+            writeln!(out, "; {}", end_in_words(end))
+        }
+        _ => writeln!(out),
     }
 }
 

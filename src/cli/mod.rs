@@ -47,6 +47,7 @@ mod simulate;
 #[cfg(test)]
 mod simulate_tests;
 mod summary;
+mod threads;
 mod vehicles;
 #[cfg(feature = "record")]
 mod verify;

@@ -18,6 +18,8 @@ pub(super) struct Activity {
 struct Doing {
     /// Received messages whose commands have not come.
     waiting: u32,
+    /// It has given out a checkpoint, which its next command needs in the same recording.
+    awaits_command: bool,
     /// It has executed a command, and its status at rest has not come.
     is_responding: bool,
     last: Nanos,
@@ -43,10 +45,16 @@ impl Activity {
         self.forget_idle(column);
     }
 
+    /// The column has given out a checkpoint: before a command, or because it has come to rest.
+    pub fn checkpoint(&mut self, column: &str, now: Nanos) {
+        self.at(column, now).awaits_command = true;
+    }
+
     /// The column has executed a command, of a received message or not.
     pub fn command(&mut self, column: &str, is_received: bool, now: Nanos) {
         let doing = self.at(column, now);
         doing.waiting = doing.waiting.saturating_sub(u32::from(is_received));
+        doing.awaits_command = false;
         doing.is_responding = true;
     }
 
@@ -54,7 +62,9 @@ impl Activity {
     pub fn reported(&mut self, column: &str, now: Nanos) {
         if let Some(doing) = self.columns.get_mut(column) {
             doing.last = now;
+            doing.awaits_command = false;
         }
+        self.forget_idle(column);
     }
 
     /// A status has shown the column at rest.
@@ -67,7 +77,7 @@ impl Activity {
 
     fn forget_idle(&mut self, column: &str) {
         let doing = self.columns.get(column);
-        if doing.is_some_and(|it| it.waiting == 0 && !it.is_responding) {
+        if doing.is_some_and(|it| it.waiting == 0 && !it.awaits_command && !it.is_responding) {
             self.columns.remove(column);
         }
     }
@@ -102,9 +112,14 @@ mod tests {
         assert!(!activity.is_idle(4), "the second message has no command");
         activity.rejected("a");
         assert!(activity.is_idle(5));
+        activity.checkpoint("b", 6);
+        assert!(!activity.is_idle(6) && !activity.is_responding("b"));
         activity.command("b", false, 6);
         activity.rests("b");
         assert!(activity.is_idle(7));
+        activity.checkpoint("b", 8);
+        activity.reported("b", 9);
+        assert!(activity.is_idle(9));
     }
 
     #[test]

@@ -237,9 +237,9 @@ impl Columns {
             self.continues_at = Some(log_time);
         }
         self.in_each(found, |column, found| {
-            column.replayer.lines_are_missing(lost, found);
+            column.replayer.lines_are_missing(lost);
             match gap {
-                Gap::Missing(_) => column.inputs.restart(found),
+                Gap::Missing(_) => column.inputs.restart(log_time, found),
                 Gap::Earlier(_) => column.inputs.continue_at(log_time),
                 Gap::None => {}
             }

@@ -53,11 +53,13 @@ impl FleetRecording {
         }
     }
 
-    /// The list of the columns, if it is due and a recording can begin here.
-    pub fn due_list(&mut self, now: Nanos) -> Option<JournalEntry> {
+    /// The list of the columns, if it is due and a recording can begin here. After a quiet time it is due where something
+    /// `begins` that will be recorded, so that the recording does not have to begin in the middle of it.
+    pub fn due_list(&mut self, now: Nanos, begins: bool) -> Option<JournalEntry> {
         let is_due = self.listed.is_none_or(|last| {
             let is_long_ago = now.saturating_sub(last) >= self.period;
-            self.recorded > 0 && (is_long_ago || self.recorded >= self.bytes)
+            let is_worthwhile = self.recorded > 0 || begins;
+            is_worthwhile && (is_long_ago || self.recorded >= self.bytes)
         });
         if !is_due || !self.activity.is_idle(now) {
             return None;
@@ -94,7 +96,10 @@ impl FleetRecording {
                 self.activity.command(column, is_received(record), now);
                 true
             }
-            Journal::Checkpoint(_) => true,
+            Journal::Checkpoint(_) => {
+                self.activity.checkpoint(column, now);
+                true
+            }
             Journal::Status(_) => {
                 self.activity.reported(column, now);
                 self.activity.is_responding(column)

@@ -37,8 +37,6 @@ struct Waiting {
     undescribed: Option<Described>,
     /// Messages that could not be recorded and whose commands follow.
     unrecorded: u64,
-    /// A message was found for a command: earlier messages have their commands by then.
-    began: bool,
 }
 
 /// A message that waits for its command.
@@ -97,8 +95,8 @@ impl Inputs {
         });
     }
 
-    /// Takes a line of the journal that is not an entry of the twin; `is_continued` if messages before it are in an earlier
-    /// recording.
+    /// Takes a line of the journal that is not an entry of the twin; `is_continued` if the message right before it may be in an
+    /// earlier recording.
     pub fn line(
         &mut self,
         entry: &JournalEntry,
@@ -107,7 +105,6 @@ impl Inputs {
         found: &mut Verification,
     ) {
         match entry {
-            JournalEntry::Received { .. } | JournalEntry::RefusedByNode { .. } if is_continued => {}
             JournalEntry::Received {
                 topic,
                 published,
@@ -121,7 +118,10 @@ impl Inputs {
                     published: *published,
                     sha256: sha256.clone(),
                 };
-                self.described(index, &described, place, found);
+                // The recording may have begun between the message and this line, but also before the message.
+                if !is_continued || self.topics[index].undescribed.is_some() {
+                    self.described(index, &described, place, found);
+                }
             }
             JournalEntry::RefusedByNode {
                 topic, what, code, ..
@@ -179,6 +179,7 @@ impl Inputs {
         let Some(index) = index_of(topic) else {
             return;
         };
+        let may_be_earlier = self.may_be_earlier(place);
         let waiting = &mut self.topics[index];
         match code {
             // The message could not be recorded; its command follows all the same.
@@ -200,6 +201,7 @@ impl Inputs {
                         waiting.messages.remove(position);
                         found.inputs_of[index].compared += 1;
                     }
+                    None if may_be_earlier => {}
                     None => {
                         let present = "a message that the node rejected";
                         found.inputs_of[index].missing += 1;
@@ -208,6 +210,12 @@ impl Inputs {
                 }
             }
         }
+    }
+
+    /// Whether the message that led to what is at this place may be in an earlier recording, even if there is one like it in this
+    /// recording: an event may come twice.
+    fn may_be_earlier(&self, place: &Place<'_>) -> bool {
+        self.earlier_until.is_some_and(|it| place.log_time <= it)
     }
 
     /// Compares a command of the journal with the message from which it follows.
@@ -221,6 +229,7 @@ impl Inputs {
             }
             _ => return,
         };
+        let may_be_earlier = self.may_be_earlier(place);
         let waiting = &mut self.topics[index];
         let column_id = self.column_id.as_deref().unwrap_or_default();
         let follows = |it: &Received| {
@@ -238,14 +247,12 @@ impl Inputs {
             return self.without_message(index, place, found);
         };
         // A message before the recording, or one that could not be recorded, may have led to this command.
-        let may_be_earlier = waiting.unrecorded > 0
-            || (!waiting.began && self.earlier_until.is_some_and(|it| place.log_time <= it));
-        if may_be_earlier && !follows(first) {
+        if (waiting.unrecorded > 0 || may_be_earlier) && !follows(first) {
             return self.without_message(index, place, found);
         }
-        let first = waiting.messages.pop_front();
-        waiting.began = true;
-        let Some(first) = first else { return };
+        let Some(first) = waiting.messages.pop_front() else {
+            return;
+        };
         found.inputs_of[index].compared += 1;
         let difference = match command(index, &first.bytes, column_id) {
             Ok(recorded) => {
@@ -270,12 +277,13 @@ impl Inputs {
     }
 
     fn without_message(&mut self, index: usize, place: &Place<'_>, found: &mut Verification) {
+        let may_be_earlier = self.may_be_earlier(place);
         let waiting = &mut self.topics[index];
         if waiting.unrecorded > 0 {
             waiting.unrecorded -= 1;
             return;
         }
-        if !waiting.began && self.earlier_until.is_some_and(|it| place.log_time <= it) {
+        if may_be_earlier {
             return;
         }
         found.inputs_of[index].missing += 1;
@@ -288,13 +296,13 @@ impl Inputs {
         self.earlier_until = Some(log_time.saturating_add(MAX_WAIT));
     }
 
-    /// Forgets everything that waits: commands of the journal are missing here.
-    pub fn restart(&mut self, found: &mut Verification) {
+    /// Forgets everything that waits: commands of the journal are missing before this log time.
+    pub fn restart(&mut self, log_time: Nanos, found: &mut Verification) {
         for (index, waiting) in self.topics.iter_mut().enumerate() {
             found.inputs_of[index].unchecked += waiting.messages.len() as u64;
             *waiting = Waiting::default();
         }
-        self.earlier_until = Some(Nanos::MAX);
+        self.continue_at(log_time);
     }
 
     /// Ends the recording, whose last log time is this one; `is_stopped` if its journal has an end.

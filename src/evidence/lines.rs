@@ -26,6 +26,8 @@ pub(super) struct Lines {
     is_undamaged: bool,
     /// The messages between the first line and the second one are in an earlier recording.
     repeats_checkpoint: bool,
+    /// What has begun in an earlier recording may not be over: the columns of a fleet may not have given out a checkpoint.
+    pub is_late: bool,
     /// Missing messages according to the counts that recomputation has not found to be missing.
     shortage: u64,
     delays: Delays,
@@ -39,6 +41,8 @@ struct Delays {
     count: u64,
     range: Option<(Nanos, Nanos)>,
     simulated: bool,
+    /// A checkpoint has told whether the times are simulated. One of a fleet may begin late, and have none.
+    is_clock_known: bool,
 }
 
 /// What a line tells about the lines before it.
@@ -58,6 +62,7 @@ impl Lines {
         Self {
             is_undamaged,
             repeats_checkpoint,
+            is_late: repeats_checkpoint,
             ..Self::default()
         }
     }
@@ -207,7 +212,8 @@ impl Lines {
         let Some((least, most)) = self.delays.range else {
             return;
         };
-        if self.delays.simulated || self.delays.count < MIN_DELAYS {
+        let is_comparable = self.delays.is_clock_known && !self.delays.simulated;
+        if !is_comparable || self.delays.count < MIN_DELAYS {
             return;
         }
         if least > MAX_DELAY || most < -MAX_LEAD {
@@ -231,6 +237,7 @@ impl Delays {
         };
         let described = match entry {
             Journal::Checkpoint(checkpoint) => {
+                self.is_clock_known = true;
                 // Times of another clock tell nothing about this one.
                 self.simulated |= checkpoint.parameters.settings().use_sim_time;
                 checkpoint.stamp

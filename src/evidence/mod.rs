@@ -42,7 +42,7 @@ pub use journal_line::{
 };
 pub use lines::{MAX_DELAY, MAX_LEAD};
 pub use losses::LOSS_SHOWS_WITHIN;
-pub use node_recording::NodeRecording;
+pub use node_recording::{NodeRecording, WallClock};
 pub use simulated::{RecordedImpact, SimulatedRecordingError, record_impact};
 pub use topics::{RECORDED, RECORDED_OF_FLEET, Topics};
 pub use verification::{ColumnCheck, NOT_RECOMPUTED, TopicCheck, Verification};

@@ -41,8 +41,19 @@ pub struct NodeRecording {
     unencoded: AtomicU64,
 }
 
+/// Gives the system time \[ns since 1970\].
+pub type WallClock = Box<dyn Fn() -> Nanos + Send>;
+
+fn system_time() -> Nanos {
+    let since = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    Nanos::try_from(since.as_nanos()).unwrap_or(Nanos::MAX)
+}
+
 /// The recorder, and what the next message of the recording needs.
 struct Open {
+    clock: WallClock,
     /// `None` after the stop.
     recorder: Option<RecorderHandle>,
     encoder: EntryEncoder,
@@ -54,11 +65,7 @@ struct Open {
 
 impl Open {
     fn now(&mut self) -> i64 {
-        let since = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default();
-        let now = i64::try_from(since.as_nanos()).unwrap_or(i64::MAX);
-        self.last_time = self.last_time.max(now);
+        self.last_time = self.last_time.max((self.clock)());
         self.last_time
     }
 
@@ -113,7 +120,7 @@ impl NodeRecording {
         if let Some(recording) = &started {
             let mut open = recording.open();
             let now = open.now();
-            recording.list_columns(&mut open, now);
+            recording.list_columns(&mut open, now, true);
         }
         Ok(started)
     }
@@ -134,6 +141,7 @@ impl NodeRecording {
         Ok(Some(Arc::new(Self {
             intakes: RwLock::default(),
             open: Mutex::new(Open {
+                clock: Box::new(system_time),
                 recorder: Some(recorder),
                 encoder: EntryEncoder::new(topics, events_only),
                 fleet,
@@ -144,6 +152,11 @@ impl NodeRecording {
             levels: Mutex::default(),
             unencoded: AtomicU64::new(0),
         })))
+    }
+
+    /// Takes the times of what follows from this clock instead of the system: in a test, hours pass at once.
+    pub fn follow(&self, clock: WallClock) {
+        self.open().clock = clock;
     }
 
     /// Writes what is queued and ends the recording; `None` if it has ended already.
@@ -167,9 +180,10 @@ impl NodeRecording {
         intakes.get(&column.map(str::to_owned)).map(Arc::clone)
     }
 
-    /// Lists the columns of a fleet where it is due and another recording can begin.
-    fn list_columns(&self, open: &mut Open, now: i64) {
-        if let Some(list) = open.fleet.as_mut().and_then(|it| it.due_list(now)) {
+    /// Lists the columns of a fleet where it is due and another recording can begin; `begins` as in [`FleetRecording::due_list`].
+    fn list_columns(&self, open: &mut Open, now: i64, begins: bool) {
+        let fleet = open.fleet.as_mut();
+        if let Some(list) = fleet.and_then(|it| it.due_list(now, begins)) {
             self.line(open, list, None, now, None);
         }
     }
@@ -246,7 +260,7 @@ impl RecordingTap for NodeRecording {
     fn sent(&self, endpoint: &Endpoint, bytes: &Arc<[u8]>) {
         let mut open = self.open();
         let now = open.now();
-        self.list_columns(&mut open, now);
+        self.list_columns(&mut open, now, false);
         let is_recorded = match &mut open.fleet {
             None => self.is_recorded(endpoint, bytes),
             Some(fleet) => {
@@ -269,7 +283,7 @@ impl RecordingTap for NodeRecording {
     ) {
         let mut open = self.open();
         let now = open.now();
-        self.list_columns(&mut open, now);
+        self.list_columns(&mut open, now, true);
         if let (Some(fleet), Some(column)) = (&mut open.fleet, column) {
             fleet.received(column, now);
         }
@@ -294,7 +308,7 @@ impl RecordingTap for NodeRecording {
     ) {
         let mut open = self.open();
         let now = open.now();
-        self.list_columns(&mut open, now);
+        self.list_columns(&mut open, now, true);
         let bytes = Arc::<[u8]>::from(bytes);
         if open.message(endpoint, Arc::clone(&bytes), now, received) {
             open.encoder.recorded_measurement(received, &bytes);
@@ -354,7 +368,7 @@ impl RecordingTap for NodeRecording {
         if let Some(column) = column {
             let mut open = self.open();
             let now = open.now();
-            self.list_columns(&mut open, now);
+            self.list_columns(&mut open, now, !matches!(entry, Journal::Status(_)));
             let fleet = open.fleet.as_mut();
             if fleet.is_some_and(|it| it.journal(column, entry, now)) {
                 let entry = JournalEntry::Twin(entry.clone());

@@ -100,21 +100,32 @@ impl Replayer {
 
     /// Takes note that so many lines are missing before the present one, or are in an earlier recording. Without them the position
     /// of the twin may be unknown.
-    pub fn lines_are_missing(&mut self, lost: u64, found: &mut Verification) {
+    pub fn lines_are_missing(&mut self, lost: u64) {
         self.missing_lines = self.missing_lines.saturating_add(lost);
         if let Some(replayed) = &mut self.replayed {
             replayed.must_report = false;
-            // The entries of these status may be the missing lines.
-            let mut excused = lost;
-            replayed.unexpected.retain(|(topic, _)| {
-                let is_excused = *topic == Topic::TwinStatus && excused > 0;
-                if is_excused {
-                    excused -= 1;
-                    found.topics[topic.index()].unchecked += 1;
-                }
-                !is_excused
-            });
         }
+    }
+
+    /// Does not expect the entries of status that may be among so many missing lines. What a status leads to is published right after
+    /// it, before the next entry.
+    fn excuse_statuses(&mut self, missing_lines: u64, found: &mut Verification) {
+        let Some(replayed) = &mut self.replayed else {
+            return;
+        };
+        let mut excused = missing_lines;
+        replayed.unexpected.retain(|(topic, _)| {
+            let is_excused = match topic {
+                Topic::TwinStatus => excused > 0,
+                Topic::JointStates | Topic::Markers => missing_lines > 0,
+                _ => false,
+            };
+            if is_excused {
+                excused -= u64::from(*topic == Topic::TwinStatus);
+                found.topics[topic.index()].unchecked += 1;
+            }
+            !is_excused
+        });
     }
 
     /// Takes an entry of the twin's journal; `false` if entries before it are missing.
@@ -280,6 +291,7 @@ impl Replayer {
     fn check_number(&mut self, number: u64, place: &Place<'_>, found: &mut Verification) {
         let expected = self.next_number.replace(number).unwrap_or(number);
         let missing_lines = std::mem::take(&mut self.missing_lines);
+        self.excuse_statuses(missing_lines, found);
         if number < expected {
             found.note_difference(place.difference(
                 "number of the entry",
@@ -480,7 +492,11 @@ impl Replayer {
             }
             replayed.note_passed(place, found);
         }
-        self.end_replay(!self.declares_losses && !is_continuation, found);
+        let missing_lines = self.missing_lines;
+        self.excuse_statuses(missing_lines, found);
+        // Without an entry after them, nothing tells whether commands are among the missing lines.
+        let is_complete = !self.declares_losses && !is_continuation && missing_lines == 0;
+        self.end_replay(is_complete, found);
         self.estimates.finish(found);
     }
 }

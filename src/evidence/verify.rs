@@ -368,7 +368,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
             message: decoded,
         };
         // What a column of a fleet does is preceded by its checkpoint, except after what the recording declares.
-        let is_early = of_fleet && !self.lines.is_continuation() && !self.declares_losses;
+        let is_early = of_fleet && !self.lines.is_late && !self.declares_losses;
         self.columns
             .in_column(&column_id, &mut self.found, |column, found| {
                 if column.has_checkpoint {
@@ -410,7 +410,8 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
         let is_wanted = match &line.entry {
             JournalEntry::Fleet { columns } => {
                 self.list(columns, place);
-                // No column is in the middle of anything.
+                // No column is in the middle of anything, except in the copy of the list with which a recording has begun late.
+                self.lines.is_late &= is_first;
                 self.settle(place);
                 self.columns.forget_what_is_too_old();
                 true
@@ -503,7 +504,7 @@ impl<'a, 'o> VerifyingPass<'a, 'o> {
                     .parameter_events
                     .entry(before.as_deref(), after.as_deref(), found);
                 if !is_complete {
-                    column.inputs.restart(found);
+                    column.inputs.restart(place.log_time, found);
                 }
                 match entry {
                     Journal::Checkpoint(checkpoint) => {

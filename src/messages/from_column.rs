@@ -188,7 +188,7 @@ fn hinge_state_code(state: HingeState) -> u8 {
     }
 }
 
-fn outcome_code(outcome: Outcome) -> u8 {
+pub(crate) fn outcome_code(outcome: Outcome) -> u8 {
     match outcome {
         Outcome::Elastic => ImpactReport::ELASTIC,
         Outcome::Plastic => ImpactReport::PLASTIC,
@@ -197,7 +197,7 @@ fn outcome_code(outcome: Outcome) -> u8 {
     }
 }
 
-fn end_code(end: End) -> u8 {
+pub(crate) fn end_code(end: End) -> u8 {
     match end {
         End::AtRest => ImpactReport::END_AT_REST,
         End::DurationReached => ImpactReport::END_DURATION_REACHED,

@@ -23,7 +23,7 @@ pub mod column_twin;
 mod column_twin_fleet;
 mod column_twin_services;
 pub mod diagnostic_msgs;
-mod from_column;
+pub(crate) mod from_column;
 pub mod geometry_msgs;
 pub mod rcl_interfaces;
 pub mod rosgraph_msgs;

@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use rosbag2_mcap::{Decoded, Decoder, Reader, RecordingError};
 use serde::Serialize;
 
+use crate::column::{End, Outcome};
 use crate::messages::column_twin::ImpactReport;
+use crate::messages::from_column::{end_code, outcome_code};
 
 /// Maximum number of events in a summary.
 const MAX_EVENTS: usize = 100_000;
@@ -35,8 +37,24 @@ pub struct EventSummary {
     pub residual_v1: Option<f64>,
     /// Peak contact force \[N\].
     pub peak_contact_force: Option<f64>,
-    /// `elastic`, `plastic` or `collapsed`.
-    pub outcome: Option<&'static str>,
+    /// What became of the column.
+    pub outcome: Option<Outcome>,
+    /// How the response ended.
+    pub end: Option<End>,
+    /// Why there is no outcome, although the event was accepted: another impact has hit the moving column, for example.
+    pub no_outcome: Option<String>,
+}
+
+impl EventSummary {
+    /// What there is to say of an event without an outcome.
+    #[must_use]
+    pub fn without_outcome(&self) -> String {
+        match (&self.refused, &self.no_outcome) {
+            (Some(reason), _) => format!("rejected: {reason}"),
+            (None, Some(reason)) => format!("no report of its own: {reason}"),
+            (None, None) => "no report in this recording".to_owned(),
+        }
+    }
 }
 
 /// The impacts of a recording in the order of their first message, and the number of messages about further impacts.
@@ -132,7 +150,21 @@ impl Events {
             event.max_v1_time = number(message, "max_v1_time");
             event.residual_v1 = number(message, "residual_v1");
             event.peak_contact_force = number(message, "peak_contact_force");
-            event.outcome = number(message, "outcome").and_then(outcome);
+            let code = number(message, "outcome").unwrap_or(f64::NAN);
+            event.outcome = outcome(code);
+            event.end = number(message, "end").and_then(end);
+            event.no_outcome = event
+                .outcome
+                .is_none()
+                .then(|| format!("this program does not know the outcome {code} of its report"));
+        } else if kind == Some(f64::from(ImpactReport::WITHDRAWN))
+            || kind == Some(f64::from(ImpactReport::NO_FORECAST))
+        {
+            let reason = text(message, "severity_reason").to_owned();
+            match number(message, "end") == Some(f64::from(ImpactReport::END_REJECTED)) {
+                true => event.refused = Some(reason),
+                false => event.no_outcome = event.outcome.is_none().then_some(reason),
+            }
         }
     }
 
@@ -143,7 +175,9 @@ impl Events {
         }
         let reason = text(message, "last_refusal_reason").to_owned();
         if let Some(event) = self.of(text(message, "column_id"), refused) {
-            let accepted = event.forecast_max_v1.is_some() || event.outcome.is_some();
+            let accepted = event.forecast_max_v1.is_some()
+                || event.outcome.is_some()
+                || event.no_outcome.is_some();
             event.refused = (!accepted).then_some(reason);
         }
     }
@@ -172,16 +206,26 @@ fn stamp(message: &Decoded) -> Option<i64> {
         .checked_add(part("header.stamp.nanosec")?)
 }
 
-fn outcome(code: f64) -> Option<&'static str> {
-    let codes = [
-        (ImpactReport::ELASTIC, "elastic"),
-        (ImpactReport::PLASTIC, "plastic"),
-        (ImpactReport::COLLAPSED, "collapsed"),
+fn outcome(code: f64) -> Option<Outcome> {
+    let all = [
+        Outcome::Elastic,
+        Outcome::Plastic,
+        Outcome::Collapsed,
+        Outcome::Severed,
     ];
-    codes
-        .into_iter()
-        .find(|(it, _)| f64::from(*it) == code)
-        .map(|(_, word)| word)
+    all.into_iter()
+        .find(|it| f64::from(outcome_code(*it)) == code)
+}
+
+fn end(code: f64) -> Option<End> {
+    let all = [
+        End::AtRest,
+        End::DurationReached,
+        End::Collapsed,
+        End::Severed,
+        End::NotConverged,
+    ];
+    all.into_iter().find(|it| f64::from(end_code(*it)) == code)
 }
 
 #[cfg(test)]
@@ -229,5 +273,54 @@ mod tests {
             refused,
             [("refused", true), ("first", false), ("then", false)]
         );
+    }
+
+    fn reported(kind: u8, outcome: u8, end: u8, reason: &str) -> EventSummary {
+        let numbers = [
+            ("kind", f64::from(kind)),
+            ("outcome", f64::from(outcome)),
+            ("end", f64::from(end)),
+        ];
+        let texts = [
+            ("column_id", "c"),
+            ("event_id", "e"),
+            ("severity_reason", reason),
+        ];
+        let mut events = Events::default();
+        events.reported(&message(&numbers, &texts));
+        events.list.remove(0)
+    }
+
+    /// A severed column had no report.
+    #[test]
+    fn every_outcome_is_known() {
+        for (code, outcome) in [
+            (ImpactReport::ELASTIC, Outcome::Elastic),
+            (ImpactReport::PLASTIC, Outcome::Plastic),
+            (ImpactReport::COLLAPSED, Outcome::Collapsed),
+            (ImpactReport::SEVERED, Outcome::Severed),
+        ] {
+            let event = reported(ImpactReport::RESULT, code, ImpactReport::END_AT_REST, "");
+            assert_eq!((event.outcome, event.no_outcome), (Some(outcome), None));
+        }
+        let later = reported(ImpactReport::RESULT, 9, ImpactReport::END_AT_REST, "");
+        assert_eq!(
+            later.without_outcome(),
+            "no report of its own: this program does not know the outcome 9 of its report"
+        );
+    }
+
+    #[test]
+    fn an_event_without_an_outcome_says_why() {
+        let without = |kind, end| reported(kind, ImpactReport::OUTCOME_UNKNOWN, end, "the reason");
+        let overtaken = without(ImpactReport::WITHDRAWN, ImpactReport::END_SUPERSEDED);
+        assert_eq!(
+            (overtaken.outcome, overtaken.without_outcome().as_str()),
+            (None, "no report of its own: the reason")
+        );
+        let rejected = without(ImpactReport::NO_FORECAST, ImpactReport::END_REJECTED);
+        assert_eq!(rejected.without_outcome(), "rejected: the reason");
+        let unknown = EventSummary::default().without_outcome();
+        assert_eq!(unknown, "no report in this recording");
     }
 }

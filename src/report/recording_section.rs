@@ -11,6 +11,7 @@ use super::words::short;
 use crate::evidence::{About, Verification, build};
 use crate::figures::units::Unit;
 use crate::recording::{EventSummary, instant};
+use crate::results::outcome_word;
 use crate::study::{LIMIT_VELOCITIES, VehicleLimits};
 
 /// Maximum number of events in the overview; of more events, the last ones are listed.
@@ -186,10 +187,9 @@ fn table(recorded: &ReportedRecording, impacts: &[ReportedImpact]) -> Markup {
                         td.number { (event.mass.map_or("-".to_owned(), |it| format!("{} kg", short(it)))) }
                         td.number { (event.velocity.map_or("-".to_owned(), |it| format!("{} m/s", short(it)))) }
                         td {
-                            @match (&event.refused, event.outcome) {
-                                (Some(reason), _) => { "rejected: " (reason) }
-                                (None, Some(outcome)) => { (outcome) }
-                                (None, None) => { "no report in this recording" }
+                            @match event.outcome {
+                                Some(outcome) => { (outcome_word(outcome)) }
+                                None => { (event.without_outcome()) }
                             }
                         }
                         td.number { (millimetres(event.max_v1)) }

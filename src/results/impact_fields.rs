@@ -8,6 +8,17 @@ use serde::Serialize;
 use crate::assessment::{Criterion, ImpactEvaluation, Severity};
 use crate::column::{End, HINGE_NAMES, HINGES, HingeReport, Outcome};
 
+/// The word for an outcome.
+#[must_use]
+pub fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Elastic => "elastic",
+        Outcome::Plastic => "plastic",
+        Outcome::Collapsed => "collapsed",
+        Outcome::Severed => "severed",
+    }
+}
+
 /// The outcome of one impact for programs, in SI units; the names are a stable interface. A value that does not exist is null.
 #[derive(Debug, Serialize)]
 pub struct ImpactFields<'a> {

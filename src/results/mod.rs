@@ -7,4 +7,4 @@ mod impact_fields;
 
 pub use capacity_fields::CapacityFields;
 pub use history_columns::HistoryColumns;
-pub use impact_fields::ImpactFields;
+pub use impact_fields::{ImpactFields, outcome_word};

@@ -6,13 +6,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use super::threads::Threads;
+
 /// Computations between two calls of the sink: they bound the memory, and the time until an interruption has an effect.
 const CHUNK: u64 = 4096;
 
 /// Many independent computations on all processors. Their results come in order, whatever the number of processors.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// Number of threads; `None`: as many as there are processors.
+    /// Number of threads, which [`Threads`] bounds; `None`: as many as there are processors.
     pub threads: Option<NonZeroUsize>,
     interrupted: AtomicBool,
     done: AtomicU64,
@@ -59,8 +61,9 @@ impl Batch {
         compute: impl Fn(u64) -> R + Sync,
         mut sink: impl FnMut(Vec<R>) -> Result<(), E>,
     ) -> Result<BatchEnd, E> {
+        let bounded = |asked| Threads::new(Some(asked), count).used.get();
         let pool = ThreadPoolBuilder::new()
-            .num_threads(self.threads.map_or(0, NonZeroUsize::get))
+            .num_threads(self.threads.map_or(0, bounded))
             .build()?;
         let mut first = 0;
         while first < count {

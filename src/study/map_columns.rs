@@ -4,7 +4,7 @@ use super::axis::AxisValue;
 use super::map::{DamageMap, MapCell};
 use super::study_column::Screening;
 use crate::assessment::Severity;
-use crate::column::Outcome;
+use crate::results::outcome_word;
 
 /// A column of a table in a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ const RESULTS: [ResultColumn; 11] = [
         ColumnKind::Text,
         "",
         "elastic, plastic, collapsed or severed",
-        |it| TableValue::Text(Some(outcome_name(it.outcome))),
+        |it| TableValue::Text(Some(outcome_word(it.outcome))),
     ),
     (
         "max_v1_m",
@@ -130,15 +130,6 @@ const RESULTS: [ResultColumn; 11] = [
         |it| TableValue::Number(Some(it.max_plastic_rotation)),
     ),
 ];
-
-fn outcome_name(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Elastic => "elastic",
-        Outcome::Plastic => "plastic",
-        Outcome::Collapsed => "collapsed",
-        Outcome::Severed => "severed",
-    }
-}
 
 impl DamageMap {
     /// The columns of the map in a file: number of the cell, variant, the values on both axes, and the results.

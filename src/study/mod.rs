@@ -40,6 +40,8 @@ pub mod risk;
 #[cfg(feature = "study")]
 mod row_search;
 mod study_column;
+#[cfg(feature = "study")]
+mod threads;
 mod vehicle_limits;
 
 #[cfg(feature = "study")]
@@ -62,4 +64,6 @@ pub use refine::{BoundaryPoint, ClassBoundary, RefinedMap, RowFault};
 #[cfg(feature = "study")]
 pub use row_search::{RefineError, RowBoundary};
 pub use study_column::{Screening, StudyColumn, StudyError};
+#[cfg(feature = "study")]
+pub use threads::{MAX_THREADS_PER_PROCESSOR, Threads};
 pub use vehicle_limits::{LIMIT_VELOCITIES, VehicleLimits, vehicle_limits};

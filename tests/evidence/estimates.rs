@@ -77,7 +77,7 @@ fn accepting(accept: &str) -> RecordedTwin {
 }
 
 impl RecordedTwin {
-    fn feel(&mut self, update: u32, contact: Nanos, velocity: f64) {
+    pub(super) fn feel(&mut self, update: u32, contact: Nanos, velocity: f64) {
         let record = EstimateRecord {
             is_final: update == 3,
             ..estimate(update, contact, velocity)
@@ -85,7 +85,7 @@ impl RecordedTwin {
         self.execute(Command::Estimate(Arc::new(record)));
     }
 
-    fn wait(&mut self, nanos: Nanos) {
+    pub(super) fn wait(&mut self, nanos: Nanos) {
         for _ in 0..nanos / MS {
             self.advance(MS);
         }

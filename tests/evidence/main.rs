@@ -28,7 +28,9 @@ mod random_damage;
 mod recomputed_estimates;
 mod recorded_twin;
 mod replayed;
+mod rotations;
 mod scenarios;
+mod scripted_fleet;
 mod sealed;
 #[allow(dead_code)] // the tests of the sensors use the rest
 #[path = "../senses/signals.rs"]

@@ -135,7 +135,7 @@ impl Felt {
 }
 
 /// Two impacts of the signal.
-fn recorded(lost: &[u64], change: &dyn Fn(u64, &mut Measurement)) -> Finished {
+pub fn recorded(lost: &[u64], change: &dyn Fn(u64, &mut Measurement)) -> Finished {
     let signal = Signal::read("s02_rigid_10");
     let (mut felt, readings) = Felt::new(&signal, |options| options);
     felt.lost = lost.to_vec();

@@ -2,6 +2,7 @@
 
 use column_twin::column::ImpactSpecification;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -10,13 +11,16 @@ use column_twin::evidence::{NodeRecording, Topics, Verification, verify};
 use column_twin::incoming::{column_command, raw_batch};
 use column_twin::messages::builtin_interfaces::Time;
 use column_twin::messages::column_twin::{ColumnParameters, ImpactEvent, Measurement};
+use column_twin::messages::rcl_interfaces::{Parameter, ParameterEvent, ParameterValue};
 use column_twin::messages::std_msgs::Header;
 use column_twin::messages::{Message, cdr};
 use column_twin::outgoing::{Message as TwinMessage, Outgoing, RecordingTap as _};
 use column_twin::parameters::{Parameters, RecordMode, RecordSettings, Value};
 use column_twin::recording::RecorderOptions;
 use column_twin::senses::{Batch, Intake};
-use column_twin::twin::{Command, ImpactCommand, Nanos, Output, Twin};
+use column_twin::twin::{
+    Command, ImpactCommand, Nanos, Output, ParametersChanged, RefusalCode, Twin,
+};
 use tempfile::TempDir;
 
 pub const START: Nanos = 1_800_000_000_000_000_000;
@@ -48,6 +52,50 @@ pub fn event(id: &str, stamp: Nanos) -> ImpactCommand {
     }
 }
 
+/// The message that becomes this command.
+pub fn message_of(event: &ImpactCommand) -> ImpactEvent {
+    ImpactEvent {
+        header: Header {
+            stamp: Time::from_nanos(event.stamp).expect("a stamp"),
+            frame_id: "map".to_owned(),
+        },
+        column_id: event.column_id.clone(),
+        event_id: event.event_id.clone(),
+        vehicle: event.vehicle.clone(),
+        ..ImpactEvent::from(&event.impact)
+    }
+}
+
+/// The bytes on `/parameter_events` after a change from `before` of parameters that are numbers, with their names behind this prefix;
+/// `None` if they have their values still.
+pub fn parameter_event(
+    changed: &ParametersChanged,
+    before: &Parameters,
+    prefix: &str,
+) -> Option<Arc<[u8]>> {
+    let parameter = |name: &String| {
+        let Some(Value::Double(number)) = changed.parameters.get(name) else {
+            panic!("{name} is no number");
+        };
+        let value = ParameterValue {
+            kind: 3,
+            double_value: number,
+            ..ParameterValue::default()
+        };
+        let name = format!("{prefix}{name}");
+        Parameter { name, value }
+    };
+    let is_changed = |name: &&String| before.get(name) != changed.parameters.get(name);
+    let names = changed.names.iter().filter(is_changed);
+    let event = ParameterEvent {
+        stamp: Time::from_nanos(changed.stamp).expect("a stamp"),
+        node: "/column_twin".to_owned(),
+        changed_parameters: names.map(parameter).collect(),
+        ..ParameterEvent::default()
+    };
+    (!event.changed_parameters.is_empty()).then(|| cdr::encode(&event).expect("bytes").into())
+}
+
 pub struct RecordedTwin {
     pub twin: Twin,
     pub now: Nanos,
@@ -58,7 +106,17 @@ pub struct RecordedTwin {
     recording: Arc<NodeRecording>,
     /// Where its measurements come from, if it has sensors.
     intake: Option<Arc<Mutex<Intake>>>,
+    /// Time since [`START`], by which the recording goes as well if it [follows](Self::follow_mock_clock) the twin.
+    passed: Arc<AtomicI64>,
+    /// The parameters whose change is published, if it is.
+    announced: Option<Arc<Parameters>>,
     directory: TempDir,
+}
+
+/// The system time \[ns since 1970\].
+pub fn system_time() -> Nanos {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).expect("after");
+    Nanos::try_from(now.as_nanos()).expect("before 2262")
 }
 
 impl RecordedTwin {
@@ -106,13 +164,24 @@ impl RecordedTwin {
             outgoing,
             recording,
             intake,
+            passed: Arc::default(),
+            announced: None,
             directory,
         };
         recorded.advance(0);
         recorded
     }
 
+    /// From now on the log times of the recording pass with the mock clock, and changes of parameters, all of them numbers, are published.
+    pub fn follow_mock_clock(&mut self) {
+        self.announced = Some(Arc::clone(self.twin.parameters()));
+        let (began, passed) = (system_time(), Arc::clone(&self.passed));
+        let clock = move || began + passed.load(Ordering::Relaxed);
+        self.recording.follow(Box::new(clock));
+    }
+
     fn put(&mut self, out: Vec<Output>) {
+        self.passed.store(self.now - START, Ordering::Relaxed);
         for output in out {
             if matches!(output, Output::State(_)) && self.states_to_drop > 0 {
                 self.states_to_drop -= 1;
@@ -120,6 +189,14 @@ impl RecordedTwin {
                 continue;
             }
             let (recording, dropped) = (&self.recording, self.dropped_states);
+            if let (Some(before), Output::ParametersChanged(changed)) =
+                (&mut self.announced, &output)
+            {
+                if let Some(event) = parameter_event(changed, before, "") {
+                    recording.sent(&endpoints::PARAMETER_EVENTS, &event);
+                }
+                *before = Arc::clone(&changed.parameters);
+            }
             self.outgoing.convert(&output, |mut message| {
                 if let TwinMessage::TwinStatus(status) = &mut message {
                     status.dropped_states = dropped;
@@ -147,18 +224,20 @@ impl RecordedTwin {
 
     /// The node receives an impact.
     pub fn hit(&mut self, event: ImpactCommand) {
-        let message = ImpactEvent {
-            header: Header {
-                stamp: Time::from_nanos(event.stamp).expect("a stamp"),
-                frame_id: "map".to_owned(),
-            },
-            column_id: event.column_id.clone(),
-            event_id: event.event_id.clone(),
-            vehicle: event.vehicle.clone(),
-            ..ImpactEvent::from(&event.impact)
-        };
-        self.receive(&endpoints::IMPACT_EVENT, &message);
+        self.receive_event(&event);
         self.execute(Command::Impact(event));
+    }
+
+    /// The node receives an impact, which the twin is given later.
+    pub fn receive_event(&self, event: &ImpactCommand) {
+        self.receive(&endpoints::IMPACT_EVENT, &message_of(event));
+    }
+
+    /// The node rejects an impact that it has received, before it reaches the twin.
+    pub fn reject(&self, event: &ImpactCommand, code: RefusalCode) {
+        let endpoint = &endpoints::IMPACT_EVENT;
+        self.recording
+            .rejected(None, endpoint, &event.event_id, Some(code), "for a test");
     }
 
     /// The node receives a set of parameters.
@@ -170,9 +249,9 @@ impl RecordedTwin {
 
     /// Records a message that the node receives, which was sent half a millisecond before.
     fn receive<M: Message>(&self, endpoint: &Endpoint, message: &M) {
+        self.passed.store(self.now - START, Ordering::Relaxed);
         let bytes = cdr::encode(message).expect("bytes");
-        let sent = SystemTime::now().duration_since(UNIX_EPOCH).expect("after");
-        let sent = i64::try_from(sent.as_nanos()).expect("before 2262") - MS / 2;
+        let sent = system_time() - MS / 2;
         self.recording.received(None, endpoint, bytes, Some(sent));
     }
 

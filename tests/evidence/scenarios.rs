@@ -391,10 +391,10 @@ fn vehicles_strain_rate_hardening_and_capacity() {
 }
 
 /// SplitMix64.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn below(&mut self, limit: u64) -> u64 {
+    pub fn below(&mut self, limit: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -402,12 +402,12 @@ impl Random {
         (z ^ (z >> 31)) % limit
     }
 
-    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub fn of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len() as u64) as usize]
     }
 }
 
-fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
+pub fn some_impact(random: &mut Random, id: u64, now: i64) -> ImpactCommand {
     ImpactCommand {
         vehicle: random.of(&["", "", "small_car", "lorry_8t"]).to_owned(),
         impact: ImpactSpecification {

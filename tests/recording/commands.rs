@@ -73,6 +73,61 @@ fn info_for_programs() {
     );
 }
 
+/// The summary of a recorded simulation with these options, for people and for programs.
+fn info_of_simulated(options: &[&str]) -> (String, serde_json::Value) {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    let simulate = [&["simulate"], options, &["--record"]].concat();
+    let output = run(&simulate, &bag);
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    let json: serde_json::Value =
+        serde_json::from_str(&out(&run(&["info", "--json"], &bag))).unwrap();
+    (out(&run(&["info"], &bag)), json["impacts"][0].clone())
+}
+
+/// `info` said "no report in this recording" of a severed column, and its JSON had no outcome.
+#[test]
+fn info_shows_the_report_of_a_severed_column() {
+    let hit = ["--mass", "1500", "--velocity", "15"];
+    let severed = ["-p", "assessment.ultimate_rotation:=0.02"];
+    let (text, json) = info_of_simulated(&[&hit[..], &severed].concat());
+    assert!(text.contains("    severed: peak v1 "), "{text}");
+    assert!(!text.contains("no report"), "{text}");
+    assert_eq!(
+        (&json["outcome"], &json["end"]),
+        (&"severed".into(), &"severed".into())
+    );
+    assert!(json["max_v1"].as_f64().is_some_and(|it| it > 0.0), "{json}");
+}
+
+#[test]
+fn info_shows_how_a_response_ended() {
+    let never = "assessment.ultimate_rotation:=0.0";
+    let (text, json) = info_of_simulated(&["--mass", "1e5", "--velocity", "50", "-p", never]);
+    assert!(text.contains("    collapsed: peak v1 "), "{text}");
+    assert_eq!(
+        (&json["outcome"], &json["end"]),
+        (&"collapsed".into(), &"collapsed".into())
+    );
+    let short = [
+        "--mass",
+        "1500",
+        "--velocity",
+        "5",
+        "-p",
+        never,
+        "-p",
+        "response.duration:=0.015",
+    ];
+    let (text, json) = info_of_simulated(&short);
+    assert!(text.contains("    plastic: peak v1 "), "{text}");
+    assert!(
+        text.contains("; stopped at response.duration, not at rest\n"),
+        "{text}"
+    );
+    assert_eq!(json["end"], "duration_reached");
+}
+
 #[test]
 fn info_of_a_file_that_was_cut_off_says_so_and_what_to_do() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use column_twin::column::Outcome;
 use column_twin::messages::column_twin::ImpactReport;
 use column_twin::messages::{INTERFACES, Message as _, cdr, find, type_hash::TypeHash};
 use column_twin::recording::{
@@ -138,7 +139,7 @@ fn impacts_are_summarised() {
     );
     assert_eq!(
         (hit.outcome, hit.max_v1, hit.residual_v1),
-        (Some("plastic"), Some(0.0946), Some(0.08934))
+        (Some(Outcome::Plastic), Some(0.0946), Some(0.08934))
     );
     assert_eq!(hit.forecast_max_v1, Some(0.0946));
     assert_eq!(

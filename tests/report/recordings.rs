@@ -97,6 +97,7 @@ fn every_impact_of_a_recording_has_its_section_and_the_recording_is_verified() {
         "Impact 2: ",
         "<strong>Equal",
         "no report in this recording",
+        "no report of its own: ",
         "rejected: ",
         "The column was still moving when this impact began",
         "SHA-256 of ",

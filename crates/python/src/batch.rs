@@ -1,12 +1,15 @@
 //! Many impacts at once, in rows of bytes that numpy reads as a structured array.
 
+use std::ffi::CString;
+use std::num::NonZeroUsize;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
 use column_twin::column::Impact;
 use column_twin::parameters::CRITERION_NAMES;
-use column_twin::study::{Batch, Screening};
+use column_twin::study::{Batch, Screening, Threads};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
 /// Numbers of a row.
@@ -78,6 +81,16 @@ impl Row {
         codes[2..4].copy_from_slice(&u16::from(outcome).to_ne_bytes());
         codes[4..].copy_from_slice(&u32::from(criterion).to_ne_bytes());
     }
+}
+
+/// A batch for so many computations on as many threads as were asked for; fewer, with a warning, if they would be too many.
+pub fn batch(py: Python<'_>, asked: Option<NonZeroUsize>, computations: u64) -> PyResult<Batch> {
+    if let Some(reduction) = Threads::new(asked, computations).reduction() {
+        let category = py.get_type::<PyUserWarning>();
+        // The caller of the method in Python.
+        PyErr::warn(py, &category, &CString::new(reduction)?, 2)?;
+    }
+    Ok(asked.map_or_else(Batch::default, Batch::on_threads))
 }
 
 /// Does the work of a batch in another thread without the GIL, and interrupts the batch on Ctrl-C.

@@ -13,11 +13,11 @@ use column_twin::parameters::{
     CatalogueVehicle, NodeName, Parameter, ParameterFaults, Parameters, Source, Value,
 };
 use column_twin::results::{CapacityFields, HistoryColumns, ImpactFields};
-use column_twin::study::{Batch, BatchEnd, StudyColumn, StudyError};
+use column_twin::study::{BatchEnd, StudyColumn, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 
-use crate::batch::{NUMBERS, ROW_BYTES, Row, interruptible};
+use crate::batch::{NUMBERS, ROW_BYTES, Row, batch, interruptible};
 use crate::fault;
 use crate::risk::{Request, risk};
 use crate::study::{self, GivenAxis};
@@ -155,8 +155,7 @@ impl Column {
             })
             .collect();
         let impacts = impacts?;
-        let mut batch = Batch::default();
-        batch.threads = threads;
+        let batch = batch(py, threads, impacts.len() as u64)?;
         let mut rows: Vec<Row> = Vec::with_capacity(impacts.len());
         let end = interruptible(py, &batch, |batch| {
             batch.run(

@@ -3,14 +3,14 @@
 use std::num::NonZeroUsize;
 
 use column_twin::parameters::Parameters;
+use column_twin::study::BatchEnd;
 use column_twin::study::risk::{
     CriticalSpeedSurface, DepartureSampler, Exposure, RiskColumn, RiskResult, RiskStudy, Scenario,
     StudyRunError,
 };
-use column_twin::study::{Batch, BatchEnd};
 use pyo3::prelude::*;
 
-use crate::batch::interruptible;
+use crate::batch::{batch, interruptible};
 use crate::fault;
 
 /// What a risk study is about, as `Column.risk` describes it.
@@ -51,8 +51,7 @@ pub fn risk(py: Python<'_>, parameters: &Parameters, request: &Request) -> PyRes
         fault::input(format!("this column and scenario make no study: {reason}"))
     })?;
     let sampler = DepartureSampler::new(&scenario, request.seed);
-    let mut batch = Batch::default();
-    batch.threads = request.threads;
+    let batch = batch(py, request.threads, request.samples)?;
     let surface = match request.exact {
         true => None,
         false => interruptible(py, &batch, |batch| {

@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 
 use column_twin::parameters::Parameters;
 use column_twin::study::{
-    AxisValue, AxisValues, Batch, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
+    AxisValue, AxisValues, CriticalVelocity, DamageMap, MapAxis, MapError, MapQuantity,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 
-use crate::batch::{Codes, NUMBERS, ROW_BYTES, Row, interruptible};
+use crate::batch::{Codes, NUMBERS, ROW_BYTES, Row, batch, interruptible};
 use crate::fault;
 
 /// An axis as Python gives it: in the notation of the command line, or as a name with its values.
@@ -80,8 +80,7 @@ pub fn map<'py>(
         None => DamageMap::new(parameters, vehicle, axes),
     };
     let map = map.map_err(|reason| refused(&reason))?;
-    let mut batch = Batch::default();
-    batch.threads = threads;
+    let batch = batch(py, threads, map.len())?;
     let table = interruptible(py, &batch, |batch| map.table(batch))?;
     let table = table.map_err(|reason| fault::no_threads(&reason))?;
 

@@ -34,6 +34,17 @@ def test_an_axis_of_the_column_and_a_comparison(steel: Column) -> None:
     assert named["max_v1"][0, 1] == steel.screen("mid_car", velocity=10.0).max_v1
 
 
+def test_too_many_threads_are_not_started(steel: Column) -> None:
+    with pytest.warns(UserWarning, match="^10000 threads were asked for; 4 are used, because"):
+        many = steel.map(mass=(1000, 2000, 2), velocity=(2, 4, 2), threads=10_000)
+    one = steel.map(mass=(1000, 2000, 2), velocity=(2, 4, 2), threads=1)
+    assert many.cells.tobytes() == one.cells.tobytes()
+    with pytest.warns(UserWarning, match="^9999 threads were asked for; 2 are used, because"):
+        steel.screen_batch(1500, [2.0, 3.0], threads=9999)
+    with pytest.raises(ParameterError, match="threads"):
+        steel.map(mass=(1000, 2000, 2), velocity=(2, 4, 2), threads=0)
+
+
 def test_tables_and_figures_of_maps(steel: Column) -> None:
     pytest.importorskip("pandas")
     matplotlib = pytest.importorskip("matplotlib")

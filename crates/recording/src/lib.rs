@@ -45,7 +45,7 @@ pub use report::{RecorderReport, ReportLevel};
 pub use seal::PreviousRecording;
 pub use seal_check::Seal;
 pub use seal_key::{PublicKey, SealKey};
-pub use session::{OnReport, RecorderOptions};
+pub use session::{OnReport, RecorderOptions, Session};
 pub use statistics::{QueueStatistics, RecorderStatistics};
 pub use topic::{OfferedQos, TopicInfo};
 pub use value::Decoded;

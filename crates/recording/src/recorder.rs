@@ -67,7 +67,7 @@ impl Recorder {
         };
         let recording = {
             let shared = Arc::clone(&shared);
-            let session = Session::start(options, topics, Arc::clone(&shared.counters))?;
+            let session = Session::counting(options, topics, Arc::clone(&shared.counters))?;
             spawn(format!("{application}/recorder"), move || {
                 shared.run(&receiver, session);
             })?

@@ -152,8 +152,9 @@ fn set<T>(place: &Mutex<Option<T>>, value: Option<T>) {
     *place.lock().unwrap_or_else(PoisonError::into_inner) = value;
 }
 
-/// Writes one recording after the other.
-pub(crate) struct Session {
+/// Writes one recording after the other: what a [`Recorder`](crate::Recorder) does in its thread, for a caller with messages and a time
+/// of its own.
+pub struct Session {
     options: RecorderOptions,
     topics: Vec<TopicInfo>,
     counters: Arc<Counters>,
@@ -179,8 +180,26 @@ struct Current {
     unflushed: bool,
 }
 
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session")
+            .field("options", &self.options)
+            .field("counters", &self.counters)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Session {
-    pub fn start(
+    /// A session that writes to the directory of the options, which must exist. A recording begins with the first message.
+    ///
+    /// # Errors
+    /// The system provides no thread to sync files, or no random numbers for the seal.
+    pub fn start(options: RecorderOptions, topics: Vec<TopicInfo>) -> Result<Self, RecordingError> {
+        Self::counting(options, topics, Arc::default())
+    }
+
+    /// As [`start`](Self::start), with counters that others read.
+    pub(crate) fn counting(
         options: RecorderOptions,
         topics: Vec<TopicInfo>,
         counters: Arc<Counters>,
@@ -545,7 +564,7 @@ mod tests {
             },
         };
         let counters = Arc::<Counters>::default();
-        let session = Session::start(options, vec![topic], Arc::clone(&counters)).unwrap();
+        let session = Session::counting(options, vec![topic], Arc::clone(&counters)).unwrap();
         (session, counters)
     }
 

@@ -12,8 +12,9 @@ use crate::cli::failure::Failure;
 use crate::cli::fleet_study::FleetStudyArgs;
 use crate::cli::impact_args::ImpactSpecificationArgs;
 use crate::cli::simulate::{is_standard_output, parameters_of};
+use crate::cli::threads;
 use column_twin::parameters::Parameters;
-use column_twin::study::{AxisValues, Batch, DamageMap, MapAxis, MapError, Variant};
+use column_twin::study::{AxisValues, Batch, DamageMap, MapAxis, MapError, Threads, Variant};
 
 /// Arguments of `column-twin map`.
 #[derive(Debug, Args)]
@@ -54,7 +55,7 @@ pub struct MapArgs {
     /// Compute one of several contiguous parts of the map, such as 3/16, for batch systems
     #[arg(long, value_name = "PART/PARTS")]
     pub shard: Option<String>,
-    /// Number of threads; default: one per processor. The results do not depend on it
+    /// Number of threads, at most one per computation and four per processor; default: one per processor. The results do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// Write the impacts as CSV, one row each; with -, they go to the standard output and the summary to the standard error
@@ -296,17 +297,14 @@ impl MapArgs {
         self.velocity.as_deref()
     }
 
-    /// The batch with its threads.
-    pub fn batch(&self) -> Batch {
-        let mut batch = Batch::default();
-        batch.threads = self.threads;
-        batch
+    /// The batch for so many computations with its threads.
+    pub fn batch(&self, computations: u64) -> Batch {
+        threads::batch(self.threads, computations)
     }
 
-    /// Number of threads.
-    pub fn thread_count(&self) -> usize {
-        let available = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        self.threads.map_or_else(available, NonZeroUsize::get)
+    /// Number of threads for so many computations.
+    pub fn thread_count(&self, computations: u64) -> NonZeroUsize {
+        Threads::new(self.threads, computations).used
     }
 
     /// What the files say about the map, so that they can be put together again.

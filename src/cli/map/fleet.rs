@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Fai
         &mut *output,
     )
     .map_err(MapCommandError::from)?;
-    let batch = arguments.batch();
+    let batch = arguments.batch(kinds.count() as u64);
     let start = Instant::now();
     let mut results: Vec<KindResult> = Vec::new();
     let interruption = Interruption::listen();
@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &MapArgs, output: &mut dyn Write) -> Result<(), Fai
         columns.len(),
         kinds.count(),
         elapsed.as_secs_f64(),
-        arguments.thread_count(),
+        arguments.thread_count(kinds.count() as u64),
     );
     text.push_str(&ranking(&rows, range));
     text.push_str(&written);

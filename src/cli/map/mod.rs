@@ -159,7 +159,7 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
     let mut summary = MapSummary::new(map);
     let start = Instant::now();
     let mut end_cell = cells.start;
-    let batch = arguments.batch();
+    let batch = arguments.batch(cells.end - cells.start);
     let interruption = Interruption::listen();
     let result = interruption.watch(&batch, cells.end - cells.start, "impacts", || {
         map.compute(&batch, cells.clone(), |part| {
@@ -213,7 +213,7 @@ fn compute(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resu
         text,
         "{count} responses in {:.1} s on {} threads\n",
         elapsed.as_secs_f64(),
-        arguments.thread_count(),
+        arguments.thread_count(cells.end - cells.start),
     );
     let _ = write!(text, "{summary}");
     text.push_str(&written);
@@ -269,7 +269,7 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
         &mut *output,
     )
     .map_err(MapCommandError::from)?;
-    let batch = arguments.batch();
+    let batch = arguments.batch(map.len());
     let start = Instant::now();
     let refined = Interruption::listen().watch(&batch, 0, "impacts", || map.refine(&batch));
     let refined: RefinedMap = refined.map_err(MapCommandError::from)?;
@@ -286,7 +286,7 @@ fn refine(arguments: &MapArgs, map: &DamageMap, output: &mut dyn Write) -> Resul
         "Boundaries to 1 % with {} responses in {:.2} s on {} threads; a map of all cells takes {}\n",
         refined.responses,
         elapsed.as_secs_f64(),
-        arguments.thread_count(),
+        arguments.thread_count(map.len()),
         map.len(),
     );
     text.push_str(&show_boundaries(map, &refined));

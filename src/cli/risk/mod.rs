@@ -16,6 +16,7 @@ use super::failure::{Exit, Failure, unless_closed};
 use super::fleet_study::FleetStudyArgs;
 use super::interruption::Interruption;
 use super::simulate::load;
+use super::threads;
 use column_twin::figures::{self, FigureError};
 use column_twin::parameters::Parameters;
 use column_twin::study::risk::{
@@ -66,7 +67,7 @@ pub struct RiskArgs {
     /// Seed of the random numbers; the same seed gives the same result on any number of threads
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Threads; default: one per processor
+    /// Threads, at most four per processor; default: one per processor
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// Confidence level of the intervals
@@ -304,17 +305,13 @@ impl Case {
     ) -> Result<Outcome, RiskCommandError> {
         let column = RiskColumn::new(&self.parameters, &self.scenario)?;
         let sampler = DepartureSampler::new(&self.scenario, arguments.seed);
-        let on_threads = || {
-            arguments
-                .threads
-                .map_or_else(Batch::default, Batch::on_threads)
-        };
-        let batch = on_threads();
+        let batch = threads::batch(arguments.threads, arguments.samples);
         let surface = match arguments.exact {
             true => None,
             false => {
                 let designs = CriticalSpeedSurface::designs(&self.scenario, arguments.samples);
-                let search = on_threads();
+                let mut search = Batch::default();
+                search.threads = batch.threads;
                 interruption
                     .watch(
                         &search,
