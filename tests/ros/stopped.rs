@@ -78,11 +78,15 @@ impl Exchange {
         }
     }
 
-    /// Sends an impact and waits for its forecast.
-    fn is_forecast(&mut self, mass: f64, velocity: f64) -> String {
+    /// Sends a light impact, which leaves no damage, from a distance \[m\], and waits for its forecast.
+    fn is_forecast(&mut self, gap: f64) -> String {
         self.number += 1;
         let event_id = format!("e{}", self.number);
-        assert!(self.events.publish(event(&event_id, now(), mass, velocity)));
+        let event = ImpactEvent {
+            gap,
+            ..event(&event_id, now(), 100.0, 1.0)
+        };
+        assert!(self.events.publish(event));
         self.forecasts
             .find(&event_id, |report| report.event_id == event_id);
         event_id
@@ -90,17 +94,17 @@ impl Exchange {
 
     /// An impact is received, answered, and its response ends.
     fn works(&mut self) {
-        let event_id = self.is_forecast(100.0, 1.0);
+        let event_id = self.is_forecast(0.0);
         self.reports
             .find(&event_id, |report| report.event_id == event_id);
     }
 
-    /// Stops the node while a response is under way, which is completed all the same.
+    /// Stops the node while a response is under way, through the contact, which is completed all the same.
     fn completes_a_response(&mut self, by: By, time: Duration) {
         let states = Incoming::<ColumnState>::start(&mut self.node, &qos::COLUMN_STATE);
-        let event_id = self.is_forecast(1500.0, 10.0);
+        let event_id = self.is_forecast(0.3);
         states.find("a response", |state| {
-            state.event_id == event_id && state.phase == ColumnState::CONTACT
+            state.event_id == event_id && state.phase == ColumnState::APPROACH
         });
         stop_for(self.program.id(), by, time);
         self.reports
@@ -168,7 +172,7 @@ fn a_fleet_that_was_stopped_hears_records_and_answers() {
 /// `column-twin watch` shows an impact after it was stopped in this way.
 fn watches_on(exchange: &mut Exchange, watch: &mut Program, by: By, time: Duration) {
     stop_for(watch.id(), by, time);
-    let event_id = exchange.is_forecast(100.0, 1.0);
+    let event_id = exchange.is_forecast(0.0);
     watch.wait_for(&format!("forecast of {event_id}:"));
 }
 
@@ -177,7 +181,7 @@ fn watch(domain: &Domain, exchange: &mut Exchange) -> Program {
     watch.wait_for("watching ");
     // It has found the node when it shows the first impact.
     let is_shown = (0..20).any(|_| {
-        let event_id = exchange.is_forecast(100.0, 1.0);
+        let event_id = exchange.is_forecast(0.0);
         let line = format!("forecast of {event_id}:");
         watch.shows(&line, Duration::from_secs(1))
     });
