@@ -174,7 +174,8 @@ impl IndexCheck {
 
     /// The next record of the file itself.
     pub fn record(&mut self, opcode: u8, content: &[u8]) {
-        if self.fault.is_some() {
+        // Zeros are what a loss of power leaves: reading ends there, and what follows is checked then.
+        if self.fault.is_some() || opcode == 0 {
             return;
         }
         if let Err(reason) = self.follow(opcode, content) {

@@ -176,6 +176,17 @@ fn a_forged_chunk_behind_zeros_is_found() {
     forgery.assert_found(&bytes[..end], "expected only zeros");
 }
 
+#[test]
+fn zeros_that_a_loss_of_power_leaves_are_no_forgery() {
+    let forgery = Forgery::new();
+    let mut bytes = forgery.bytes()[..usize::try_from(forgery.next()).unwrap()].to_vec();
+    bytes.resize(bytes.len() + 5000, 0);
+    let path = forgery.sealed.folder.path().join("zeros.mcap");
+    fs::write(&path, bytes).unwrap();
+    let seal = opened(&path);
+    assert_eq!((seal.fault, seal.covered), (None, 136));
+}
+
 /// Its checksum is wrong, which not every reader looks at; this crate leaves such a chunk out.
 #[test]
 fn a_forged_chunk_that_this_crate_does_not_read_is_found() {
